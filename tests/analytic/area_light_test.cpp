@@ -1,4 +1,4 @@
-// Irradiance under area lights against form factors.
+// Tests irradiance under area lights against form factors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,15 +14,15 @@ class AreaLight : public IrradianceTest {};
 INSTANTIATE_TEST_SUITE_P(Lights, AreaLight, kWays, way_name);
 INSTANTIATE_TEST_SUITE_P(SlowLights, AreaLight, kOtherWays, way_name);
 
-/// Parallel rectangle [0, x] × [0, y] at distance 1 above one end of its corner: configuration factor (Howell's
-/// catalogue, B-4).
+/// Configuration factor of a parallel rectangle [0, x] × [0, y] at distance 1 above its corner (Howell's catalogue,
+/// B-4).
 double corner_factor(double x, double y) {
   const double rx = std::sqrt(1 + x * x);
   const double ry = std::sqrt(1 + y * y);
   return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2 * M_PI);
 }
 
-/// Rectangle of 2·half_x by 2·half_y at `height` that shines down on the origin.
+/// Rectangle of 2·half_x by 2·half_y at `height` that emits down towards the origin.
 Mesh ceiling(float half_x, float half_y, float height) {
   return quad({-half_x, half_y, height}, {2 * half_x, 0, 0}, {0, -2 * half_y, 0});
 }
@@ -38,7 +38,7 @@ TEST_P(AreaLight, Rectangle) {
   expect_irradiance(std::move(scene), Vec3(3, 2, 1) * static_cast<float>(4 * M_PI * corner_factor(0.8, 0.5)));
 }
 
-TEST_P(AreaLight, LargeNearRectangle) {  // BSDF sampling finds most of it
+TEST_P(AreaLight, LargeNearRectangle) {  // sampled mostly by the BSDF
   Scene scene = irradiance_meter();
   add(scene, ceiling(5, 5, 0.6f), emitter("lamp", Rgb(1)));
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(4 * M_PI * corner_factor(5 / 0.6, 5 / 0.6))));
@@ -48,7 +48,7 @@ TEST_P(AreaLight, Sphere) {
   Scene scene = irradiance_meter();
   const Vec3 center(0.3f, 0.2f, 1.5f);
   add(scene, transformed(icosphere(0.5f, 4), translation(center)), emitter("lamp", Rgb(2)));
-  // A sphere wholly above the horizon: E = π L sin²σ cos θ, σ its angular radius. The inscribed polyhedron has 0.1 %
+  // Sphere entirely above the horizon: E = π L sin²σ cos θ with angular radius σ. The inscribed polyhedron has 0.1 %
   // less.
   const double d2 = static_cast<double>(glm::dot(center, center));
   const double sphere = 2 * M_PI * 0.25 / d2 * static_cast<double>(center.z) / std::sqrt(d2);
@@ -95,7 +95,7 @@ TEST_P(AreaLight, InstancedMirroredAndStretched) {
   node.transform.translation = {0.2f, 0.1f, 0.3f};
   node.transform.rotation = glm::angleAxis(glm::radians(20.0f), Vec3(0, 1, 0));
   node.transform.scale = {-0.5f, 1.5f, 1};
-  // An animated node is an instance of its own in the acceleration structure.
+  // An animated node is a separate instance in the acceleration structure.
   const Vec3& t = node.transform.translation;
   scene.animation.push_back({static_cast<Index>(scene.nodes.size()) - 1,
                              AnimatedProperty::translation,
@@ -113,8 +113,8 @@ TEST_P(AreaLight, BlendedOccluderLetsItsShareThrough) {
   veil.alpha_mode = AlphaMode::blend;
   veil.alpha = 0.3f;
   add(scene, ceiling(2, 2, 0.8f), veil);
-  // A shadow ray gets through or not, so n samples leave a relative error of sqrt(0.3 / 0.7 / n) whatever the sampler
-  // does: 5.7e-4 for these on 144 pixels, where expect_near asks for 6.7e-4.
+  // A shadow ray passes or not. n samples therefore leave a relative error of sqrt(0.3 / 0.7 / n) with any sampler:
+  // 5.7e-4 for these on 144 pixels, where expect_near requires 6.7e-4.
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.7 * 4 * M_PI * corner_factor(0.8, 0.5))), 9216);
 }
 
@@ -137,7 +137,7 @@ TEST_P(AreaLight, VertexAlphaDimsALampToo) {
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.3 * 2 * 4 * M_PI * corner_factor(0.8, 0.5))), 4096);
 }
 
-/// The sum over texels of what each of them shines down.
+/// Sum of the irradiance of each texel.
 double textured_irradiance(int texels, float half, float height, double (*radiance)(int x, int y)) {
   double sum = 0;
   const float size = 2 * half / static_cast<float>(texels);
@@ -160,7 +160,7 @@ TEST_P(AreaLight, Textured) {
                     return std::array<int, 4>{x * y % 3 == 0 ? 255 : 0, 51 * (x / 2), 0, 255};
                   }));
   const Mesh mesh = ceiling(0.8f, 0.8f, 1);
-  ASSERT_EQ(mesh.uv0[3], Vec2(0));  // the texture's first texel lies at the lowest x and y
+  ASSERT_EQ(mesh.uv0[3], Vec2(0));  // the first texel is at the lowest x and y
   ASSERT_EQ(mesh.positions[3], Vec3(-0.8f, -0.8f, 1));
   add(scene, mesh, lamp);
   const double red = textured_irradiance(8, 0.8f, 1, [](int x, int y) { return x * y % 3 == 0 ? 5.0 : 0.0; });
@@ -168,7 +168,7 @@ TEST_P(AreaLight, Textured) {
   expect_irradiance(std::move(scene), {red, green, 0});
 }
 
-TEST_P(AreaLight, FinelyTextured) {  // finer than the cones of diffuse paths: their mean must be right
+TEST_P(AreaLight, FinelyTextured) {  // finer than the ray cones of diffuse paths: filtering must keep the mean
   Scene scene = irradiance_meter();
   Material lamp = emitter("lamp", Rgb(1));
   lamp.emission_texture.texture = add_texture(scene, make_texture(64, 64, PixelFormat::rgba8_linear, [](int x, int y) {

@@ -1,4 +1,4 @@
-// Cameras: where things appear.
+// Tests where cameras project the scene.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace relume::support {
 namespace {
 
-/// Share of the image that shows a white unlit rectangle before black.
+/// Share of the image covered by a white unlit rectangle on black.
 double covered_share(Scene scene, int width, int height, int spp) {
   RenderSettings settings = small_settings(width, height);
   settings.path.max_bounces = 0;
@@ -67,10 +67,10 @@ TEST(Camera, PanoramaShowsTheEnvironmentMapAsItIs) {
   double worst = 0;
   for (size_t i = 64; i < map.size() - 64; ++i)
     worst = std::fmax(worst, glm::length(glm::dvec3(image.pixels[i] - map[i])));
-  EXPECT_LT(worst, 0.01);  // the box filter over a pixel, and what is left of the noise
+  EXPECT_LT(worst, 0.01);  // box filter over a pixel, and residual noise
 }
 
-/// A camera with a lens of radius 0.1 m in focus at 2 m before a bright square card at `distance`.
+/// Image of a bright square card at `distance`, with a lens of radius 0.1 m focused at 2 m.
 Image photograph(float distance, float card_size) {
   Scene scene = card({-0.5f * card_size, -0.5f * card_size, -distance}, {card_size, card_size, 0});
   add_camera(scene, {.name = "", .fov_y_rad = 2 * std::atan(0.1f), .lens_radius = 0.1f, .focus_distance = 2}, Vec3(0),
@@ -80,7 +80,7 @@ Image photograph(float distance, float card_size) {
   return render(std::move(scene), settings, 128);
 }
 
-/// Largest distance from the centre of a pixel that is not black, in pixels.
+/// Largest distance of a non-black pixel from the image centre, in pixels.
 double spread(const Image& image) {
   double radius = 0;
   for (int i = 0; i < 1600; ++i) {
@@ -91,15 +91,15 @@ double spread(const Image& image) {
 }
 
 TEST(Camera, LensIsSharpInFocusAndBlursElsewhere) {
-  // In focus the image is 0.4 m wide at 2 m: 1 cm a pixel, so that a card of 2 cm covers the four pixels of the centre.
+  // In focus, the image is 0.4 m wide at 2 m: 1 cm per pixel, so that a card of 2 cm covers the four central pixels.
   const Image sharp = photograph(2, 0.02f);
   EXPECT_NEAR(sharp.at(19, 19).x + sharp.at(20, 19).x + sharp.at(19, 20).x + sharp.at(20, 20).x, 4, 1e-3);
   EXPECT_LT(spread(sharp), 1);
   EXPECT_NEAR(static_cast<double>(estimate_of(sharp).mean.x), 4.0 / 1600, 1e-5);
-  // At 4 m each of its points spreads over a disk of radius 0.1 · (4 - 2) / 4 = 5 cm in the plane of focus, where the
-  // card looks half as large.
+  // At 4 m, each point spreads over a disk of radius 0.1 · (4 - 2) / 4 = 5 cm in the focal plane, where the card
+  // appears half as large.
   EXPECT_NEAR(spread(photograph(4, 0.02f)), 5.2, 0.7);
-  // Blur takes no light away: a card of 10 cm still covers 5 · 5 pixels in all. 3000 of the samples meet it.
+  // Blur conserves energy: a card of 10 cm still covers 5 · 5 pixels in total. 3000 samples hit it.
   EXPECT_NEAR(static_cast<double>(estimate_of(photograph(4, 0.1f)).mean.x), 25.0 / 1600, 0.05 * 25 / 1600);
 }
 

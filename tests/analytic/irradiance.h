@@ -1,4 +1,4 @@
-// Tests of irradiance, for every way to find light without bias.
+// Tests irradiance with every unbiased technique.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,14 +13,14 @@
 
 namespace relume::support {
 
-/// An unbiased way to find light.
+/// An unbiased technique.
 struct Way {
   const char* name;
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
   GuideChoice guide = GuideChoice::bsdf;
-  double noise = 1;      ///< by which tolerances are wider: what adapts or explores has no low-discrepancy sequence
-  bool departs = false;  ///< in everything from the defaults of what learns
+  double noise = 1;      ///< factor of tolerances; above 1 without low-discrepancy sequences (adaptation, exploration)
+  bool departs = false;  ///< all learning settings differ from their defaults
 };
 
 inline const Way kPower{"power"};
@@ -36,18 +36,18 @@ inline const auto kWays = ::testing::Values(
     Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt,
     Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2});
 
-/// Pairs of techniques that each take part in another way.
+/// Further pairs of techniques, in other combinations.
 inline const auto kOtherWays = ::testing::Values(
     Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
     Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree});
 
-/// Where no light is there to be selected.
+/// For scenes without light selection.
 inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);
 
 inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 inline std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
 
-/// Images are small, and regions should be many.
+/// Applies the technique with settings that give small images many regions.
 inline void take(const Way& way, RenderSettings& settings) {
   settings.estimator = way.estimator;
   settings.lights = way.lights;
@@ -58,7 +58,7 @@ inline void take(const Way& way, RenderSettings& settings) {
   settings.octree.vertices = 4;
   settings.octree.jitter = 1;
   settings.vlc.memory = 0;
-  settings.vlc.bucket_size = 4;  // several buckets a region
+  settings.vlc.bucket_size = 4;  // several buckets per region
   settings.cdq.bits = QuadtreeBits::b64;
   settings.cdq.migrations = 4;
   settings.cdq.memory = 8;
@@ -75,13 +75,13 @@ class WayTest : public ::testing::TestWithParam<Way> {
 
 class IrradianceTest : public WayTest {
  protected:
-  /// What direct light leaves on the white patch of an irradiance_meter(), W/m², within 0.2 % times the noise of the
-  /// way.
+  /// Expects the white patch of an irradiance_meter() to have this irradiance from direct light, in W/m², within 0.2 %
+  /// times the technique's noise.
   void expect_irradiance(Scene scene, const Rgb& expected, int spp = 2048) const {
     RenderSettings settings = small_settings(12, 12);
     take(GetParam(), settings);
     settings.path.max_bounces = 1;
-    // Where the tolerance is eight times as wide, this many samples suffice for any scene.
+    // With tolerances eight times as wide, this number of samples suffices in any scene.
     constexpr int kMostIfNoisy = 2560;
     const bool noisy = GetParam().noise >= 8;
     Estimate e = estimate_of(render(std::move(scene), settings, noisy ? std::min(spp, kMostIfNoisy) : spp));

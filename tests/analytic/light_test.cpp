@@ -1,4 +1,4 @@
-// Irradiance under punctual lights, directional lights and environments.
+// Tests irradiance under punctual lights, directional lights and environments.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@ class OtherLight : public IrradianceTest {};
 INSTANTIATE_TEST_SUITE_P(Lights, OtherLight, kWays, way_name);
 INSTANTIATE_TEST_SUITE_P(SlowLights, OtherLight, kOtherWays, way_name);
 
-/// A node whose -Z points along `direction`.
+/// Transform of a node whose -Z points along `direction`.
 Transform shining(const Vec3& from, const Vec3& direction) { return look_at(from, from + direction); }
 
 TEST_P(OtherLight, Point) {
@@ -48,7 +48,7 @@ TEST_P(OtherLight, DirectionalWithAndWithoutSize) {
       PunctualLight sun{.name = "", .type = PunctualType::directional, .intensity = {3, 2, 1}};
       sun.angular_diameter_rad = diameter;
       add_light(scene, sun, shining(Vec3(0), {std::sin(tilt), 0, -std::cos(tilt)}));
-      // A disk of uniform radiance above the horizon lights a tilted plane by the cosine of its centre, whatever its
+      // A disk of uniform radiance above the horizon illuminates a tilted plane by the cosine of its centre, at any
       // size.
       expect_irradiance(std::move(scene), Vec3(3, 2, 1) * std::cos(tilt));
     }
@@ -64,7 +64,7 @@ TEST_P(OtherLight, NormalMapTurnsTheSurface) {
                   }));
   const Vec3 to_light = glm::normalize(Vec3(0.5f, -0.3f, 1));
   add_light(scene, {.name = "", .type = PunctualType::directional, .intensity = Rgb(1)}, shining(Vec3(0), -to_light));
-  // The patch's u grows along +X; glTF's green points up the texture, against growing v.
+  // The patch's u increases along +X. glTF's green points up the texture, against increasing v.
   const Mesh& patch = scene.meshes[0];
   float v_along_y = 0;
   for (size_t i = 0; i < patch.positions.size(); ++i) v_along_y += patch.uv0[i].y * patch.positions[i].y;
@@ -88,14 +88,14 @@ TEST_P(OtherLight, ConstantEnvironmentBehindAnOccluder) {
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(M_PI - hidden)));
 }
 
-TEST_P(OtherLight, ConstantEnvironmentBesideAWall) {  // which hides half of it
+TEST_P(OtherLight, ConstantEnvironmentBesideAWall) {  // hides half of the environment
   Scene scene = irradiance_meter();
   set_constant_environment(scene, Rgb(1));
   add(scene, quad({0.002f, -400, -400}, {0, 800, 0}, {0, 0, 800}), matte("black", Rgb(0)));
   expect_irradiance(std::move(scene), Rgb(kPi / 2), 4096);
 }
 
-/// A map whose columns to the right of the centre are lit, and brighter towards the top.
+/// A map lit in the columns right of the centre, and brighter towards the top.
 Environment half_lit(int width, int height) {
   Environment environment;
   environment.kind = EnvironmentKind::map;
@@ -108,8 +108,8 @@ Environment half_lit(int width, int height) {
   return environment;
 }
 
-/// Irradiance on a plane of normal n by the midpoint rule over the map's bilinear interpolation; row 0 is +Y, the
-/// centre looks along -Z and +X lies to its right.
+/// Irradiance on a plane with normal n by the midpoint rule over the bilinearly interpolated map. Row 0 is +Y, the
+/// centre looks along -Z, and +X is to its right.
 Rgb map_irradiance(const Environment& e, const Vec3& n) {
   constexpr int kColumns = 1024;
   constexpr int kRows = 512;
@@ -149,7 +149,7 @@ TEST_P(OtherLight, EnvironmentMapTurned) {
   Scene scene = irradiance_meter();
   scene.environment = environment;
   scene.environment.rotation_rad = -0.7f;
-  // Instead of the map about +Y, turn the patch the other way.
+  // Rotates the patch in the opposite direction instead of the map about +Y.
   expect_irradiance(std::move(scene), map_irradiance(environment, {std::sin(0.7f), 0, std::cos(0.7f)}));
 }
 

@@ -1,4 +1,4 @@
-// Furnaces, path lengths and delta scattering: images whose every pixel is known.
+// Tests furnaces, path lengths and delta scattering in images with known pixels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,14 +22,14 @@ class Transport : public WayTest {
 INSTANTIATE_TEST_SUITE_P(Lights, Transport, kWays, way_name);
 INSTANTIATE_TEST_SUITE_P(SlowLights, Transport, kOtherWays, way_name);
 
-/// What no light is sampled for.
+/// Scenes without sampled lights.
 class Scattering : public Transport {};
 INSTANTIATE_TEST_SUITE_P(Lights, Scattering, kWaysWithoutLights, way_name);
 
-TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing twice
+TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo, and nothing twice
   for (const float albedo : {0.3f, 1.0f}) {
     Scene scene;
-    // Flat: interpolated normals lose the light that they send into the surface.
+    // Flat shading: interpolated normals lose the energy scattered into the surface.
     add(scene, flat_shaded(icosphere(1, 3)), matte("sphere", Rgb(albedo)));
     set_constant_environment(scene, {1, 2, 3});
     add_camera(scene, {.name = "", .fov_y_rad = 0.3f}, {0, 0, 4}, {0, 0, -1});
@@ -43,7 +43,7 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing tw
   }
 }
 
-/// The inside of a sphere that shines: L = e · Σ ρ^k, k = 0 … max_bounces.
+/// Inside of an emitting sphere: L = e · Σ ρ^k, k = 0 … max_bounces.
 Scene closed_sphere(float albedo) {
   Material wall = matte("wall", Rgb(albedo));
   wall.emission = {1, 0.5f, 2};
@@ -56,7 +56,7 @@ Scene closed_sphere(float albedo) {
 
 TEST_P(Transport, ClosedFurnace) {
   constexpr float kAlbedo = 0.6f;
-  const int samples = GetParam().noise < 8 ? 448 : 128;  // wide tolerances need few
+  const int samples = GetParam().noise < 8 ? 448 : 128;  // fewer for wide tolerances
   double expected = 0;
   for (int n = 0; n <= 12; ++n) {
     expected += std::pow(static_cast<double>(kAlbedo), n);
@@ -64,14 +64,14 @@ TEST_P(Transport, ClosedFurnace) {
     for (const bool roulette : {false, true}) {
       RenderSettings s = settings(n, 12);
       s.path.russian_roulette = roulette;
-      s.static_lists.cell_size = 0.5f;  // lists of a few lights each, soon made
+      s.static_lists.cell_size = 0.5f;  // short lists, quick to build
       expect_near(estimate_of(render(closed_sphere(kAlbedo), s, n == 0 ? 1 : samples)),
                   Vec3(1, 0.5f, 2) * static_cast<float>(expected), roulette ? 0.004 : 0.002);
     }
   }
 }
 
-/// Light tracing is no way to light a spot of a square millimetre: few light paths end there. Its cameras see much.
+/// Uses cameras with a wide view: few light paths reach the square millimetre of the spot meter.
 TEST(LightTracing, ClosedFurnace) {
   constexpr float kAlbedo = 0.6f;
   RenderSettings s = small_settings(12, 12);
@@ -117,7 +117,7 @@ TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
   const double irradiance = polygon_irradiance({{-0.5f, 0.5f, 1}, {0.5f, 0.5f, 1}, {0.5f, -0.5f, 1}, {-0.5f, -0.5f, 1}},
                                                {3, 0, 0}, {0, 0, 1});
   const Rgb direct(static_cast<float>(0.5 / M_PI * irradiance));
-  for (const int max_bounces : {1, 2})  // the lamp reflects nothing back
+  for (const int max_bounces : {1, 2})  // the lamp reflects nothing
     expect_near(estimate_of(render(scene, settings(max_bounces), 2048)), direct, 0.002);
   Scene lamp = scene;
   lamp.nodes.pop_back();
@@ -125,7 +125,7 @@ TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
   EXPECT_EQ(estimate_of(render(lamp, settings(0), 4)).mean, Rgb(1));
 }
 
-TEST_P(Scattering, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5 of it
+TEST_P(Scattering, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5 of the radiance
   const Rgb f0(0.9f, 0.5f, 0.1f);
   Scene scene;
   add(scene, quad({0, -1, -1}, {0, 2, 0}, {1.4142f, 0, 1.4142f}), metal("mirror", f0, 0));
@@ -138,7 +138,7 @@ TEST_P(Scattering, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^
   EXPECT_EQ(estimate_of(render(scene, settings(0), 1)).mean, Rgb(0));
 }
 
-TEST(Furnace, CompensatedMetalLosesNothing) {  // F0 = 1: what bounces between microfacets is not lost
+TEST(Furnace, CompensatedMetalLosesNothing) {  // F0 = 1: includes multiple scattering between microfacets
   RenderSettings s = small_settings(16, 16);
   for (const float roughness : {0.0f, 0.4f, 1.0f}) {
     const Material white = metal("white", Rgb(1), roughness);
@@ -158,7 +158,7 @@ TEST(Furnace, CompensatedMetalLosesNothing) {  // F0 = 1: what bounces between m
   }
 }
 
-/// A slab 0 ≥ z ≥ -thickness of glass in a furnace of radiance 1, seen at `angle` to its normal.
+/// A glass slab 0 ≥ z ≥ -thickness in a furnace of radiance 1, seen at `angle` to its normal.
 Scene glass_slab(const Material& glass, float thickness, float angle) {
   Scene scene;
   add(scene, box({-50, -50, -thickness}, {50, 50, 0}), glass);
@@ -197,9 +197,9 @@ TEST_P(Scattering, GlassAbsorbsByBeersLaw) {
       Rgb expected;
       for (int c = 0; c < 3; ++c) {
         const double t = std::pow(static_cast<double>(color[c]),
-                                  static_cast<double>(kThickness / kDistance) / cos_t);  // once through
+                                  static_cast<double>(kThickness / kDistance) / cos_t);  // single pass
         expected[c] =
-            static_cast<float>(f + (1 - f) * (1 - f) * t / (1 - f * t));  // all reflections inside, either way out
+            static_cast<float>(f + (1 - f) * (1 - f) * t / (1 - f * t));  // all internal reflections, on either side
       }
       expect_near(estimate_of(render(glass_slab(glass("glass", ior, color, kDistance), kThickness, angle),
                                      settings(200, 16), 512)),

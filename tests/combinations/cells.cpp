@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::string_view kBackward = "reproject (backward)";
 
-/// How far a choice may move the mean of the test's small box. Each technique's page says where its bias comes from;
-/// its own tests look closer. Here it must not lose or invent light.
+/// Largest bias of a choice on the mean in the test's small box. Each technique's page explains its bias, which its own
+/// tests measure more precisely. Here it must not lose or create energy.
 double stated_bias(const std::string& slot, const std::string& value) {
   const auto& biases = technique_checks().biases;
   const auto found = biases.find(slot + "=" + value);
   return found == biases.end() ? 0 : found->second;
 }
 
-/// Fits that fall below black are held at it, which adds light where samples are few and bright.
+/// Fits are clamped to black, which adds energy with few bright samples.
 constexpr double kFitsOverSplats = 0.02;
 
 bool fits_over_splats(const Choice& a, const Choice& b) { return a.value == "light" && b.value == "bmfr"; }

@@ -1,4 +1,4 @@
-// Every choice of every slot against every choice of every other: what runs, and with what bias.
+// Table of all pairs of slot choices: supported combinations and their bias.
 #pragma once
 
 #include <functional>
@@ -11,50 +11,50 @@
 
 namespace relume::support {
 
-/// One choice of one slot.
+/// A choice of a slot.
 struct Choice {
   std::string slot;
   std::string value;
-  double bias = 0;  ///< by how much it may change the image's mean, as a share; 0: not at all
+  double bias = 0;  ///< largest relative change of the image's mean; 0: unbiased
 
   bool operator==(const Choice& o) const { return slot == o.slot && value == o.value; }
 };
 
 inline void PrintTo(const Choice& choice, std::ostream* out) { *out << choice.slot << '=' << choice.value; }
 
-/// How far a cell's mean may be off at most, as a share of it.
+/// Largest relative error of a cell's mean.
 double bias_of(const Choice& a, const Choice& b);
 
-/// The choices of all slots as the settings declare them, slot by slot, with the two ways to reproject apart.
+/// Choices of all slots in the settings' order, with a separate entry for each reprojection method.
 const std::vector<Choice>& all_choices();
 
-/// The same of all choices together that `settings` make.
+/// Same for all choices in `settings`.
 double bias_of(RenderSettings settings);
 
-/// Defaults with two choices. Throws Error for a choice that does not exist.
+/// `settings` with two choices. Throws Error for a choice that does not exist.
 RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
 
-/// Settings of one or more cells of the table, which differ in choices that are the defaults anyway.
+/// Settings of one or more cells of the table. Such cells differ only in choices that are defaults.
 struct Cell {
   RenderSettings settings;
-  std::vector<std::pair<Choice, Choice>> pairs;  ///< all that make these settings
-  double bias = 0;                               ///< the least that is stated for one of them
+  std::vector<std::pair<Choice, Choice>> pairs;  ///< all pairs with these settings
+  double bias = 0;                               ///< lowest stated bias of the pairs
 };
 std::string name_of(const std::pair<Choice, Choice>& pair);
 
-/// All that is to be compared: of cells that `base` lets run.
+/// Supported cells with distinct settings based on `base`.
 std::vector<Cell> distinct_cells(const RenderSettings& base);
 
-/// How far the mean of a cell's images is from path tracing's, and the standard error of that, as shares of it.
+/// Relative difference of a cell's mean from path tracing's, and its relative standard error.
 struct Deviation {
   double value = 0;
   double error = 0;
 };
 
-/// docs/combinations.md but for the last section. `holds`: whether a cell's rendering showed the right mean.
+/// docs/combinations.md without the last section. `holds` returns whether a cell rendered the expected mean.
 std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds);
 
-/// The last section: what cells that are not refused were measured to be off by.
+/// Last section: the measured deviations of supported cells.
 inline constexpr const char* kDeviationsTitle = "\n## Measured\n";
 std::string deviation_table(const std::function<Deviation(const Choice& a, const Choice& b)>& measured);
 

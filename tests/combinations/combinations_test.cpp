@@ -1,4 +1,5 @@
-// Each cell of the combination table: it renders the right mean, within its stated bias, or is refused with a sentence.
+// Tests each cell of the combination table: it renders the expected mean within its stated bias, or is rejected with an
+// explanation.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,14 +25,14 @@
 namespace relume::support {
 namespace {
 
-constexpr int kSize = 20;         // pixels
+constexpr int kSize = 20;         // in pixels
 constexpr int kFramesBefore = 8;  // before the camera moves
-constexpr int kFrames = 24;       // after it has
+constexpr int kFrames = 24;       // after the camera moved
 constexpr int kSeeds = 10;
 constexpr int kMostSeeds = 2000;
-constexpr double kStandardErrors = 4.5;  // 109 cells: false alarms in 1 of 300 runs, were seeds not fixed
+constexpr double kStandardErrors = 4.5;  // 109 cells: with random seeds, one false alarm in 300 runs
 
-/// Of a cell's mean; larger ones would hide errors of several percent.
+/// Largest standard errors of a cell's mean: higher ones would hide errors of several percent.
 constexpr double kMostError = 0.005;
 constexpr double kMostSlowError = 0.0025;
 
@@ -45,8 +46,8 @@ struct Mean {
   Means error = {};
 };
 
-/// Means of the images of the last half of `frames` that follow a move of the camera sideways, so that
-/// histories have something to carry over.
+/// Means over the second half of `frames` images after a sideways move of the camera, so that histories are
+/// reprojected.
 Means means_after_a_move(const RenderSettings& settings, int frames) {
   Session session(open_box(), settings);
   for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
@@ -66,12 +67,12 @@ Means means_after_a_move(const RenderSettings& settings, int frames) {
   return means;
 }
 
-/// Images of seeds 1, 2, …, as many as have been asked for.
+/// Images of seeds 1, 2, …, rendered on demand.
 class Measurement {
  public:
   Measurement(const RenderSettings& settings, int frames) : settings_(settings), frames_(frames) {}
 
-  /// Over `seeds` images, or as many as there are.
+  /// Mean over `seeds` images, or all rendered ones if there are more.
   Mean over(int seeds) {
     while (seeds_ < seeds) {
       settings_.seed = ++seeds_;
@@ -98,7 +99,7 @@ class Measurement {
   Means squares_ = {};
 };
 
-/// Each measured once in a process, which renders many cells.
+/// Reference by number of bounces, measured once per process: a process renders many cells.
 const Mean& reference(int max_bounces = RenderSettings{}.path.max_bounces) {
   static std::map<int, Mean> known;
   const auto [found, is_new] = known.try_emplace(max_bounces);
@@ -110,9 +111,9 @@ const Mean& reference(int max_bounces = RenderSettings{}.path.max_bounces) {
   return found->second;
 }
 
-/// For images this small.
+/// Scales settings to the small images.
 RenderSettings scaled(RenderSettings settings) {
-  settings.static_lists.rays = 64;  // what they are prepared with would take longer than all else together
+  settings.static_lists.rays = 64;  // their preparation would dominate the test's time
   settings.static_lists.cell_size = 0.5f;
   settings.octree.collapse = 32;  // many regions for few pixels
   settings.octree.split = 64;
@@ -127,7 +128,7 @@ const std::vector<Cell>& cells() {
 
 using Deviations = std::array<Deviation, kMeans>;
 
-/// Renders with as many seeds as the noise asks for: until the luminance is known to `most_error`.
+/// Renders seeds until the standard error of luminance is at most `most_error`.
 Deviations deviations_of(const RenderSettings& settings, double most_error = kMostError) {
   const Mean& truth = reference(settings.path.max_bounces);
   Measurement measurement(settings, kFrames);
@@ -142,7 +143,7 @@ Deviations deviations_of(const RenderSettings& settings, double most_error = kMo
   return deviations;
 }
 
-/// What is wrong with the means, in words; empty if they are right within a bias.
+/// Description of wrong means; empty if they are correct within `bias`.
 std::string problem_of(const Deviations& deviations, double bias, double most_error = kMostError) {
   if (deviations[0].error > most_error)
     return fmt::format("a standard error of {:.2f} % says too little", 100 * deviations[0].error);
@@ -159,7 +160,7 @@ std::string names_of(const Cell& cell) {
   return names;
 }
 
-/// Every cell that is not refused, cells of equal settings together.
+/// Supported cells, combined where settings are equal.
 class Combinations : public ::testing::TestWithParam<size_t> {
  protected:
   static void check(double most_error) {
@@ -169,7 +170,7 @@ class Combinations : public ::testing::TestWithParam<size_t> {
 };
 TEST_P(Combinations, RightInTheMean) { check(kMostError); }
 
-/// The same, measured so well that an error of little more than one percent would show.
+/// Same with higher precision, which detects errors slightly above one percent.
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, RightInTheMean) { check(kMostSlowError); }
 
@@ -177,7 +178,7 @@ std::string cell_name(const ::testing::TestParamInfo<size_t>& info) {
   const auto& [a, b] = cells()[info.param].pairs.front();
   return test_name(a.slot + "_" + a.value + "_" + b.slot + "_" + b.value);
 }
-// CMakeLists.txt has few processes run these, as each renders a reference first.
+// CMakeLists.txt runs these in few processes, since each process renders a reference first.
 const auto kCells = ::testing::Range(size_t{0}, cells().size());
 INSTANTIATE_TEST_SUITE_P(Shared, Combinations, kCells, cell_name);
 INSTANTIATE_TEST_SUITE_P(Shared, SlowCombinations, kCells, cell_name);
@@ -226,9 +227,9 @@ TEST(CombinationTable, SlotsWithABiasedChoiceDeclareIt) {
   }
 }
 
-/// The page from what rendering every cell showed.
+/// The page from a rendering of every cell.
 std::string measured_page() {
-  std::map<std::string, std::pair<Deviations, double>> measured;  // with the bias that may be
+  std::map<std::string, std::pair<Deviations, double>> measured;  // with the stated bias
   for (const Cell& cell : cells()) {
     const std::pair result(deviations_of(cell.settings), cell.bias);
     for (const auto& pair : cell.pairs) measured[name_of(pair)] = result;
@@ -242,7 +243,7 @@ std::string measured_page() {
          });
 }
 
-/// Compared without what was measured, as each cell has a test of its own.
+/// Compares the page without its measurements, since each cell has a separate test.
 TEST(CombinationTable, IsTheOneInTheDocumentation) {
   const char* file = RELUME_SOURCE_DIR "/docs/combinations.md";
   if (std::getenv("RELUME_WRITE")) {

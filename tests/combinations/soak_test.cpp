@@ -1,5 +1,5 @@
-// One session through thousands of frames while techniques, settings and the scene change at random: nothing crashes,
-// leaks, stays behind or turns into NaN.
+// Soak test: one session renders thousands of frames while techniques, settings and the scene change randomly. Fails on
+// crashes, leaks, leftover state and NaN.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -24,15 +24,15 @@ namespace {
 
 constexpr int kWidth = 24;
 constexpr int kHeight = 18;
-constexpr int kFramesBetweenChecks = 150;  // for drift
-constexpr int kSettling = 32;              // frames
-#if defined(__SANITIZE_ADDRESS__)          // keeps 256 MiB of what was freed, and finds leaks itself
+constexpr int kFramesBetweenChecks = 150;  // checks for drift
+constexpr int kSettling = 32;              // in frames
+#if defined(__SANITIZE_ADDRESS__)          // keeps 256 MiB of freed memory, and detects leaks
 constexpr size_t kMostGrowth = 300 << 20;
 #else
-constexpr size_t kMostGrowth = 8 << 20;  // bytes, in half of all frames
+constexpr size_t kMostGrowth = 8 << 20;  // in bytes, over half of the frames
 #endif
 
-/// Random numbers by count; the same in every run.
+/// Random numbers by index, the same in every run.
 class Dice {
  public:
   uint32_t below(size_t n) { return static_cast<uint32_t>(unit() * static_cast<float>(n)); }
@@ -44,7 +44,7 @@ class Dice {
   uint32_t count_ = 0;
 };
 
-/// The box with a point light, seen by a camera that can be moved.
+/// The box with a point light and a movable camera.
 struct Stage {
   Scene scene;
   Index mover = kNone;
@@ -73,11 +73,11 @@ size_t resident_bytes() {
 RenderSettings first_settings() {
   RenderSettings settings = small_settings(kWidth, kHeight);
   settings.threads = 4;
-  settings.static_lists.rays = 64;  // what they are prepared with would take longer than all else together
+  settings.static_lists.rays = 64;  // their preparation would dominate the test's time
   return settings;
 }
 
-/// Settings below the slots, with values that passes meet while they run.
+/// Settings below the slots, with values to set during rendering.
 struct Detail {
   const char* name;
   std::array<const char*, 3> values;
@@ -124,8 +124,7 @@ constexpr std::array kDetails = {
     Detail{"svgf.newest", {"0.01", "0.2", "1"}},
 };
 
-/// Some slot takes another choice, a setting another value, and sometimes the image another size. Throws Error if the
-/// slots do not combine.
+/// Changes a slot's choice, a setting, and sometimes the image size. Throws Error if the slots do not combine.
 void change_settings(Session& session, Dice& dice) {
   const std::vector<Choice>& choices = all_choices();
   RenderSettings settings =
@@ -186,7 +185,7 @@ void expect_sane(const Session& session, const std::string& when) {
     ASSERT_TRUE(std::isfinite(pixel.x + pixel.y + pixel.z)) << when;
     ASSERT_GE(std::min({pixel.x, pixel.y, pixel.z}), 0) << when;
   }
-  // The lamp has a radiance of 18; light that is counted again from frame to frame would soon exceed this.
+  // The lamp's radiance is 18; energy counted again in each frame would soon exceed it.
   ASSERT_LT(luminance(estimate_of(image).mean), 20) << when;
 }
 
@@ -197,8 +196,8 @@ std::string described(const RenderSettings& settings, int frame) {
   return text;
 }
 
-/// How bright the image is on average while nothing changes, or the camera trembles by `step_m`, once what adapts has
-/// had time to. Pixels count as L / (1 + L): a mean that single bright paths decide says nothing of drift.
+/// Mean brightness in a static scene (or with a camera that oscillates by `step_m`), after `settling` frames. Pixels
+/// count as L / (1 + L), so that single bright paths do not hide drift.
 double brightness_shown(Session& session, int settling = kSettling, float step_m = 0) {
   constexpr int kFrames = 32;
   CameraPose camera = session.camera();
@@ -218,18 +217,18 @@ double brightness_shown(Session& session, int settling = kSettling, float step_m
   return sum / kFrames;
 }
 
-/// What all frames so far have left behind is as bright as what is found by starting from nothing.
+/// Expects the brightness after all frames so far to equal that of a fresh start.
 void expect_no_drift(Session& session, const std::string& when) {
   constexpr float kStep_m = 1e-3f;
-  // What reprojection hands on is what drifts, if anything does: so the camera moves on. Of the light before a change
-  // up to 16 samples stay (reproject.max-samples-changed), which so many frames outnumber.
+  // Moves the camera if histories are reprojected, since only these can drift. Up to 16 samples remain from before a
+  // change (reproject.max-samples-changed), which 256 frames outweigh.
   const bool hands_on = render_settings(session).history == HistoryChoice::reproject;
   const float step_m = hands_on ? kStep_m : 0;
-  brightness_shown(session, hands_on ? 256 : kSettling, step_m);  // cells take 32 frames to notice changes
+  brightness_shown(session, hands_on ? 256 : kSettling, step_m);  // cells detect changes within 32 frames
   if (!hands_on) {
     CameraPose camera = session.camera();
     camera.to_world[3].x += kStep_m;
-    session.set_camera(camera);  // ends the mean that has taken in what they showed until then
+    session.set_camera(camera);  // resets the mean, which includes earlier frames
   }
   const double before = brightness_shown(session, kSettling, step_m);
   std::vector<double> anew;
@@ -241,13 +240,13 @@ void expect_no_drift(Session& session, const std::string& when) {
   EXPECT_NEAR(before, mean(anew), 0.2 * std::max(before, mean(anew)) + 3 * noise + 0.01) << when;
 }
 
-/// Combinations that carry the most from frame to frame.
+/// Combinations with the most state between frames.
 constexpr const char* kWhatRemembers[] = {
     R"({"lights": "vlc", "guide": "cdq", "denoise": "svgf"})", R"({"cache": "apsf+apg", "denoise": "bmfr"})",
     R"({"cache": "psf", "history": "reproject", "reproject.method": "backward"})",
     R"({"lights": "static-lists", "allocation": "adaptive", "history": "reproject"})"};
 
-/// The scene as it was, and everything forgotten.
+/// Restores the scene and resets all state.
 void put_back(Session& session, const Stage& stage, const RenderSettings& settings) {
   session.set_transform(stage.mover, stage.scene.nodes[static_cast<size_t>(stage.mover)].transform);
   session.set_light(0, stage.scene.lights.front());
@@ -259,7 +258,7 @@ void put_back(Session& session, const Stage& stage, const RenderSettings& settin
   session.restart(settings.seed);
 }
 
-/// Nothing is left of all that was rendered: the bits are those of a new session, of one thread at that.
+/// Expects no state to remain: bits equal those of a new session, even one with a single thread.
 void expect_nothing_stays(Session& session, const Stage& stage, const RenderSettings& settings) {
   ASSERT_NO_FATAL_FAILURE(put_back(session, stage, settings));
   RenderSettings of_one_thread = settings;

@@ -1,5 +1,5 @@
-// Caches keep a state beyond their buffers: it, too, gives the same bits with any number of threads and after a resume,
-// and follows what changes in the scene.
+// Tests the caches' state beyond their buffers: equal bits with any number of threads and after a resume, and
+// adaptation to scene changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ TEST_P(CacheSession, SameBitsWithAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(rendered(5), one));
 }
 
-/// Scenes and a size at which the cells of a voxel, or of the first frame, are more than the table has room for.
+/// Scenes and an image size where the cells of a voxel, or of the first frame, exceed the table's capacity.
 TEST_P(CacheSession, SameBitsInScenesOfManyCells) {
   for (const char* name : {"mine", "warehouse", "corridor"}) {
     const Scene scene = build(name);
@@ -51,7 +51,7 @@ TEST_P(CacheSession, SameBitsInScenesOfManyCells) {
   }
 }
 
-/// A lamp so dim that whether it ends in a sharp edge depends on how bright the cells around it are, new ones too.
+/// A dim lamp whose edge is detected depending on the brightness of the surrounding cells, including new ones.
 TEST_P(CacheSession, SameEdgesOfADimLampWithAnyNumberOfThreads) {
   const auto rendered = [](int threads) {
     Scene scene = build("cornell");
@@ -82,8 +82,8 @@ TEST_P(CacheSession, AChangedLightShowsWithinAFewFrames) {
   const double before = mean_luminance(session.image());
   environment.color *= 3.0f;
   session.set_environment(environment);
-  // What the pages promise. Where the variance is low, adaptive filtering follows but a tenth of the paths, so its
-  // cells hear later of a change.
+  // Tests the response time stated by the pages. With low variance, adaptive filtering traces only a tenth of the
+  // paths, so its cells detect changes later.
   const bool adaptive = GetParam() == CacheChoice::apsf || GetParam() == CacheChoice::apsf_apg;
   const int frames = adaptive ? 24 : 8;
   for (int i = 0; i < frames; ++i) session.render_frame();

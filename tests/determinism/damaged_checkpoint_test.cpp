@@ -1,5 +1,5 @@
-// Checkpoints whose bytes are wrong although their checksum is right: an Error, or a session that renders on. What
-// scripts/fuzz looks for at length, for every technique that keeps a state of its own.
+// Tests checkpoints with damaged bytes and a valid checksum: the result is an Error or a session that continues. This
+// is the short form of scripts/fuzz, for every technique with its own state.
 #include <unistd.h>
 
 #include <cstring>
@@ -30,7 +30,7 @@ class DamagedCheckpoint : public ::testing::TestWithParam<int> {
     const std::string bytes = fuzz::contents(file_);
     return bytes.substr(0, bytes.size() - sizeof(uint64_t));
   }
-  /// Whether the checkpoint was taken; two frames are rendered after it.
+  /// Whether the checkpoint was accepted; then renders two frames.
   bool goes_on(const std::string& checkpoint) const {
     std::ofstream(file_, std::ios::binary) << checkpoint << fuzz::checksum(checkpoint);
     Session session = fuzz::checkpoint_session(GetParam());
@@ -56,7 +56,7 @@ TEST_P(DamagedCheckpoint, IsRefusedOrGoesOn) {
     std::string damaged = checkpoint;
     const uint32_t words[] = {0xffffffffu, 0, static_cast<uint32_t>(below(1000)), 1u << below(31)};
     const size_t at = header + (below(damaged.size() - header - 8) & ~size_t{3});
-    const size_t count = i % 3 == 0 ? 4 : 1;  // whole quadtrees, and single numbers
+    const size_t count = i % 3 == 0 ? 4 : 1;  // whole quadtrees, or single numbers
     for (size_t k = 0; k < count && at + 4 * k + 4 <= damaged.size(); ++k)
       std::memcpy(damaged.data() + at + 4 * k, &words[i % 4], sizeof(uint32_t));
     goes_on(damaged);

@@ -1,5 +1,5 @@
-// Denoisers keep histories in buffers: the same bits with any number of threads, after a resume and after a frame that
-// was abandoned; and they work with whatever samples the pixels.
+// Tests the denoisers' history buffers: equal bits with any number of threads, after a resume and after an abandoned
+// frame. Also tests denoisers with every source of samples.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,7 +15,7 @@
 namespace relume::support {
 namespace {
 
-/// Of what a display shows: radiance cut off at 1.
+/// MSE of the displayed image: radiance clamped to 1.
 double shown_mse(Image a, Image b) {
   for (Image* image : {&a, &b}) {
     for (Rgb& pixel : image->pixels) pixel = glm::min(pixel, Rgb(1));
@@ -26,13 +26,13 @@ double shown_mse(Image a, Image b) {
 class DenoiseSession : public ::testing::TestWithParam<DenoiseChoice> {};
 
 RenderSettings settings_of(DenoiseChoice denoise, int threads) {
-  RenderSettings s = small_settings(85, 47);  // no multiple of tiles, blocks or lanes
+  RenderSettings s = small_settings(85, 47);  // not a multiple of tiles, blocks or lanes
   s.threads = threads;
   s.denoise = denoise;
   return s;
 }
 
-/// Frames of a camera that stands, moves and stands again.
+/// Frames of a camera that rests, moves and rests again.
 void play(Session& session, int frames) {
   for (int i = 0; i < frames; ++i) {
     if (i % 4 == 2) {
@@ -67,7 +67,7 @@ TEST_P(DenoiseSession, AFrameThatIsAbandonedLeavesNothingBehind) {
   stopped.render_frame();
   const auto frame_s = std::chrono::duration<double>(stopped.statistics().render_s);
   int abandoned = 0;
-  for (int attempt = 0; attempt < 40; ++attempt) {  // the clock decides where it stops, or whether it does
+  for (int attempt = 0; attempt < 40; ++attempt) {  // wall-clock time determines whether and where it stops
     std::stop_source stop;
     std::jthread later([&] {
       std::this_thread::sleep_for(0.025 * attempt * frame_s);
@@ -86,14 +86,15 @@ TEST_P(DenoiseSession, AFrameThatIsAbandonedLeavesNothingBehind) {
 struct Combination {
   const char* scene;
   EstimatorChoice estimator;
-  const char* json;  ///< the rest
-  double bmfr;       ///< error of what is shown at most, as a share of that without a denoiser
+  const char* json;  ///< other settings
+  double bmfr;       ///< largest display error relative to that without a denoiser
   double svgf;
 };
 
 // Measured: 1.34 and 0.93, 0.030 and 0.010, 1.05 and 1.02, 0.28 and 0.45, 0.13 and 0.09.
 const Combination kCombinations[] = {
-    // Few frames of bdpt are hardly noisy: what a filter blurs may weigh a little more. So are cells.
+    // bdpt has little noise after few frames, so that the filter's blur may weigh slightly more. The same applies to
+    // cells.
     {"cornell-water", EstimatorChoice::bdpt, "{}", 1.5, 1.1},
     {"cornell-mirror", EstimatorChoice::light, R"({"history": "none"})", 0.06, 0.03},
     {"cornell", EstimatorChoice::path, R"({"cache": "psf"})", 1.15, 1.15},
@@ -142,7 +143,7 @@ TEST_P(DenoiseSession, MovingObjectsAndLightsAreFollowed) {
     session.render_frame();
   }
   const Image now = truth_at(time_of(kFrames - 1));
-  // Ten frames a second: what lags behind by half a second has most of this difference.
+  // At ten frames per second, a lag of half a second would cause most of this difference.
   EXPECT_LT(shown_mse(session.image(), now), 0.25 * shown_mse(truth_at(0), now));
   EXPECT_NEAR(mean_luminance(session.image()) / mean_luminance(now), 1.0, 0.1);
 }

@@ -1,4 +1,4 @@
-// The same bits, however many threads there are and however often the work is interrupted.
+// Tests that bits do not depend on the number of threads and interruptions.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,8 @@ struct Case {
   bool learns = false;  ///< light selection and guiding from earlier frames
 };
 
-// Sizes that are no multiples of tiles; textures, instances, animation, glass, environments and many lights among them.
+// Sizes that are not multiples of tiles. The scenes include textures, instances, animation, glass, environments and
+// many lights.
 const Case kCases[] = {
     {"cornell", 45, 37}, {"cornell-glass", 37, 45}, {"warehouse", 67, 35},       {"mine", 61, 33},
     {"slit", 45, 27},    {"door", 45, 34},          {"warehouse", 67, 35, true}, {"slit", 45, 27, true}};
@@ -37,7 +38,7 @@ RenderSettings settings_of(const Case& c, int threads) {
     s.vlc.memory = 2;
     s.guide = GuideChoice::cdq;
     s.cdq.migrations = 2;
-    s.octree.scale = false;  // small regions, of which these images fill many
+    s.octree.scale = false;  // small regions, which small images can fill
     s.octree.split = 64;
     s.octree.collapse = 32;
   }
@@ -59,7 +60,7 @@ TEST_P(Determinism, AnyNumberOfThreads) {
     EXPECT_EQ(rendered(GetParam(), settings_of(GetParam(), threads), 3), one) << threads << " threads";
 }
 
-TEST_P(WithoutLearning, LightSubpathsToo) {  // which leave nothing to learn from
+TEST_P(WithoutLearning, LightSubpathsToo) {  // provides no samples for learning
   for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
     RenderSettings settings = settings_of(GetParam(), 1);
     settings.estimator = estimator;
@@ -86,7 +87,7 @@ TEST_P(Determinism, SequencesToo) {
   EXPECT_EQ(frames(5), one);
 }
 
-TEST_P(WithoutLearning, TimeReachedBySteppingOrAtOnce) {  // apart from motion vectors and what is learnt on the way
+TEST_P(WithoutLearning, TimeReachedBySteppingOrAtOnce) {  // excludes motion vectors and learned state
   RenderSettings settings = settings_of(GetParam(), 2);
   settings.auxiliary = false;
   Session stepped(build(GetParam().scene), settings);
@@ -112,7 +113,7 @@ TEST_P(Determinism, ResumedEqualsUninterrupted) {
     Session first(build(GetParam().scene), settings);
     for (int i = 0; i < 2; ++i) first.render_frame();
     first.save_checkpoint(file);
-    first.render_frame();  // what comes after the checkpoint is lost
+    first.render_frame();  // frames after the checkpoint are lost
   }
   RenderSettings other_threads = settings;
   other_threads.threads = 1;
@@ -201,7 +202,7 @@ TEST(Cancellation, InTheMiddleOfAFrameLeavesNothingBehind) {
   const auto frame_s = std::chrono::duration<double>(session.statistics().render_s);
   int stopped = 0;
   for (int attempt = 0; attempt < 40 && stopped < 4;
-       ++attempt) {  // the clock decides where it stops, or whether it does
+       ++attempt) {  // wall-clock time determines whether and where it stops
     const std::vector<uint32_t> before = bits_of(session);
     const uint64_t rays = session.statistics().rays;
     std::stop_source stop;

@@ -1,4 +1,4 @@
-// Comparisons bit by bit, and what every resumed session is held to.
+// Compares results bit by bit, including those of resumed sessions.
 #pragma once
 
 #include <unistd.h>
@@ -17,7 +17,7 @@
 
 namespace relume::support {
 
-/// Built once a process.
+/// Scene, built once per process.
 inline const Scene& build(const char* name) {
   static std::map<std::string, Scene> known;
   const auto [found, is_new] = known.try_emplace(name);
@@ -25,13 +25,13 @@ inline const Scene& build(const char* name) {
   return found->second;
 }
 
-/// NaNs included.
+/// Bitwise comparison, including NaNs.
 inline bool same_bits(const Image& a, const Image& b) {
   return a.pixels.size() == b.pixels.size() &&
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
 }
 
-/// Every float that a render leaves behind, as bits.
+/// All floats of a render as bits.
 inline std::vector<uint32_t> bits_of(const Session& session) {
   std::vector<uint32_t> bits;
   const auto add = [&](const void* data, size_t floats) {
@@ -43,20 +43,20 @@ inline std::vector<uint32_t> bits_of(const Session& session) {
   add(image.pixels.data(), image.pixels.size() * 3);
   for (const std::string& name : Session::aov_names(render_settings(session))) {
     const Buffer* buffer = buffer_table(session).find(name);
-    if (buffer && !buffer->description().persistent) continue;  // of this frame only, which may have been abandoned
+    if (buffer && !buffer->description().persistent) continue;  // transient, and possibly from an abandoned frame
     for (const ExrChannel& channel : session.aov(name)) add(channel.values.data(), channel.values.size());
   }
   return bits;
 }
 
-/// In the folder for temporary files; `name` tells tests of one process apart.
+/// Path in the folder for temporary files; `name` distinguishes tests of one process.
 inline std::filesystem::path checkpoint_file(std::string_view name) {
   return std::filesystem::path(::testing::TempDir()) /
          ("relume_" + std::string(name) + "_" + std::to_string(::getpid()) + ".ckpt");
 }
 
-/// Three frames of the box, a checkpoint, and two more, by the same session and by one that takes it up. `name` tells
-/// files of tests that run at once apart.
+/// Renders three frames of the box, writes a checkpoint, and compares two more frames of the same session and of a
+/// resumed one. `name` distinguishes the files of concurrent tests.
 inline void expect_resumed_equals_uninterrupted(const RenderSettings& settings, std::string_view name) {
   const std::filesystem::path file = checkpoint_file(name);
   Session whole(build("cornell"), settings);

@@ -1,5 +1,5 @@
-// Techniques that carry something from frame to frame, on a scene in which everything moves: the same bits with any
-// number of threads and after a resume. No choice of a slot is left out.
+// Tests techniques with state between frames in a fully animated scene: equal bits with any number of threads and after
+// a resume. Covers all choices of all slots.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -17,7 +17,7 @@
 namespace relume::support {
 namespace {
 
-// Regions are small, so that small images fill many.
+// Small regions, which small images can fill.
 RenderSettings settings_of(const DeterminismCheck& technique, int threads) {
   RenderSettings s = small_settings(61, 33);
   s.threads = threads;
@@ -32,7 +32,7 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
   static constexpr int kFrames = 24;
 
   static Session session(int threads) { return Session(build("turntable"), settings_of(GetParam(), threads)); }
-  /// Frames `first` to `last` of the sequence.
+  /// Renders frames [first, last) of the sequence.
   static void render(Session& session, int first, int last) {
     const int of_an_image = GetParam().frames_of_an_image;
     for (int frame = first; frame < last; ++frame) {
@@ -40,7 +40,7 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
       session.render_frame();
     }
   }
-  /// Renders a frame and counts the tiles that all its passes launch.
+  /// Renders a frame and counts the tiles launched by its passes.
   static size_t count_tiles(Session& session, int frame) {
     std::atomic<size_t> tiles = 0;
     on_tile(session, [&] { ++tiles; });
@@ -48,8 +48,8 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
     on_tile(session, {});
     return tiles;
   }
-  /// Begins a frame and requests a stop once `tiles` of its tiles have begun. Returns whether it was stopped; false: it
-  /// is complete.
+  /// Starts a frame and requests a stop after `tiles` tiles have started. Returns whether the frame was stopped rather
+  /// than completed.
   static bool abandon_at_tile(Session& session, size_t tiles) {
     std::stop_source stop;
     std::atomic<size_t> begun = 0;
@@ -60,7 +60,7 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
     on_tile(session, {});
     return !complete;
   }
-  /// The same after the pass of that number.
+  /// Same, after the pass with this number.
   static bool abandon_after_pass(Session& session, size_t pass) {
     std::stop_source stop;
     size_t done = 0;
@@ -84,7 +84,7 @@ TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
   EXPECT_EQ(frames(5), one);
 }
 
-// Each frame is abandoned twice: at a tile, a later one from frame to frame, and after a pass.
+// Abandons each frame twice: at a tile, whose index increases between frames, and after a pass.
 TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNoTrace) {
   Session whole = session(2);
   Session interrupted = session(2);
@@ -138,7 +138,7 @@ TEST_P(TechniqueDeterminism, ResumedAfterAnAbandonedFrameEqualsUninterrupted) {
     Session first = session(2);
     render(first, 0, 13);
     bool stopped = false;
-    for (const size_t share : {2u, 3u, 6u}) {  // a stop that comes too late completes the frame
+    for (const size_t share : {2u, 3u, 6u}) {  // a late stop completes the frame
       stopped = stopped || abandon_at_tile(first, tiles / share);
       if (!stopped) whole.render_frame();
     }
@@ -178,7 +178,7 @@ TEST(TechniqueDeterminismList, HasEveryChoiceOfEverySlot) {
   RenderSettings defaults;
   for (const Setting& slot : describe_slots(defaults)) {
     for (const std::string_view choice : std::get<ChoiceRef>(slot.value).names) {
-      if (choice == "oidn") continue;  // another's library, which promises nothing of the kind
+      if (choice == "oidn") continue;  // external library without this guarantee
       bool listed = false;
       for (const DeterminismCheck& technique : technique_checks().determinism) {
         RenderSettings settings = settings_of(technique, 1);

@@ -1,5 +1,5 @@
-// Every header that kernels include, and every pass kernel, compiled for the device. Each technique lists its kernels
-// in its kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass kernel, for the device. Each technique lists its kernels in
+// kernels.inc; the build collects these lists in all_kernels.inc.
 #include "core/fixed_point.h"
 #include "core/frame.h"
 #include "core/hash.h"
@@ -15,7 +15,7 @@
 
 namespace relume::device {
 
-/// A pass kernel as the backend starts it on a device: one call of its operator per element.
+/// Runs a pass kernel like the backend on a device: one call of its operator per element.
 template <typename Kernel>
 __global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
   const uint32_t x = blockIdx.x * blockDim.x + threadIdx.x;
@@ -23,7 +23,7 @@ __global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
   if (x < width && y < height) kernel(x, y);
 }
 
-/// Calls what src/core offers to kernels.
+/// Calls the functions that src/core provides for kernels.
 struct CoreKernel {
   View<FixedPointRgb> sums;
   View<uint32_t> counts;

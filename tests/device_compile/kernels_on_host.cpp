@@ -1,5 +1,5 @@
-// The kernels that kernels.cu names, compiled for the host: launched_kernels_test.py reads their full names out of the
-// object file, which resolves aliases and default arguments.
+// Compiles the kernels of kernels.cu for the host. launched_kernels_test.py reads their full names from the object
+// file, where aliases and default arguments are resolved.
 #include <cstdint>
 
 #define __global__ __attribute__((used))

@@ -1,4 +1,4 @@
-// Sessions whose checkpoints are fuzzed, so small that thousands are read in a second.
+// Sessions for checkpoint fuzzing, small enough to read thousands of checkpoints per second.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ inline Mesh triangle(std::string name) {
           .triangles = {{0, 1, 2}}};
 }
 
-/// A triangle that turns, one that shines on it, a camera and uniform light.
+/// A rotating triangle, an emissive one, a camera and uniform light.
 inline Scene turning_triangle() {
   Scene scene;
   scene.meshes.push_back(triangle("triangle"));
@@ -56,9 +56,9 @@ inline Scene turning_triangle() {
   return scene;
 }
 
-/// What keeps a state of its own: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
+/// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
 inline constexpr int kCheckpointCases = 9;
-/// Added to the case if the fuzzed bytes hold the header, too.
+/// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
 inline RenderSettings checkpoint_settings(int which) {
@@ -103,15 +103,15 @@ inline std::string contents(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Length of the part of a checkpoint that says which scene and settings it belongs to: magic, hash of the scene,
-/// length of the settings, settings.
+/// Length of the checkpoint's header, which identifies scene and settings: magic, hash of the scene, length of the
+/// settings, settings.
 inline size_t header_size(const std::string& checkpoint) {
   uint64_t settings = 0;
   std::memcpy(&settings, checkpoint.data() + 2 * sizeof(uint64_t), sizeof settings);
   return 3 * sizeof(uint64_t) + settings;
 }
 
-/// What a checkpoint ends in: FNV-1a of all before.
+/// End of a checkpoint: FNV-1a of all preceding bytes.
 inline std::string checksum(const std::string& bytes) {
   Fnv1a hash;
   hash.add(bytes.data(), bytes.size());

@@ -1,5 +1,5 @@
-// Fuzzes the readers of FBX, Collada, STL, 3DS and OFF: any bytes end in a scene or in an Error. The first byte chooses
-// the format.
+// Fuzzes the readers of FBX, Collada, STL, 3DS and OFF: any bytes give a scene or an Error. The first byte selects the
+// format.
 #include <iterator>
 
 #include "fuzz_assimp.h"

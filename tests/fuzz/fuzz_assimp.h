@@ -1,5 +1,5 @@
-// What the targets share whose parser is assimp. assimp crashes on some damaged files, so that a child process runs it
-// and relume reports an Error. Such crashes are counted.
+// Shared code of the targets with assimp as their parser. assimp crashes on some damaged files; it runs in a child
+// process, and relume reports an Error. Such crashes are counted.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "rendered.h"
 #include "scene_io/assimp/assimp_loader.h"
 
-/// Reports at the end of the run on how many files assimp crashed.
+/// Reports the number of assimp's crashes at the end of the run.
 class CrashCount {
  public:
   ~CrashCount() { std::fprintf(stderr, "assimp crashed on %zu of %zu files\n", crashed_, files_); }
@@ -27,7 +27,7 @@ class CrashCount {
   size_t crashed_ = 0;
 };
 
-/// Any bytes end in a scene that renders or in an Error.
+/// Expects any bytes to give a scene that renders or an Error.
 inline void read_by_assimp(const uint8_t* data, size_t size, const std::string& extension) {
   static CrashCount count;
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);

@@ -1,6 +1,5 @@
-// Fuzzes checkpoints before their checksum, which is right: any bytes end in an Error, or in a session that renders on.
-// The first byte chooses techniques that keep a state of their own, and its highest bit whether a header that fits
-// comes before the bytes.
+// Fuzzes checkpoints with a valid checksum: any bytes give an Error, or a session that continues. The first byte
+// selects techniques with their own state; its highest bit selects whether a valid header precedes the bytes.
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -23,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     session.load_checkpoint(scratch.path);
     for (int i = 0; i < 2; ++i) session.render_frame();
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
   return 0;
 }

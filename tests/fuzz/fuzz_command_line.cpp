@@ -1,5 +1,5 @@
-// Fuzzes texts of the command line: contenders, images, durations, ranges and names of frames, settings. Any text
-// ends in what it says or in an Error. The first byte chooses which it is.
+// Fuzzes command-line texts: contenders, images, durations, ranges and names of frames, settings. Any text is parsed or
+// gives an Error. The first byte selects the kind of text.
 #include <cstdint>
 #include <string>
 
@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     read_text(data[0] % 6, {reinterpret_cast<const char*>(data) + 1, size - 1});
   } catch (const relume::Error&) {
-    // The expected answer to bad input.
+    // Expected for invalid input.
   }
   return 0;
 }

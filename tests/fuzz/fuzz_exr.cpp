@@ -1,5 +1,4 @@
-// Fuzzes the EXR reader and the settings that it finds among the attributes: any bytes end in an image with settings
-// or in an Error.
+// Fuzzes the EXR reader and the settings among the attributes: any bytes give an image with settings or an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     relume::image_from_exr(exr, "", "fuzz.exr");
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
   return 0;
 }

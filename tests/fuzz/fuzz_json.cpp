@@ -1,4 +1,4 @@
-// Fuzzes the relume JSON reader: any bytes end in a scene that renders or in an Error.
+// Fuzzes the relume JSON reader: any bytes give a scene that renders or an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     relume::fuzz::render_two_frames(relume::load_relume_json_from_memory(bytes, "/nonexistent", "fuzz.json"));
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// Fuzzes the KTX2 reader: any bytes end in an image or in an Error.
+// Fuzzes the KTX2 reader: any bytes give an image or an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     relume::detail::decode_ktx2(bytes, "fuzz.ktx2");
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
   return 0;
 }

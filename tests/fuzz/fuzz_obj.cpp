@@ -1,4 +1,4 @@
-// Fuzzes the OBJ reader: any bytes end in a scene or in an Error.
+// Fuzzes the OBJ reader: any bytes give a scene or an Error.
 #include "fuzz_assimp.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

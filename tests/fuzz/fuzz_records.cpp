@@ -1,6 +1,5 @@
-// Fuzzes what the program leaves behind and reads again: results of experiments, what interrupted ones have measured,
-// cached references, the viewer's bookmarks and scripts. Any bytes end in a record or in an Error. The first byte
-// chooses which it is.
+// Fuzzes files that the program writes and reads: results of experiments, partial measurements, cached references, the
+// viewer's bookmarks and scripts. Any bytes give a record or an Error. The first byte selects the kind.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -62,7 +61,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     read_record(static_cast<RecordKind>(data[0] % relume::fuzz::kRecordKinds),
                 {reinterpret_cast<const char*>(data) + 1, size - 1});
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
   return 0;
 }

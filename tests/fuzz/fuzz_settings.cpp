@@ -1,5 +1,4 @@
-// Fuzzes settings as JSON: any text ends in settings or in an Error, and settings that were read are written and read
-// again to the same.
+// Fuzzes settings as JSON: any text gives settings or an Error. Valid settings must be equal after writing and reading.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -15,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     relume::settings_from_json(relume::describe(settings), text, "fuzz.json");
   } catch (const relume::Error&) {
-    return 0;  // the expected answer to damaged input
+    return 0;  // expected for damaged input
   }
   const std::string written = relume::settings_to_json(relume::describe(settings));
   relume::AllSettings again;

@@ -1,5 +1,4 @@
-// Fuzzes the readers of images, for textures and for images that are measured: any bytes end in an image or in an
-// Error.
+// Fuzzes the image readers, for textures and for measured images: any bytes give an image or an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,7 +14,7 @@ void try_to(const Read& read) {
   try {
     read();
   } catch (const relume::Error&) {
-    // The expected answer to damaged input.
+    // Expected for damaged input.
   }
 }
 

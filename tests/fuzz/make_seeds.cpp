@@ -1,5 +1,4 @@
-// Writes the seed corpora of the fuzzers: make_seeds FOLDER makes FOLDER/gltf, FOLDER/obj, … for fuzz_gltf, fuzz_obj,
-// ….
+// Writes the fuzzers' seed corpora: make_seeds FOLDER makes FOLDER/gltf, FOLDER/obj, … for fuzz_gltf, fuzz_obj, ….
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -31,14 +30,14 @@ void write(const fs::path& file, const Bytes& bytes) {
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// `bytes` behind a byte that chooses among the cases of a target.
+/// `bytes` after a byte that selects a target's case.
 Bytes behind(int choice, Bytes bytes) {
   bytes.insert(bytes.begin(), static_cast<std::byte>(choice));
   return bytes;
 }
 
 void write_scenes(const fs::path& folder) {
-  const std::vector<std::string> by_assimp = {"fbx", "dae", "stl", "3ds", "off"};  // as fuzz_assimp orders them
+  const std::vector<std::string> by_assimp = {"fbx", "dae", "stl", "3ds", "off"};  // in the order of fuzz_assimp
   for (const relume::testing::ExampleFile& file : relume::testing::example_files()) {
     const std::string extension = fs::path(file.name).extension().string().substr(1);
     const auto format = std::find(by_assimp.begin(), by_assimp.end(), extension);
@@ -91,7 +90,7 @@ void write_checkpoints(const fs::path& folder) {
     for (int i = 0; i < 3; ++i) session.render_frame();
     session.save_checkpoint(whole);
     std::string checkpoint = relume::fuzz::contents(whole);
-    checkpoint.resize(checkpoint.size() - sizeof(uint64_t));  // without its checksum
+    checkpoint.resize(checkpoint.size() - sizeof(uint64_t));  // without the checksum
     write(folder / "checkpoint" / std::to_string(choice),
           behind(choice, relume::testing::to_bytes(checkpoint.substr(relume::fuzz::header_size(checkpoint)))));
     write(folder / "checkpoint" / (std::to_string(choice) + "-with-header"),
@@ -135,7 +134,7 @@ void write_command_lines(const fs::path& folder) {
                                "1h30min",
                                "0-99",
                                "frames/a.####.png",
-                               "vlc.bucket-size=16"};  // as fuzz_command_line orders them
+                               "vlc.bucket-size=16"};  // in the order of fuzz_command_line
   for (int kind = 0; kind < static_cast<int>(std::size(texts)); ++kind)
     write(folder / "command_line" / std::to_string(kind), behind(kind, relume::testing::to_bytes(texts[kind])));
 }

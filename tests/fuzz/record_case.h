@@ -1,4 +1,4 @@
-// What the program leaves behind and reads again, beside images, settings and checkpoints.
+// Records that the program writes and reads, besides images, settings and checkpoints.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace relume::fuzz {
 
-/// The first byte of an input.
+/// First byte of an input.
 enum class RecordKind : int { summary, traces, reference, bookmarks, script };
 inline constexpr int kRecordKinds = 5;
 
-/// References of four by three pixels, kept in `folder`.
+/// References of 4 × 3 pixels, stored in `folder`.
 struct SmallReference {
   explicit SmallReference(const std::filesystem::path& folder) : renderer(scene, checkpoint_settings(0), 2, folder) {}
 

@@ -1,14 +1,14 @@
-// What parsers accept has to render, too.
+// Renders scenes that parsers accept.
 #pragma once
 
 #include "render/session.h"
 
 namespace relume::fuzz {
 
-/// Two frames of two by two pixels. A scene that cannot be rendered ends in an Error; whatever it says of cameras,
-/// materials and textures, sanitizers look at what becomes of it.
+/// Renders two frames of 2 × 2 pixels, with all cameras, materials and textures under sanitizers. A scene that cannot
+/// be rendered gives an Error.
 inline void render_two_frames(Scene scene) {
-  // A small file may well ask for millions, and for built-in scenes that have them.
+  // Small files can contain millions of instances, or reference large built-in scenes.
   constexpr size_t kMost = 1 << 16;
   size_t instances = 0;
   for (const Node& node : scene.nodes) instances += node.instances.size() * node.meshes.size();

@@ -1,4 +1,4 @@
-// A place for parsers that read files.
+// Temporary file for parsers that read files.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace relume::fuzz {
 
-/// In memory, where there is such a folder. What is there is removed at the end.
+/// Path in memory if such a folder exists, removed on destruction.
 struct Scratch {
   explicit Scratch(const std::string& extension)
       : path(folder() / ("relume_fuzz_" + std::to_string(getpid()) + extension)) {}

@@ -1,4 +1,4 @@
-// Alpha modes and vertex colours.
+// Tests alpha modes and vertex colours.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 namespace relume::support {
 namespace {
 
-/// Columns of texels with these alphas and the colour of the code 255.
+/// Texture columns with these alphas and colour code 255.
 json alphas(Stage& stage, const std::vector<int>& values) {
   std::vector<uint8_t> texels;
   for (const int alpha : values) texels.insert(texels.end(), {255, 255, 255, static_cast<uint8_t>(alpha)});
   return stage.texture(static_cast<int>(values.size()), 1, texels);
 }
 
-/// Columns of the square with alphas 255, 100, 140 and 0 and base colour (0.5, 0.25, 0.125, `factor`) in uniform light
+/// Columns of the square with alphas 255, 100, 140 and 0 and base colour (0.5, 0.25, 0.125, `factor`), in uniform light
 /// of radiance 1.
 Image columns(const json& mode, float factor, int spp) {
   Stage stage;
@@ -25,7 +25,7 @@ Image columns(const json& mode, float factor, int spp) {
   return image(stage.load(1), 16, spp);
 }
 
-/// Colour of the card where it is covered by this share.
+/// Colour with this share covered by the card.
 Rgb covered(float share) { return Rgb(1) + share * (Rgb(0.5f, 0.25f, 0.125f) - Rgb(1)); }
 
 size_t column_of(double x) { return static_cast<size_t>((x + 1) * 2); }
@@ -50,14 +50,14 @@ TEST(Alpha, MaskCutsWhereItIsTold) {  // 0.8 · (1, 0.39, 0.55, 0) against 0.3
 }
 
 TEST(Alpha, BlendMixes) {
-  // A coin is tossed in every sample: 1,024 of them have a standard deviation of 1.4 % of the difference at most.
+  // Each sample is a random decision: 1,024 of them have a standard deviation of at most 1.4 % of the difference.
   expect_pixels(columns({{"alphaMode", "BLEND"}}, 0.8f, 1024), 0.05, [](double x, double) {
     constexpr float kAlpha[] = {255, 100, 140, 0};
     return covered(0.8f * kAlpha[column_of(x)] / 255);
   });
 }
 
-/// Colours of the corners, RGBA, in reading order.
+/// Square with these RGBA corner colours, in reading order.
 Image colored(const std::vector<float>& rgba, const json& material, float environment, int spp) {
   Stage stage;
   json attributes = stage.square();
@@ -66,8 +66,8 @@ Image colored(const std::vector<float>& rgba, const json& material, float enviro
   return image(stage.load(environment), 16, spp);
 }
 
-TEST(VertexColor, InterpolatesLinearly) {  // and is linear light, not sRGB
-  // Red grows to the right, green upwards, so that both triangles agree on the plane.
+TEST(VertexColor, InterpolatesLinearly) {  // linear values, not sRGB
+  // Red increases to the right and green upwards, so that both triangles agree on the plane.
   const Image image =
       colored({0, 1, 0.5f, 1, 1, 1, 0.5f, 1, 0, 0, 0.5f, 1, 1, 0, 0.5f, 1}, unlit_json({}, {0.5, 1, 1, 1}), 0, 64);
   expect_pixels(image, 0.01, [](double x, double y) {  // jitter within a pixel
@@ -84,14 +84,14 @@ TEST(VertexColor, AlphaBlends) {
   expect_pixels(image, 0.05, [](double, double) { return Rgb(0.75f) + 0.25f * Rgb(0, 0.5f, 1); });
 }
 
-TEST(VertexColor, IsLimitedToOneAtEveryVertex) {  // glTF 2.0, §3.7.2.1: before interpolation
+TEST(VertexColor, IsLimitedToOneAtEveryVertex) {  // glTF 2.0, §3.7.2.1: clamped before interpolation
   std::vector<float> corners = {-3, 1, 0.5f, 1, 4, 1, 0.5f, 1, -3, -2, 0.5f, 1, 4, -2, 0.5f, 1};
   std::vector<float> limited = corners;
   for (float& c : limited) c = std::clamp(c, 0.0f, 1.0f);
   expect_same(colored(corners, unlit_json(), 0, 4), colored(limited, unlit_json(), 0, 4), 1e-5);
 }
 
-/// Colours as floats or as normalised integers of the same values.
+/// Equal colours as floats or as normalised integers.
 template <typename T>
 Scene integer_colors(Way way, int component_type, int largest) {
   Stage stage;
@@ -102,7 +102,7 @@ Scene integer_colors(Way way, int component_type, int largest) {
     codes.push_back(static_cast<T>(i * 5 % 11 * largest / 10));
     values.push_back(static_cast<float>(codes.back()) / static_cast<float>(largest));
   }
-  // Three components of 8 bits want padding, so that every vertex starts at a multiple of four bytes.
+  // Three 8-bit components need padding, so that vertices are aligned to four bytes.
   if (way == Way::plain) attributes["COLOR_0"] = stage.file.floats(values, 3);
   if (way == Way::feature) {
     std::vector<T> padded;

@@ -1,4 +1,4 @@
-// Ways to store geometry: each shows what plain accessors of floats show.
+// Tests encodings of geometry against plain float accessors.
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace relume::support {
 namespace {
 
-/// A square of 5 × 5 vertices with a bump in the middle, in the order of rows from the top.
+/// A square of 5 × 5 vertices with a central bump, in rows from the top.
 struct Bump {
   static constexpr int kSide = 5;
   std::vector<float> positions;
@@ -26,7 +26,7 @@ struct Bump {
 
 Bump::Bump() {
   for (int i = 0; i < kSide * kSide; ++i) {
-    // Multiples of 1/16, which integers and floats of 16 bits hold exactly.
+    // Multiples of 1/16, which 16-bit integers and floats represent exactly.
     const float x = static_cast<float>(i % kSide) / 2 - 1;
     const float y = 1 - static_cast<float>(i / kSide) / 2;
     const float z = std::round(8 * (1 - x * x) * (1 - y * y)) / 16;
@@ -42,7 +42,7 @@ Bump::Bump() {
   }
 }
 
-/// Shows a mesh of these attributes and indices, glossy and textured, in a root node with the members of `node`.
+/// Adds a glossy, textured mesh with these attributes and indices in a root node with the members of `node`.
 void show(Stage& stage, const json& attributes, const json& indices, const json& node = json::object(),
           const json& primitive_members = json::object()) {
   const json material = {{"pbrMetallicRoughness",
@@ -70,7 +70,7 @@ Scene lit(Stage& stage) {
   return stage.load();
 }
 
-/// Values in vectors of `components` as integers of T, padded to `padded` components.
+/// Accessor of `components`-vectors as integers of T, padded to `padded` components.
 template <typename T>
 int quantised(Stage& stage, const std::vector<float>& values, int components, int padded, int component_type,
               double scale, bool normalized) {
@@ -86,7 +86,7 @@ int quantised(Stage& stage, const std::vector<float>& values, int components, in
   return stage.file.add_accessor(view, count, components, component_type, normalized);
 }
 
-/// KHR_mesh_quantization: 16 bits for positions and texture coordinates, 8 for normals, all normalised.
+/// KHR_mesh_quantization: normalised 16-bit positions and texture coordinates, normalised 8-bit normals.
 Scene normalised_integers(Way way) {
   Stage stage;
   const Bump bump;
@@ -100,7 +100,7 @@ Scene normalised_integers(Way way) {
   return lit(stage);
 }
 
-/// The same with integers as they are: the node scales positions back, KHR_texture_transform the coordinates.
+/// Same with unnormalised integers: the node scales positions back, KHR_texture_transform the coordinates.
 Scene whole_integers(Way way) {
   Stage stage;
   const Bump bump;
@@ -119,7 +119,7 @@ Scene whole_integers(Way way) {
   return lit(stage);
 }
 
-/// Sparse positions replace some of the view's, or zeros where there is no view.
+/// Sparse positions that replace some of a view's, or zeros without a view.
 Scene sparse(Way way, bool with_view) {
   Stage stage;
   const Bump bump;
@@ -145,12 +145,12 @@ Scene sparse(Way way, bool with_view) {
     }
     if (way == Way::feature || with_view) attributes["POSITION"] = stage.file.add("accessors", accessor);
   }
-  if (way == Way::ignored && !with_view) return lit(stage);  // zeros have no triangles
+  if (way == Way::ignored && !with_view) return lit(stage);  // zeros give no triangles
   show(stage, attributes, plain_indices(stage, bump));
   return lit(stage);
 }
 
-/// EXT_meshopt_compression of all attributes and indices; normals pass through the octahedral filter.
+/// EXT_meshopt_compression of all attributes and indices, with the octahedral filter for normals.
 Scene meshopt(Way way) {
   Stage stage;
   const Bump bump;
@@ -160,7 +160,7 @@ Scene meshopt(Way way) {
     return lit(stage);
   }
   const size_t n = bump.count();
-  std::vector<float> wide;  // the filter takes four floats a normal
+  std::vector<float> wide;  // the filter requires four floats per normal
   for (size_t i = 0; i < n; ++i)
     wide.insert(wide.end(), {bump.normals[3 * i], bump.normals[3 * i + 1], bump.normals[3 * i + 2], 0});
   std::vector<int16_t> octahedral(4 * n);
@@ -183,7 +183,7 @@ Scene meshopt(Way way) {
   return testing::load_text(testing::text_with_fallback(stage.file));
 }
 
-/// The bump as Draco data without quantisation, in order of the attributes position, normal, texture coordinates.
+/// The bump as unquantised Draco data with the attributes position, normal, texture coordinates.
 Bytes draco_data(const Bump& bump, int method) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(static_cast<int>(bump.triangles.size() / 3));
@@ -226,12 +226,12 @@ Scene draco_compressed(Way way, int method) {
 }
 
 const FeatureCase kCases[] = {
-    // Normals of 8 bits turn by up to half a degree.
+    // 8-bit normals deviate by up to half a degree.
     {"QuantisedNormalised", normalised_integers, 0.05},
     {"QuantisedIntegers", whole_integers, 1e-4},
     {"SparseOverAView", [](Way way) { return sparse(way, true); }},
     {"SparseOverZeros", [](Way way) { return sparse(way, false); }},
-    {"Meshopt", meshopt, 1e-3},  // normals of 16 bits
+    {"Meshopt", meshopt, 1e-3},  // 16-bit normals
     {"DracoSequential", [](Way way) { return draco_compressed(way, draco::MESH_SEQUENTIAL_ENCODING); }, 1e-4},
     {"DracoEdgebreaker", [](Way way) { return draco_compressed(way, draco::MESH_EDGEBREAKER_ENCODING); }, 1e-4},
 };

@@ -1,4 +1,4 @@
-// KHR_lights_punctual and cameras: what a matte square shows under each light, and what each camera sees.
+// Tests KHR_lights_punctual with a matte square under each light, and the view of each camera.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kAlbedo = 0.5;
 
-/// The matte square under one light, without bounces.
+/// Image of the matte square under one light, without bounces.
 Image under(const json& light, const json& node) {
   Stage stage;
   stage.show(stage.square(), matte_json(static_cast<float>(kAlbedo)));
@@ -19,12 +19,12 @@ Image under(const json& light, const json& node) {
   return image(stage.load(), 16, 64);
 }
 
-/// Lambert's reflection of an irradiance.
+/// Lambertian reflection of an irradiance.
 Rgb reflected(const glm::dvec3& irradiance) { return Rgb(irradiance * (kAlbedo / std::numbers::pi)); }
 
 const glm::dvec3 kColor = {1, 0.5, 0.25};
 
-TEST(Punctual, DirectionalIsTheSameEverywhere) {  // lux, along -Z of its node; its place does not matter
+TEST(Punctual, DirectionalIsTheSameEverywhere) {  // lux, along -Z of its node, at any position
   const Image image = under({{"type", "directional"}, {"color", {1, 0.5, 0.25}}, {"intensity", 7}},
                             {{"rotation", rotation_json({0, 1, 0}, 0.9f)}, {"translation", {3, -100, -5}}});
   expect_pixels(image, 1e-4, [](double, double) { return reflected(7 * std::cos(0.9) * kColor); });
@@ -39,7 +39,7 @@ TEST(Punctual, PointFallsWithTheSquareOfDistance) {  // candela
   });
 }
 
-TEST(Punctual, SpotFadesBetweenItsCones) {  // the square of a ramp in the cosine, as the extension suggests
+TEST(Punctual, SpotFadesBetweenItsCones) {  // the extension's suggestion: square of a ramp in the cosine
   constexpr double kInner = 0.2;
   constexpr double kOuter = 0.5;
   const Image image =
@@ -61,7 +61,7 @@ TEST(Punctual, NodesPlaceAndTurnButDoNotScaleIntensity) {
 }
 
 TEST(Cameras, PerspectiveSeesItsVerticalAngle) {
-  // From 2 m, an angle of 90° shows 4 m: the square fills the middle half of the image both ways.
+  // From 2 m, an angle of 90° covers 4 m: the square fills the middle half of the image in both directions.
   Stage stage;
   stage.file.doc["cameras"][0] = {{"type", "perspective"},
                                   {"perspective", {{"yfov", std::numbers::pi / 2}, {"znear", 0.1}}}};
@@ -81,7 +81,7 @@ TEST(Cameras, OrthographicSeesItsHeight) {
   });
 }
 
-TEST(Cameras, StandWhereTheirNodesMoveThem) {  // half a second into a move to the right by 2 m a second
+TEST(Cameras, StandWhereTheirNodesMoveThem) {  // half a second into a motion to the right at 2 m/s
   Stage stage;
   stage.animate(0, "translation", {0, 1}, {0, 0, 5, 2, 0, 5}, 3);
   stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 0.125, 1}));

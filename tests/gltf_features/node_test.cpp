@@ -1,4 +1,4 @@
-// Where things stand: EXT_mesh_gpu_instancing, hierarchies, animation at a time; and where files keep their bytes.
+// Tests node placement (EXT_mesh_gpu_instancing, hierarchies, animation) and file containers.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,7 +11,7 @@
 namespace relume::support {
 namespace {
 
-/// A glossy card with a texture and a normal map, whose front faces +Z.
+/// Adds a glossy card with a texture and a normal map, facing +Z.
 int add_card(Stage& stage) {
   const json material = {
       {"pbrMetallicRoughness",
@@ -22,7 +22,7 @@ int add_card(Stage& stage) {
   return stage.mesh(attributes, material);
 }
 
-/// Where three cards stand. They face the camera more or less, and do not overlap.
+/// Positions of three cards that roughly face the camera and do not overlap.
 struct Place {
   std::array<float, 3> translation;
   float turn;  ///< about Y, radians
@@ -37,7 +37,7 @@ json node_at(const Place& place) {
       {"translation", place.translation}, {"rotation", rotation_json({0, 1, 0}, place.turn)}, {"scale", place.scale}};
 }
 
-/// One node with instances against a node for each, below a parent that turns them all.
+/// One node with instances against separate nodes, below a rotating parent.
 Scene instancing(Way way) {
   Stage stage;
   const int mesh = add_card(stage);
@@ -71,8 +71,8 @@ Scene instancing(Way way) {
   return stage.load();
 }
 
-/// Nodes that move stay instances of one mesh; textures and normal maps are those of nodes that stand. In direct light:
-/// indirect rays see textures from afar, whose levels are dithered by the last bits of coordinates.
+/// Moving nodes are instances of one mesh; textures and normal maps match those of static nodes. Uses direct light
+/// only: indirect rays use coarse texture levels, which are dithered by the last bits of coordinates.
 Scene moving_instances(Way way) {
   Stage stage;
   const int mesh = add_card(stage);
@@ -83,13 +83,13 @@ Scene moving_instances(Way way) {
     const int index = stage.file.add_root(node);
     if (way != Way::feature) continue;
     const auto& [x, y, z] = place.translation;
-    stage.animate(index, "translation", {0, 1}, {x - 0.7f, y, z, x + 0.7f, y, z}, 3);  // in place after 0.5 s
+    stage.animate(index, "translation", {0, 1}, {x - 0.7f, y, z, x + 0.7f, y, z}, 3);  // at its position after 0.5 s
   }
   stage.sun();
   return stage.load();
 }
 
-/// A card that an animation brings into the place at which the other scene has it.
+/// A card that an animation moves to its position in the other scene.
 Scene animated(Way way, const json& place, const char* path, const std::vector<float>& times,
                const std::vector<float>& values, const char* interpolation) {
   Stage stage;
@@ -130,7 +130,7 @@ class NodeFeature : public FeatureTest {};
 TEST_P(NodeFeature, ShowsWhatItMeans) { check(); }
 INSTANTIATE_TEST_SUITE_P(Gltf, NodeFeature, ::testing::ValuesIn(kCases), feature_name);
 
-/// One scene whose bytes lie in data URIs, in files beside it, and in a GLB.
+/// One scene with its bytes in data URIs, in separate files, and in a GLB.
 class Containers : public ::testing::Test {
  protected:
   Containers() {
@@ -166,7 +166,7 @@ TEST_F(Containers, FilesBesideIt) {
   doc["buffers"][0]["uri"] = "some%20data.bin";
   doc["images"][0]["uri"] = "maps/image.png";
   const std::filesystem::path file = folder_.write("a.gltf", doc.dump());
-  const Bytes glb = stage_.file.glb();  // ends with the buffer
+  const Bytes glb = stage_.file.glb();  // exactly to the end of the buffer
   const size_t size = doc["buffers"][0]["byteLength"];
   folder_.write("some data.bin", Bytes(glb.end() - static_cast<std::ptrdiff_t>(size + (4 - size % 4) % 4), glb.end()));
   std::filesystem::create_directories(folder_.path() / "maps");

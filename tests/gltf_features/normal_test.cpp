@@ -1,5 +1,5 @@
-// Normal maps: a matte square under a directional light shows albedo / π · E · cos of the angle between light and
-// mapped normal, which tells every component of the normal.
+// Tests normal maps. A matte square under a directional light shows albedo / π · E · cos of the angle between light and
+// mapped normal. This reveals every component of the normal.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kAlbedo = 0.8;
 constexpr double kIlluminance = 10;
 
-/// Four normals that lean to different sides, in the channels as codes.
+/// Four normals of different inclination, as channel codes.
 constexpr std::array<std::array<int, 3>, 4> kCodes = {
     {{200, 128, 220}, {128, 70, 220}, {90, 160, 230}, {128, 128, 255}}};
 
@@ -26,24 +26,24 @@ std::vector<uint8_t> normal_texels() {
   return texels;
 }
 
-/// Tangent-space normal of a code, x and y scaled.
+/// Tangent-space normal of a code, with x and y scaled.
 glm::dvec3 decoded(const std::array<int, 3>& code, double scale = 1) {
   const auto unpack = [](int c) { return 2 * c / 255.0 - 1; };
   return glm::normalize(glm::dvec3(scale * unpack(code[0]), scale * unpack(code[1]), unpack(code[2])));
 }
 
-/// The light comes from the right and, less so, from above.
+/// Light from the right and slightly above.
 constexpr float kTilt = 0.5f;
 const Vec3 kTurnsTheLight = {-0.6f, 0.8f, 0};
 const glm::dvec3 kToLight = {0.8 * std::sin(0.5), 0.6 * std::sin(0.5), std::cos(0.5)};
 
-/// What a matte surface with this normal in world space shows.
+/// Radiance of a matte surface with this normal in world space.
 Rgb shade(const glm::dvec3& normal) {
   const double cosine = std::max(glm::dot(normal, kToLight), 0.0);
   return Rgb(static_cast<float>(kAlbedo / std::numbers::pi * kIlluminance * cosine));
 }
 
-/// The texel of two by two that lies at (x, y) of the square when the texture is upright.
+/// Texel of the 2 × 2 texture at (x, y) of the square, with the texture upright.
 const std::array<int, 3>& code_at(double x, double y) { return kCodes[(y < 0 ? 2u : 0u) + (x < 0 ? 0u : 1u)]; }
 
 json mapped(const json& texture) {
@@ -52,7 +52,7 @@ json mapped(const json& texture) {
   return material;
 }
 
-/// The square with normals and, unless empty, one tangent for all corners.
+/// Attributes of the square with normals and, unless empty, one tangent for all corners.
 json attributes(Stage& stage, const std::vector<float>& uv, const std::vector<float>& tangent) {
   json result = stage.square(uv);
   result["NORMAL"] = stage.file.floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
@@ -72,9 +72,9 @@ Image shown(Stage& stage, const json& square, const json& texture, const json& n
   return image(std::move(scene));
 }
 
-constexpr double kPrecision = 2e-3;  // packed normals and tangents, of radiances about 2
+constexpr double kPrecision = 2e-3;  // for packed normals and tangents, at radiances of about 2
 
-TEST(NormalMap, DerivedTangentFollowsU) {  // and green points against growing v, up here
+TEST(NormalMap, DerivedTangentFollowsU) {  // green points against increasing v, which is up here
   Stage stage;
   const json texture = stage.texture(2, 2, normal_texels());
   expect_pixels(shown(stage, attributes(stage, kUpright, {}), texture), kPrecision,
@@ -96,7 +96,7 @@ TEST(NormalMap, ScaleMultipliesXAndY) {
                 [](double x, double y) { return shade(decoded(code_at(x, y), 0.4)); });
 }
 
-TEST(NormalMap, GivenTangentsCount) {  // whatever the texture coordinates say: here u points up and w mirrors
+TEST(NormalMap, GivenTangentsCount) {  // independent of the texture coordinates: u points up here and w mirrors
   for (const float w : {1.0f, -1.0f}) {
     Stage stage;
     const json texture = stage.texture(2, 2, normal_texels());
@@ -108,7 +108,7 @@ TEST(NormalMap, GivenTangentsCount) {  // whatever the texture coordinates say: 
   }
 }
 
-TEST(NormalMap, MirroredCoordinatesMirrorDerivedTangents) {  // u grows to the left
+TEST(NormalMap, MirroredCoordinatesMirrorDerivedTangents) {  // u increases to the left
   Stage stage;
   const json texture = stage.texture(2, 2, normal_texels());
   expect_pixels(shown(stage, attributes(stage, {1, 0, 0, 0, 1, 1, 0, 1}, {}), texture), kPrecision,
@@ -118,7 +118,7 @@ TEST(NormalMap, MirroredCoordinatesMirrorDerivedTangents) {  // u grows to the l
                 });
 }
 
-TEST(NormalMap, MirroringNodesMirrorNormals) {  // the square turned inside out and back by a scale of -1
+TEST(NormalMap, MirroringNodesMirrorNormals) {  // the square mirrored twice: inside out, and by a scale of -1
   for (const std::vector<float>& tangent : {std::vector<float>{}, {1, 0, 0, 1}}) {
     Stage stage;
     const json texture = stage.texture(2, 2, normal_texels());
@@ -130,7 +130,7 @@ TEST(NormalMap, MirroringNodesMirrorNormals) {  // the square turned inside out 
   }
 }
 
-/// The texture turned by a quarter counter-clockwise: u grows upwards on the square, v to the right.
+/// The texture rotated a quarter turn counter-clockwise: u increases upwards on the square, v to the right.
 constexpr double kQuarter = std::numbers::pi / 2;
 const std::vector<float> kTurned = {1, 0, 1, 1, 0, 0, 0, 1};
 Rgb turned(double x, double y) {
@@ -144,7 +144,7 @@ TEST(NormalMap, TurnedCoordinatesTurnDerivedTangents) {
   expect_pixels(shown(stage, attributes(stage, kTurned, {}), texture), kPrecision, turned);
 }
 
-TEST(NormalMap, DerivedTangentsFollowTheTexturesOwnSet) {  // set 1 is turned, set 0 is not
+TEST(NormalMap, DerivedTangentsFollowTheTexturesOwnSet) {  // set 1 is rotated, set 0 is not
   Stage stage;
   json texture = stage.texture(2, 2, normal_texels());
   texture["texCoord"] = 1;
@@ -163,7 +163,7 @@ TEST(NormalMap, DerivedTangentsExistWithTheSecondSetAlone) {
                 [](double x, double y) { return shade(decoded(code_at(x, y))); });
 }
 
-TEST(NormalMap, DerivedTangentsFollowTheTexturesTransform) {  // as if it were in the coordinates
+TEST(NormalMap, DerivedTangentsFollowTheTexturesTransform) {  // as with transformed coordinates
   Stage stage;
   json texture = stage.texture(2, 2, normal_texels());
   // u' = 1 - v, v' = u: a rotation of -90° and an offset.
@@ -171,7 +171,7 @@ TEST(NormalMap, DerivedTangentsFollowTheTexturesTransform) {  // as if it were i
   expect_pixels(shown(stage, attributes(stage, kUpright, {}), texture), kPrecision, turned);
 }
 
-TEST(NormalMap, GivenTangentsStayUnderATransform) {  // the file's tangents are those of the map as it lies
+TEST(NormalMap, GivenTangentsStayUnderATransform) {  // the file's tangents belong to the untransformed map
   Stage stage;
   json texture = stage.texture(2, 2, normal_texels());
   texture["extensions"]["KHR_texture_transform"] = {{"offset", {1, 0}}, {"rotation", -kQuarter}};

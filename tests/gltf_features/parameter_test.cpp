@@ -1,5 +1,5 @@
-// Textures of material parameters: each multiplies its factor, by the channel that glTF names and no other. A texture
-// of 2 × 2 texels on the square against four quarters of the square that have the products as factors.
+// Tests textures of material parameters: each multiplies its factor by exactly the channel that glTF names. Compares a
+// texture of 2 × 2 texels on the square with four quarters that have the products as factors.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,8 +15,8 @@ constexpr std::array<int, 4> kWhite = {255, 255, 255, 255};
 
 double data(int code) { return code / 255.0; }
 
-/// A material whose parameter has the value of `texel`, times 0.8 where the factor can do that. `texture`: not null if
-/// it comes from there, and `texel` is then white.
+/// Material with a parameter of `texel`, times 0.8 if the factor supports it. If `texture` is not null, it provides the
+/// value, and `texel` is white.
 using MakeMaterial = json (*)(const std::array<int, 4>& texel, const json& texture);
 
 void set(json& object, const char* key, const json& texture) {
@@ -28,7 +28,7 @@ json with_extension(json material, const char* name, const json& extension) {
   return material;
 }
 
-/// Dark plastic without gloss of its own.
+/// Dark plastic with the default gloss.
 json dark() { return {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {0.05, 0.05, 0.05, 1}}}}}; }
 
 json base_color(const std::array<int, 4>& t, const json& texture) {
@@ -129,7 +129,7 @@ json diffuse_transmission(const std::array<int, 4>& t, const json& texture) {
   return with_extension(matte_json(0.8), "KHR_materials_diffuse_transmission", extension);
 }
 
-/// Nothing is reflected: the light comes from behind.
+/// No reflection: the light comes from behind.
 json diffuse_transmission_color(const std::array<int, 4>& t, const json& texture) {
   json extension = {
       {"diffuseTransmissionFactor", 1},
@@ -138,7 +138,7 @@ json diffuse_transmission_color(const std::array<int, 4>& t, const json& texture
   return with_extension(matte_json(0.8), "KHR_materials_diffuse_transmission", extension);
 }
 
-/// The quarter of the square that texel `i` covers.
+/// The square's quarter for texel `i`.
 json quarter(Stage& stage, size_t i) {
   const float x = static_cast<float>(i % 2);
   const float y = static_cast<float>(i / 2);

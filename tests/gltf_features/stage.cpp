@@ -11,7 +11,7 @@
 namespace relume::support {
 namespace {
 
-/// The names of all extensions below `value`.
+/// Collects the names of all extensions below `value`.
 void collect_extensions(const json& value, std::set<std::string>& names) {
   if (value.is_object()) {
     for (const auto& [key, member] : value.items()) {
@@ -25,7 +25,7 @@ void collect_extensions(const json& value, std::set<std::string>& names) {
   }
 }
 
-/// Largest difference of a channel, and the pixel where it is.
+/// Largest difference of a channel, and its pixel.
 struct Difference {
   double value = 0;
   int x = 0;
@@ -172,7 +172,7 @@ Image image(Scene scene, int size, int spp, int max_bounces) {
   RenderSettings settings = small_settings(size, size);
   settings.time_s = 0.5f;
   settings.path.max_bounces = max_bounces;
-  settings.path.russian_roulette = false;  // noise that few samples do not average out
+  settings.path.russian_roulette = false;  // its noise is too high for few samples
   return render(std::move(scene), settings, spp);
 }
 

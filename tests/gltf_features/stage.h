@@ -1,5 +1,4 @@
-// Small glTF files made in code whose images are known: a square fills the view of a camera that looks straight at
-// it.
+// Makes small glTF files with known images: a square fills the view of a camera facing it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,12 +20,12 @@ using testing::json;
 
 /// Corners of the square [-1, 1]² in the plane z = 0: upper left, upper right, lower left, lower right.
 inline const std::vector<float> kCorners = {-1, 1, 0, 1, 1, 0, -1, -1, 0, 1, -1, 0};
-/// Texture coordinates that show a whole texture upright on it.
+/// Texture coordinates for an upright texture over the whole square.
 inline const std::vector<float> kUpright = {0, 0, 1, 0, 0, 1, 1, 1};
-/// Its two triangles; they face +Z.
+/// Triangles of the square, facing +Z.
 inline const std::vector<uint16_t> kTriangles = {0, 2, 1, 1, 2, 3};
 
-/// A glTF file with an orthographic camera above the plane z = 0 that sees [-1, 1]² of it, +X to the right and +Y up.
+/// A glTF file with an orthographic camera above the plane z = 0 that covers [-1, 1]², +X to the right and +Y up.
 class Stage {
  public:
   Stage();
@@ -35,72 +34,71 @@ class Stage {
 
   /// Attributes of the square: POSITION and, unless empty, TEXCOORD_0.
   json square(const std::vector<float>& uv = kUpright);
-  /// A mesh of the square's triangles; returns its index.
+  /// Adds a mesh of the square's triangles; returns its index.
   int mesh(const json& attributes, const json& material);
-  /// The same in a root node, whose other members are those of `node`; returns the node.
+  /// Adds such a mesh in a root node with the other members of `node`; returns the node.
   int show(const json& attributes, const json& material, const json& node = json::object());
-  /// A texture and the info that refers to it; its texels are RGBA, row by row from the top. `sampler`: its members;
-  /// texels are not interpolated unless it says so.
+  /// Adds a texture of RGBA texels, in rows from the top, and returns its texture info. `sampler` holds the sampler's
+  /// members; texels are not interpolated by default.
   json texture(int width, int height, const std::vector<uint8_t>& texels, const json& sampler = json::object());
-  /// A light of KHR_lights_punctual in a root node.
+  /// Adds a light of KHR_lights_punctual in a root node.
   void light(const json& light, const json& node = json::object());
-  /// A directional light of 10 lux that falls on the square `tilt` radians from the viewer's right.
+  /// Adds a directional light of 10 lux, `tilt` radians from the normal towards the viewer's right.
   void sun(float tilt = 0.4f);
-  /// Keys of one property of a node, which joins the only animation. `components` numbers a key.
+  /// Adds keys of a node property to the single animation. Each key has `components` numbers.
   void animate(int node, const char* path, const std::vector<float>& times, const std::vector<float>& values,
                int components, const char* interpolation = "LINEAR");
 
-  /// The document, which names the extensions that it uses.
+  /// The document with the list of its extensions.
   std::string text();
-  /// The scene in a uniform environment.
+  /// The scene in a uniform environment of this radiance.
   Scene load(float environment = 0);
 };
 
-/// Lets `doc` name the extensions that it uses, as glTF asks.
+/// Adds the names of used extensions to `doc`, as glTF requires.
 void name_extensions(json& doc);
 
-/// Quaternion of a rotation by `angle` radians about `axis` (unit), as glTF writes it.
+/// Quaternion in glTF's order for a rotation by `angle` radians about the unit `axis`.
 json rotation_json(const Vec3& axis, float angle);
 
-/// Material that shows its base colour from everywhere.
+/// Unlit material of this base colour.
 json unlit_json(const json& base_color_texture = {}, const json& factor = {});
-/// Black, and glows: light for scenes that must not be given any other.
+/// Black emissive material: light for scenes without other lights.
 json glowing_json(const json& radiance);
-/// Lambert of this albedo and nothing else.
+/// Purely Lambertian material of this albedo.
 json matte_json(float albedo);
 
-/// Texels whose channels and neighbours all differ, so that a wrong one shows.
+/// Texels that differ in all channels and from their neighbours, so that mix-ups are visible.
 std::vector<uint8_t> colorful(int width, int height);
 
 /// Linear value of an 8-bit sRGB code (IEC 61966-2-1).
 double linear_of(int code);
 
-/// `spp` samples a pixel, half a second into the animation, without Russian roulette.
+/// Renders `spp` samples per pixel, half a second into the animation, without Russian roulette.
 Image image(Scene scene, int size = 16, int spp = 4, int max_bounces = PathSettings{}.max_bounces);
 
-/// Expects every pixel within `tolerance` of what `expected` says for the point of the square at its centre.
+/// Expects every pixel to be within `tolerance` of `expected` at its centre on the square.
 void expect_pixels(const Image& image, double tolerance, const std::function<Rgb(double x, double y)>& expected);
 
-/// Expects two images to differ nowhere by more than `tolerance`.
+/// Expects all pixels of two images to differ by at most `tolerance`.
 void expect_same(const Image& a, const Image& b, double tolerance);
 
-/// How a scene is made: by a feature of glTF, without it to the same effect, or as by a loader that ignores the
-/// feature.
+/// Variant of a scene: with a glTF feature, with the same effect but without the feature, or as in a loader that
+/// ignores it.
 enum class Way { feature, plain, ignored };
 
 struct FeatureCase {
   const char* name;
   Scene (*scene)(Way);
-  double tolerance = 1e-5;  ///< radiance; more where numbers are stored another way
+  double tolerance = 1e-5;  ///< in radiance; higher for less precise encodings
   int max_bounces = PathSettings{}.max_bounces;
 };
 
-/// For messages of GoogleTest.
+/// Printing for GoogleTest.
 inline void PrintTo(const FeatureCase& c, std::ostream* out) { *out << c.name; }
 inline std::string feature_name(const ::testing::TestParamInfo<FeatureCase>& info) { return info.param.name; }
 
-/// The feature shows what it should, which is not what would show without it, and the loader has nothing to complain
-/// of.
+/// Expects the feature to have the intended effect, to differ from ignoring it, and to load without warnings.
 class FeatureTest : public ::testing::TestWithParam<FeatureCase> {
  protected:
   void check() const;

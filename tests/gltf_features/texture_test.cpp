@@ -1,4 +1,4 @@
-// Where textures lie on a surface: KHR_texture_transform, the second set of coordinates, wrapping, levels of detail.
+// Tests texture mapping: KHR_texture_transform, the second set of coordinates, wrapping, levels of detail.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,13 +8,13 @@
 namespace relume::support {
 namespace {
 
-/// Four by four texels on the square.
+/// A texture of 4 × 4 texels on the square.
 json four_by_four(Stage& stage, const json& sampler = json::object()) {
   return stage.texture(4, 4, colorful(4, 4), sampler);
 }
 
-/// uv' = offset + R · (scale ⊙ uv) for the corners of the square, R turning counter-clockwise as seen on the texture,
-/// whose v runs downwards.
+/// uv' = offset + R · (scale ⊙ uv) for the corners of the square. R rotates counter-clockwise in the texture, whose v
+/// points down.
 std::vector<float> moved_corners(const Vec2& offset, float rotation, const Vec2& scale) {
   const double c = std::cos(static_cast<double>(rotation));
   const double s = std::sin(static_cast<double>(rotation));
@@ -27,7 +27,7 @@ std::vector<float> moved_corners(const Vec2& offset, float rotation, const Vec2&
   return uv;
 }
 
-/// A transform of KHR_texture_transform against coordinates that have it applied.
+/// A KHR_texture_transform against transformed coordinates.
 Scene transform(Way way, const Vec2& offset, float rotation, const Vec2& scale) {
   Stage stage;
   json texture = four_by_four(stage);
@@ -39,7 +39,7 @@ Scene transform(Way way, const Vec2& offset, float rotation, const Vec2& scale) 
   return stage.load();
 }
 
-/// A scale of 8 makes checkers far smaller than pixels: the level chosen shows their mean.
+/// A scale of 8 makes checkers much smaller than pixels: the selected level shows their mean.
 Scene shrunk(Way way) {
   Stage stage;
   std::vector<uint8_t> checkers;
@@ -56,7 +56,7 @@ Scene shrunk(Way way) {
   return stage.load();
 }
 
-/// Material textures choose a set of coordinates by `texCoord`, in the texture info or in the transform.
+/// Material textures select a set of coordinates by `texCoord`, in the texture info or in the transform.
 Scene second_set(Way way, bool in_transform) {
   Stage stage;
   json texture = four_by_four(stage);
@@ -73,7 +73,7 @@ Scene second_set(Way way, bool in_transform) {
   return stage.load();
 }
 
-/// The level of detail follows the set that the texture uses: set 0 covers the square 64 times.
+/// The level of detail follows the texture's set of coordinates; set 0 covers the square 64 times.
 Scene level_of_second_set(Way way) {
   Stage stage;
   json texture = stage.texture(16, 16, colorful(16, 16));
@@ -88,14 +88,14 @@ Scene level_of_second_set(Way way) {
   return stage.load();
 }
 
-/// Source texel of texel `i` of three periods of a texture of `n` texels, the second of which is the texture itself.
+/// Source texel of texel `i` in three periods of a texture of `n` texels, the second of which is the texture itself.
 int wrapped(int i, int n, int mode) {
   const int texel = i % n;
   if (mode == 33071) return i < n ? 0 : (i < 2 * n ? texel : n - 1);  // clamp to edge
   return mode == 33648 && i / n != 1 ? n - 1 - texel : texel;         // mirrored repeat, else repeat
 }
 
-/// Wrapping beyond [0, 1] against a texture that has the repetitions painted in.
+/// Wrapping beyond [0, 1] against a texture that contains the repetitions.
 Scene wrap(Way way, int mode_s, int mode_t) {
   Stage stage;
   const std::vector<uint8_t> texels = colorful(2, 2);
@@ -151,7 +151,7 @@ TEST(TextureFeatures, TexelsLieWhereGltfPutsThem) {  // (0, 0) is the upper left
   });
 }
 
-TEST(TextureFeatures, InterpolationIsOfLinearValues) {  // between 0 and 1, not between their codes
+TEST(TextureFeatures, InterpolationIsOfLinearValues) {  // interpolates linear values, not their codes
   Stage stage;
   const json texture = stage.texture(2, 1, {0, 0, 0, 255, 255, 255, 255, 255}, {{"magFilter", 9729}, {"wrapS", 33071}});
   stage.show(stage.square(), unlit_json(texture));

@@ -1,4 +1,4 @@
-// Ways to render a scene that must show the same image in the mean.
+// Tests that all techniques render the same image in expectation.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,8 +11,8 @@
 namespace relume::support {
 namespace {
 
-/// A built-in scene, how large, with how many samples a pixel, and when; and from which relative error on the
-/// comparison notices, block by block and in the mean of the image (ImageTest::detectable).
+/// A built-in scene with its image size, samples per pixel and time. The last numbers are the relative errors that the
+/// comparison must detect, per block and in the image's mean (ImageTest::detectable).
 struct Case {
   const char* scene;
   int width;
@@ -25,15 +25,15 @@ struct Case {
 
 constexpr int kSeeds = 16;
 
-// Some seconds a test. Not cornell-glass, corridor and warehouse, where so few paths find light that not even a black
-// block would show; the slow tests have them.
+// Some seconds per test. Excludes cornell-glass, corridor and warehouse, where so few paths reach lights that even a
+// black block would be missed; the slow tests include them.
 const Case kQuick[] = {
     {"cornell", 32, 32, 64, 0},         {"cornell-spheres", 32, 32, 32, 0},
     {"door", 24, 18, 32, 0, 0.4, 0.15}, {"slit", 32, 18, 24, 0.7f, 0.25, 0.2},
     {"turntable", 32, 18, 32, 1.3f},
 };
 
-// Up to minutes a test.
+// Up to minutes per test.
 const Case kSharp[] = {
     {"cornell", 48, 48, 512, 0, 0.02, 0.01},
     {"cornell-spheres", 48, 48, 256, 0, 0.02, 0.01},

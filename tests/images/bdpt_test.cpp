@@ -1,4 +1,4 @@
-// Bidirectional path tracing and light tracing show what path tracing shows.
+// Compares bidirectional path tracing and light tracing with path tracing.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -16,7 +16,7 @@ using testing::ZooLight;
 
 constexpr int kSeeds = 16;
 
-/// Paths of light from a point or out of one direction over a mirror or through smooth glass are beyond path tracing.
+/// Path tracing cannot sample paths from point or directional lights via mirrors or smooth glass.
 bool delta_light(ZooLight light) {
   return light == ZooLight::point || light == ZooLight::spot || light == ZooLight::directional ||
          light == ZooLight::mixed;
@@ -25,17 +25,17 @@ bool delta_light(ZooLight light) {
 struct ZooCase {
   ZooLight light = {};
   ZooCamera camera = {};
-  int size = 24;  ///< pixels
+  int size = 24;  ///< in pixels
 };
-constexpr int kQuickSize = 16;  // fewer pixels, each as well known
+constexpr int kQuickSize = 16;  // fewer pixels of the same precision
 
-/// Every light with a pinhole, every other camera with each of `others`.
+/// Every light with a pinhole, and every other camera with each of `others`.
 std::vector<ZooCase> zoo_cases(const std::vector<ZooLight>& others) {
   std::vector<ZooCase> cases;
   for (const ZooLight light : testing::kZooLights) cases.push_back({light, ZooCamera::pinhole, kQuickSize});
   for (const ZooCamera camera : {ZooCamera::thin_lens, ZooCamera::orthographic, ZooCamera::panoramic}) {
     for (const ZooLight light : others) {
-      // A panorama shows the lamp itself in few pixels, and needs them.
+      // A panorama shows the lamp in few pixels, and needs them.
       cases.push_back({light, camera, camera == ZooCamera::panoramic ? ZooCase{}.size : kQuickSize});
     }
   }
@@ -48,7 +48,7 @@ std::vector<ZooCase> zoo_grid() {
   std::vector<ZooCase> cases;
   for (const ZooCamera camera : testing::kZooCameras) {
     for (const ZooLight light : testing::kZooLights) {
-      // The sun itself, a part of a pixel, outshines the rest of a panorama.
+      // The sun covers part of a pixel and outshines the remainder of a panorama.
       if (light != ZooLight::sun_sky || camera != ZooCamera::panoramic) cases.push_back({light, camera});
     }
   }
@@ -68,7 +68,7 @@ TEST_P(BdptZoo, AgreesWithPathTracing) {
   RenderSettings path = small_settings(GetParam().size, GetParam().size);
   RenderSettings bdpt = path;
   bdpt.estimator = EstimatorChoice::bdpt;
-  // A panorama sees the lamp itself, in few pixels that a sample hits or misses.
+  // A panorama shows the lamp in few pixels, which a sample hits or misses.
   const bool lamp_in_view = GetParam().camera == ZooCamera::panoramic && GetParam().light == ZooLight::two_sided;
   expect_same_image("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 96, kSeeds, 1),
                     measure(scene, bdpt, 48, kSeeds, 1001),
@@ -78,17 +78,17 @@ TEST_P(BdptZoo, AgreesWithPathTracing) {
 }
 
 TEST_P(BdptLightZoo, LightTracingAgreesWithPathTracing) {
-  // Nothing that is smooth is seen, and no normal bent: light tracing can show all of it.
+  // Without visible smooth surfaces and shading normals, light tracing renders the complete image.
   const Scene scene = testing::make_zoo(GetParam().light, GetParam().camera, false, false);
   RenderSettings path = small_settings(GetParam().size, GetParam().size);
   RenderSettings light = path;
   light.estimator = EstimatorChoice::light;
-  // Shadows with sharp edges under parallel light and parallel rays: with fewer samples the spread of the pixels along
-  // them cannot be told from 16 images.
+  // Sharp shadow edges under parallel light and parallel rays: with fewer samples, 16 images do not determine the
+  // variance of pixels along them.
   const bool parallel_rays = GetParam().camera == ZooCamera::orthographic;
   const bool sharp = GetParam().light == ZooLight::directional && parallel_rays;
-  // A pixel in the lamp's shadow is lit by light paths that are few and bright: its spread over 64 images is still most
-  // of its mean.
+  // Pixels in the lamp's shadow receive few, bright light paths: over 64 images, their standard deviation is most of
+  // their mean.
   const bool rare = GetParam().light == ZooLight::point && parallel_rays;
   expect_same_image("light-" + zoo_name({GetParam(), 0}),
                     measure(scene, path, sharp ? 384 : 192, kSeeds, sharp ? 501 : 1),
@@ -99,8 +99,8 @@ INSTANTIATE_TEST_SUITE_P(Zoo, BdptZoo, ::testing::ValuesIn(zoo_cases(kOneOfAKind
 INSTANTIATE_TEST_SUITE_P(Zoo, BdptLightZoo, ::testing::ValuesIn(zoo_cases({ZooLight::two_sided})), zoo_name);
 INSTANTIATE_TEST_SUITE_P(SlowZoo, BdptLightZoo, ::testing::ValuesIn(zoo_grid()), zoo_name);
 
-/// A built-in scene, how large, when, and how many samples each estimator takes; light 0: something smooth is seen,
-/// which it cannot show, or (mine) hardly any light path arrives where the camera looks.
+/// A built-in scene with its image size, time, and samples per estimator. 0 samples disable light tracing: the scene
+/// has visible smooth surfaces, or (mine) almost no light path reaches the view.
 struct BuiltinCase {
   const char* scene;
   int width;
@@ -109,13 +109,13 @@ struct BuiltinCase {
   int path;
   int bdpt;
   int light;
-  bool rare = false;    ///< path tracing finds much of the light rarely and brightly: blocks decide, not pixels
+  bool rare = false;    ///< rare, bright paths dominate path tracing: compares blocks, not pixels
   double blocks = 0.1;  ///< ImageTestOptions::detectable
-  double mean = 0.05;   ///< and detectable_mean
+  double mean = 0.05;   ///< ImageTestOptions::detectable_mean
 };
 
-// Not corridor and warehouse, where samples for seconds tell nothing of a block. In the slow test they do, and
-// BidirectionalLights compares quiet ways to light the warehouse.
+// Excludes corridor and warehouse, whose blocks need more than seconds of sampling. The slow test includes them, and
+// BidirectionalLights compares less noisy light selections in the warehouse.
 const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 64},
                               {"cornell-closed", 32, 32, 0, 48, 24, 48},
                               {"turntable", 32, 18, 1.3f, 32, 16, 32},

@@ -1,5 +1,5 @@
-// Denoised images against converged ones: how much closer they are than the noisy input, and whether details that no
-// feature shows survive.
+// Tests denoised against converged images: the reduction of error against the noisy input, and details that no feature
+// contains.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Region {
   int y1 = kHeight;
 };
 
-/// Mean squared difference of what a display shows: radiance clamped to 1.
+/// Mean squared difference of displayed images: radiance clamped to 1.
 double shown_mse(const Image& a, const Image& b, const Region& r = {}) {
   double sum = 0;
   for (int y = r.y0; y < r.y1; ++y) {
@@ -50,7 +50,7 @@ CameraPose moved(CameraPose camera, int frames) {
   return camera;
 }
 
-/// Rendered once a process.
+/// Reference, rendered once per process.
 const Image& reference_of(const char* scene, EstimatorChoice estimator, int moving) {
   static std::map<std::tuple<std::string, EstimatorChoice, int>, Image> known;
   Image& image = known[{scene, estimator, moving}];
@@ -65,7 +65,7 @@ const Image& reference_of(const char* scene, EstimatorChoice estimator, int movi
   return image;
 }
 
-/// What a session shows after some frames, denoised, the mean of all its samples, and the sample of the last of them.
+/// A session's images after some frames: the denoised one, the mean of all samples, and the last frame's sample.
 struct Shown {
   Shown(const char* scene, const RenderSettings& settings, int still, int moving)
       : reference(reference_of(scene, settings.estimator, moving)) {
@@ -94,7 +94,7 @@ struct Shown {
   Image mean;
 };
 
-/// Tests take both in turn, as what they are held to is rendered once a process.
+/// Each test runs both denoisers, since references are rendered once per process.
 class DenoisedImage : public ::testing::Test {
  protected:
   template <typename Check>
@@ -123,11 +123,11 @@ TEST_F(DenoisedImage, AFifthOfTheErrorWhereTheCameraMoves) {
 TEST_F(DenoisedImage, IsAsBrightAsTheScene) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell", settings_of(denoise), 16, 0);
-    EXPECT_NEAR(mean_luminance(s.denoised) / mean_luminance(s.reference), 1.0, 0.02);  // the bias that the pages state
+    EXPECT_NEAR(mean_luminance(s.denoised) / mean_luminance(s.reference), 1.0, 0.02);  // the pages' stated bias
   });
 }
 
-/// What features cannot tell is not blurred away: the error falls below that of the samples' own mean.
+/// Details that features do not contain survive: the error falls below that of the samples' mean.
 TEST_F(DenoisedImage, MirrorImagesSurvive) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell-mirror", settings_of(denoise, EstimatorChoice::bdpt), 8, 0);
@@ -144,7 +144,7 @@ TEST_F(DenoisedImage, CausticsSurvive) {
   });
 }
 
-/// Emission that caches average at edges is no light that falls on the surfaces there.
+/// Expects that caches' averaged emission at lamp edges is not added to surfaces there.
 TEST_F(DenoisedImage, EdgesOfLampsDoNotShineThroughCaches) {
   for_each_denoiser([](DenoiseChoice denoise) {
     RenderSettings settings = settings_of(denoise);
@@ -167,12 +167,12 @@ TEST_F(DenoisedImage, AFurnaceStaysWhite) {
   });
 }
 
-/// What is shown in the first frame of a view, after frames of another one or (0) of none.
+/// First frame of a view, after frames of another view or (0) of none.
 Image first_of_a_view(const RenderSettings& settings, int frames_before) {
   Session session(build("cornell-closed"), settings);
   const CameraPose there = session.camera();
   CameraPose elsewhere = there;
-  elsewhere.to_world[0] = -there.to_world[0];  // turned around
+  elsewhere.to_world[0] = -there.to_world[0];  // turned by 180°
   elsewhere.to_world[2] = -there.to_world[2];
   session.set_camera(elsewhere);
   for (int i = 0; i < frames_before; ++i) session.render_frame();

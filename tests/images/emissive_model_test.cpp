@@ -1,4 +1,4 @@
-// A model with an emissive texture shows its first sample almost as soon as one without.
+// Tests that an emissive texture hardly delays the first sample of a model.
 #include <ctime>
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 constexpr int kTextureSize = 2048;
 constexpr int kRings = 87;  // 15 138 triangles
 
-/// Codes of an emissive texture after lossy compression: noise of a few steps, and a lit display.
+/// An emissive texture after lossy compression: noise of a few codes, and a lit display.
 Texture emissive_texture() {
   Texture t{"display",
             kTextureSize,
@@ -35,7 +35,7 @@ Texture emissive_texture() {
   return t;
 }
 
-/// A sphere whose texture is wrapped around it once.
+/// A sphere with the texture wrapped around it once.
 Mesh sphere() {
   Mesh m;
   m.material = 0;
@@ -76,7 +76,7 @@ Scene helmet(float emission) {
   return scene;
 }
 
-/// Processor time from the scene to its first sample, seconds.
+/// Processor time from the scene to its first sample, in seconds.
 double first_sample_s(float emission) {
   Scene scene = helmet(emission);
   RenderSettings settings = small_settings(640, 360);
@@ -88,7 +88,7 @@ double first_sample_s(float emission) {
 
 TEST(EmissiveModel, ItsFirstSampleComesAlmostAsSoon) {
   double least_ratio = kInfinity;
-  for (int attempt = 0; attempt < 3 && least_ratio > 1.5; ++attempt) {  // caches of a busy machine are cold
+  for (int attempt = 0; attempt < 3 && least_ratio > 1.5; ++attempt) {  // caches are cold on a busy machine
     const double dark_s = first_sample_s(0);
     const double lit_s = first_sample_s(1);
     RecordProperty("dark_ms", static_cast<int>(1000 * dark_s));

@@ -1,4 +1,4 @@
-// A built-in scene and its glTF file show the same image.
+// Tests that a built-in scene and its glTF file give the same image.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -16,14 +16,14 @@
 namespace relume::support {
 namespace {
 
-/// Scenes of millions of triangles, checked under the label "slow" only.
+/// Scenes of millions of triangles, tested only under the label "slow".
 bool is_large(std::string_view name) { return name == "city" || name == "cover"; }
 
 using ExportCase = std::tuple<std::string_view, const char*>;  // scene, extension
 
 RenderSettings settings_of(std::string_view scene) {
   RenderSettings settings = is_large(scene) ? small_settings(16, 9) : small_settings(32, 24);
-  settings.time_s = 0.4f;  // within every animation
+  settings.time_s = 0.4f;  // within all animations
   return settings;
 }
 
@@ -56,15 +56,15 @@ TEST_P(Export, RereadShowsTheSameImage) {
   const RenderSettings settings = settings_of(scene_name());
   const Scene before = original();
   const Scene after = reread();
-  // Most scenes come back bit for bit; others hold numbers that glTF stores another way (instances, angles), which
-  // moves few samples across an edge. Of these the city has most, and few pixels.
+  // Most scenes are restored bit by bit. Others contain values that glTF encodes differently (instances, angles), which
+  // moves few samples across edges. The city has the most of these, and few pixels.
   const int spp = is_large(scene_name()) ? 64 : 4;
   const Image a = render(after, settings, spp);
   const Image b = render(before, settings, spp);
   EXPECT_LT(compute_metrics(a, b).rel_mse, 1e-3);
 }
 
-/// What finds the light of a scene well enough to tell a few per cent of it, and how many per cent those are.
+/// Settings with low enough noise to compare a scene's mean, and the detectable errors.
 struct MeanCase {
   RenderSettings settings;
   int spp = 64;
@@ -79,12 +79,12 @@ MeanCase mean_case_of(std::string_view scene) {
   if (is("warehouse", "cover")) c.settings.lights = LightSelectionChoice::vlc;
   if (is("cornell-water", "cornell-glass", "corridor")) c.spp = 512;
   if (is("cover")) c.spp = 128;
-  if (is("cornell-water")) c.options = {.detectable = 0.3, .detectable_mean = 0.1};  // a lamp of a few pixels
+  if (is("cornell-water")) c.options = {.detectable = 0.3, .detectable_mean = 0.1};  // lamp of a few pixels
   if (is("cover")) c.options = {.detectable = 0.15, .detectable_mean = 0.1};
   return c;
 }
 
-/// Under other seeds, so that nothing but the mean can agree.
+/// Uses different seeds, so that only means can agree.
 class SlowExport : public Export {};
 
 TEST_P(SlowExport, RereadAgreesInTheMean) {
@@ -93,7 +93,7 @@ TEST_P(SlowExport, RereadAgreesInTheMean) {
                     measure(original(), c.settings, c.spp, 16, 1001), c.options);
 }
 
-/// One of everything that glTF has no form for.
+/// A scene with every property that glTF cannot represent.
 Scene beyond_gltf() {
   Scene scene;
   scene.name = "beyond";
@@ -133,14 +133,14 @@ TEST(BeyondGltf, ComesBackFromExtras) {
       write_gltf(folder / file, scene);
       const Image before = render(scene, small_settings(32, 16), 16);
       const Image after = render(load_scene(folder / file), small_settings(32, 16), 16);
-      // Angles pass through degrees: a sample may fall on the other side of an edge.
+      // Angles are converted to degrees: a sample may cross an edge.
       EXPECT_LT(compute_metrics(after, before).rel_mse, 1e-4) << camera.name << ", " << file;
     }
   }
   std::filesystem::remove_all(folder);
 }
 
-/// Pairs of scene and extension; `large` scenes or the others.
+/// Pairs of scene and extension, of either large or other scenes.
 std::vector<ExportCase> export_cases(bool large) {
   std::vector<ExportCase> cases;
   for (const BuiltinScene& scene : builtin_scenes()) {

@@ -1,4 +1,4 @@
-// A figure whose skin bends is followed as well as a rigid body that moves as fast.
+// Tests that histories follow a skinned figure with the error of a rigid body of the same speed.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -27,7 +27,7 @@ constexpr int kFirstCompared = 6;
 constexpr int kSeeds = 6;
 constexpr float kFps = 24;
 
-/// The parts of testing::figure() in a room with a lamp, seen from the front. Node 0 holds the figure.
+/// The parts of testing::figure() in a room with a lamp, viewed from the front. Node 0 holds the figure.
 Scene in_a_room(Scene figure) {
   SceneBuilder builder("room");
   Scene room = [&] {
@@ -57,12 +57,13 @@ Scene in_a_room(Scene figure) {
   return figure;
 }
 
-constexpr float kSwing_rad = 0.6f;  // in a second
+constexpr float kSwing_rad = 0.6f;  // per second
 
-/// Joints at the foot, in the middle and at the top turn alike. The top moves by (2 m + 1 m) · 0.4 in a second.
+/// Joints at the foot, in the middle and at the top rotate by the same angle. The top moves by (2 m + 1 m) · 0.4 per
+/// second.
 Scene bending() { return in_a_room(testing::figure({.joints = 3, .swing_rad = kSwing_rad / 1.5f})); }
 
-/// The same tube, stiff, which turns about its foot. The top moves by 2 m · 0.6 in a second.
+/// The same tube without bending, rotated about its foot. The top moves by 2 m · 0.6 per second.
 Scene stiff() {
   Scene scene = testing::figure({.skinned = false});
   const float half = 0.5f * kSwing_rad;
@@ -76,7 +77,7 @@ Scene stiff() {
   return in_a_room(std::move(scene));
 }
 
-/// The stiff tube's motion by a skin of one joint.
+/// The rigid tube's motion by a skin of one joint.
 Scene stiff_by_skin() { return in_a_room(testing::figure({.joints = 1, .swing_rad = kSwing_rad})); }
 
 float time_of(int frame) { return static_cast<float>(frame) / kFps; }
@@ -140,11 +141,11 @@ std::vector<Frame> play(const Scene& scene, const RenderSettings& settings, int 
   return frames;
 }
 
-/// Errors where the figure is or was in the last frames.
+/// Errors at the figure's current and recent positions.
 struct Errors {
   double mse = 0;
   double temporal = 0;
-  double trail = 0;  ///< mean error where it was, over the mean of the reference
+  double trail = 0;  ///< mean error at recent positions, relative to the mean of the reference
 };
 
 Errors errors_of(const Scene& scene, const std::vector<Frame>& reference, void (*set)(RenderSettings&)) {
@@ -206,7 +207,7 @@ TEST_P(Figure, MovesAlikeBySkinAndByNode) {
   GetParam().set(settings);
   const std::vector<Frame> by_node = play(stiff(), settings);
   const std::vector<Frame> by_skin = play(stiff_by_skin(), settings);
-  // Both round, but not alike, and a random decision that turns out otherwise makes another path.
+  // Both round differently, and a changed random decision gives another path.
   EXPECT_LT(mse(by_skin.back().image, by_node.back().image), 0.02 * mse(by_node.back().image, by_node[0].image));
   for (size_t i = 0; i < by_node.back().surface.motion.size(); ++i)
     EXPECT_LT(glm::length(by_node.back().surface.motion[i] - by_skin.back().surface.motion[i]), 0.02f) << i;
@@ -236,7 +237,7 @@ TEST(FigureInMotion, HasTheSameBitsOnAnyNumberOfThreads) {
   for (const int threads : {2, 5}) EXPECT_EQ(bits(threads), one) << threads << " threads";
 }
 
-/// Processor time of all threads.
+/// Processor time of all threads, in seconds.
 double used_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 TEST(FigureInMotion, GoesOnFromACheckpoint) {
@@ -261,7 +262,7 @@ TEST(FigureInMotion, GoesOnFromACheckpoint) {
 }
 
 TEST(FigureInMotion, CostsLittleOfAFrame) {
-  // As BrainStem, a sample model of Khronos: 59 parts, four influences a vertex.
+  // Like BrainStem, a sample model of Khronos: 59 parts, four influences per vertex.
   const Scene scene = in_a_room(
       testing::figure({.joints = 60, .rings = 20, .segments = 26, .swing_rad = 0.1f, .parts = 59, .influences = 4}));
   size_t vertices = 0;
@@ -279,7 +280,7 @@ TEST(FigureInMotion, CostsLittleOfAFrame) {
     session.set_time(time_of(frame));
     const double moved_s = used_s();
     session.render_frame();
-    if (frame == 0) continue;  // it also builds
+    if (frame == 0) continue;  // includes the build
     moving_s += moved_s - start_s;
     rendering_s += used_s() - moved_s;
   }

@@ -1,5 +1,5 @@
-// A floor that reflects, seen by a camera that walks: keeping diffuse and specular light apart leaves much less error
-// there, because reflections are looked up where they were and not where the floor was.
+// Tests a reflective floor with a walking camera. Separate diffuse and specular histories reduce its error: reflections
+// are reprojected by their own motion, not the floor's.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,13 +59,13 @@ RenderSettings settings_of(int seed) {
 
 struct Truth {
   Image image;
-  std::vector<bool> floor;  ///< pixels that show it
-  double noise = 0;         ///< MSE of the image itself, there
+  std::vector<bool> floor;  ///< pixels that show the floor
+  double noise = 0;         ///< MSE of the reference at the floor
 };
 
 double squared_distance(const Rgb& a, const Rgb& b) { return static_cast<double>(length_squared(a - b)) / 3; }
 
-/// Each the mean of two images of independent seeds, whose difference tells the noise of that mean.
+/// Means of two images of independent seeds, whose difference gives the noise of that mean.
 std::vector<Truth> truths(const Scene& scene) {
   constexpr int kSamples = 64;
   std::vector<Truth> list;
@@ -98,7 +98,7 @@ std::vector<Truth> truths(const Scene& scene) {
   return list;
 }
 
-/// MSE of the floor's pixels, without the noise of what they are compared with.
+/// MSE of the floor's pixels, minus the noise of the reference.
 double floor_error(const Scene& scene, const std::vector<Truth>& truth, DenoiseChoice denoise, bool split) {
   double sum = 0;
   double pixels = 0;
@@ -139,7 +139,7 @@ void expect_less_error(float roughness, double svgf, double bmfr) {
 }
 
 TEST(GlossyFloor, HasLessErrorIfPolished) { expect_less_error(0.1f, 0.6, 0.6); }
-// Wide lobes blur reflections, so that there is less to lose.
+// Wide lobes blur reflections, so that the gain is lower.
 TEST(GlossyFloor, HasLessErrorIfSatin) { expect_less_error(0.25f, 0.7, 0.65); }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Can the statistical image test fail, and does it reject as often as it says?
+// Tests the statistical image test: whether it can fail, and its rate of rejections.
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ constexpr int kSeeds = 16;
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
 
-/// The same room with a lamp that is `factor` times as bright.
+/// The same room with the lamp's radiance times `factor`.
 Scene cornell_with_lamp(float factor) {
   Scene scene = cornell();
   for (Material& m : scene.materials) m.emission *= factor;
@@ -28,7 +28,7 @@ Moments images(const Scene& scene, int first_seed, int spp = 16) {
 }
 
 TEST(ImageTest, StudentsDistribution) {
-  // With one and two degrees of freedom the distribution has closed forms.
+  // With one and two degrees of freedom, the distribution has a closed form.
   for (const double t : {0.1, 1.0, 3.0, 40.0}) {
     EXPECT_NEAR(student_two_sided_p(t, 1), 1 - 2 / M_PI * std::atan(t), 1e-12);
     EXPECT_NEAR(student_two_sided_p(t, 2), 1 - t / std::sqrt(2 + t * t), 1e-12);
@@ -47,7 +47,7 @@ TEST(ImageTest, RejectsAPixelAsOftenAsItSays) {
   const Moments a = images(cornell(), 1);
   const Moments b = images(cornell(), 101);
   const ImageTest test = compare(a, b);
-  // p is the least of three channels that hardly depend on one another at worst, or wholly: between 5 and 14 %.
+  // p is the lowest of three channels, between nearly independent and fully dependent: between 5 and 14 %.
   const auto below = std::count_if(test.p.begin(), test.p.end(), [](float p) { return p < 0.05f; });
   const double share = static_cast<double>(below) / static_cast<double>(test.p.size());
   EXPECT_GT(share, 0.03);
@@ -64,7 +64,7 @@ TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
   EXPECT_LT(test.detectable_mean, 0.02);
 }
 
-/// What a comparison says that it can tell, it tells.
+/// Expects the stated detectable errors to be detected.
 TEST(ImageTest, RejectsWhatItSaysIsDetectable) {
   const Moments reference = images(cornell(), 1, 8);
   const double detectable = compare(images(cornell(), 101, 8), reference).detectable_mean;

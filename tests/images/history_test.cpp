@@ -1,5 +1,5 @@
-// Histories and allocations against the converged image: unbiased ones agree with it, the others
-// keep to the bound that their pages state.
+// Tests histories and sample allocation against the converged image: unbiased ones agree with it, others stay within
+// the bounds stated on their pages.
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSize = 32;
 constexpr int kSeeds = 16;
-constexpr int kPilotFrames = 48;  // half of them decide
+constexpr int kPilotFrames = 48;  // the first half determines the allocation
 constexpr int kPilotImages = 96;
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
@@ -25,14 +25,14 @@ RenderSettings settings_of(AllocationChoice allocation, HistoryChoice history, i
   return s;
 }
 
-/// The camera of the scene, `shift` metres to its right.
+/// The scene's camera, moved `shift` metres to its right.
 CameraPose moved(const Session& session, float shift) {
   CameraPose camera = session.camera();
   camera.to_world[3] += shift * camera.to_world[0];
   return camera;
 }
 
-/// Images after the camera has come back to where it was: five steps aside, `frames` at each, and five back.
+/// Images after the camera returned to its position: five steps aside with `frames` at each, and five back.
 Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames, int seeds = kSeeds) {
   std::vector<Image> images;
   for (int seed = 1; seed <= seeds; ++seed) {
@@ -57,14 +57,14 @@ Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames
   return moments_of(std::move(images));
 }
 
-/// Rendered once in the process that has all tests of its suite.
+/// Rendered once, in the process of all tests of its suite.
 const Moments& reference() {
   static const Moments images =
       measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 96, kSeeds, 1001);
   return images;
 }
 
-/// The same of the scene where deciding by what is averaged shows most.
+/// Reference for the scene with the largest bias from allocation by averaged samples.
 const Moments& reference_of_the_open_box() {
   static const Moments images =
       measure(open_box(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate, 24), 2 * kPilotFrames,
@@ -74,8 +74,8 @@ const Moments& reference_of_the_open_box() {
 
 double mean_of(const Moments& m) { return mean_luminance(m.mean_image()); }
 
-/// Mean over images and pixels of the squared difference from the mean of `reference`, radiance clamped to 1: what a
-/// display shows.
+/// Mean over images and pixels of the squared difference from the mean of `truth`, with radiance clamped to 1 as on a
+/// display.
 double mse_of(const Moments& m, const Moments& truth) {
   double sum = 0;
   for (const Image& image : m.images) {
@@ -105,12 +105,12 @@ TEST(SharedHistory, AdaptiveSamplingWithPilotSamplesHasNoBias) {
     const std::string name = method == AdaptiveMethod::pooled ? "pooled" : "paper";
     expect_same_image("adaptive-pilot-" + name, images(method, true), reference_of_the_open_box(), options);
   }
-  // The same comparison tells what a pilot that does nothing would leave.
+  // The same comparison detects the bias without a pilot.
   const ImageTest without = compare(images(AdaptiveMethod::paper, false), reference_of_the_open_box(), options);
   EXPECT_GT(without.rejected_means, 0) << without.report();
 }
 
-/// The pixel's own values do not enter its own estimate.
+/// A pixel's own values are excluded from its estimate.
 TEST(SharedHistory, PooledDeviationsLeaveNoBiasThatShows) {
   const RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate, 24);
   expect_same_image("adaptive-pooled", measure(open_box(), s, kPilotFrames, kPilotImages, 1),
@@ -134,7 +134,7 @@ TEST(SharedHistory, ReprojectionIsBiasedByLessThanTwoPercent) {
 }
 
 TEST(History, ReprojectionBeatsStartingAnew) {
-  constexpr int kLarger = 96;  // at 32 every other pixel lies on an edge, which reprojection refuses
+  constexpr int kLarger = 96;  // at 32, every second pixel is on an edge, which reprojection rejects
   const auto settings = [](HistoryChoice history) { return settings_of(AllocationChoice::uniform, history, kLarger); };
   const Moments truth = measure(cornell(), settings(HistoryChoice::accumulate), 64, 2, 1001);
   const auto walk = [&](HistoryChoice history) { return mse_of(after_a_walk(settings(history), 4, 1, 4), truth); };

@@ -1,5 +1,5 @@
-// However lights and directions are chosen, and whatever was learnt for it from earlier frames: the image is that of
-// plain path tracing in the mean.
+// Tests that light selection and guiding, including learned ones, render the same image as plain path tracing in
+// expectation.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -15,22 +15,22 @@ namespace {
 
 constexpr int kImages = 16;
 
-/// How large, and how many frames, each of which learns from the one before.
+/// Image size and number of frames, each of which learns from the previous one.
 struct Effort {
   int width;
   int height;
   int frames;
 };
-constexpr Effort kQuick{24, 16, 8};    // seconds a scene
-constexpr Effort kSharp{48, 32, 128};  // minutes a scene
-constexpr Effort kRare{48, 32, 512};   // where light is found rarely
+constexpr Effort kQuick{24, 16, 8};    // seconds per scene
+constexpr Effort kSharp{48, 32, 128};  // minutes per scene
+constexpr Effort kRare{48, 32, 512};   // for rarely sampled light
 
 struct Way {
   std::string name;
   RenderSettings settings;
 };
 
-/// Images are small, and regions should be many.
+/// Small regions, so that small images have many.
 RenderSettings base_settings(const Effort& effort) {
   RenderSettings s = small_settings(effort.width, effort.height);
   s.octree = {.collapse = 32, .split = 64, .scale = false};
@@ -38,15 +38,15 @@ RenderSettings base_settings(const Effort& effort) {
   return s;
 }
 
-/// What the others are held to. By their power, the lamps of the warehouse that light a pixel are found so rarely that
-/// a few hundred samples do not tell its variance; the light tree takes nothing from what was learnt either.
+/// Baseline. In the warehouse, selection by power samples the lamps that light a pixel so rarely that a few hundred
+/// samples do not determine its variance. The light tree does not learn either.
 RenderSettings plain_settings(std::string_view scene, const Effort& effort) {
   RenderSettings s = base_settings(effort);
   if (scene == "warehouse") s.lights = LightSelectionChoice::light_tree;
   return s;
 }
 
-/// All combinations but the plain one, one of everything that departs from the defaults, and the paper's settings.
+/// All combinations except the plain one, one with all non-default settings, and the paper's settings.
 std::vector<Way> ways(const Effort& effort) {
   std::vector<Way> list;
   for (const LightSelectionChoice lights :
@@ -65,7 +65,7 @@ std::vector<Way> ways(const Effort& effort) {
   Way all{"departures", base_settings(effort)};
   all.settings.lights = LightSelectionChoice::vlc;
   all.settings.vlc.memory = 0;
-  all.settings.vlc.bucket_size = 4;  // several buckets a region
+  all.settings.vlc.bucket_size = 4;  // several buckets per region
   all.settings.guide = GuideChoice::cdq;
   all.settings.cdq.bits = QuadtreeBits::b64;
   all.settings.cdq.migrations = 4;
@@ -108,7 +108,7 @@ std::string scene_name(const ::testing::TestParamInfo<std::string_view>& info) {
   return test_name(std::string(info.param));
 }
 
-/// The suite makes some four hundred comparisons. Which errors they notice is a matter of how many paths find light.
+/// The suite makes about four hundred comparisons. The detectable errors depend on how many paths reach lights.
 const ImageTestOptions kOptions{.significance = 2.5e-5, .detectable = 0.25, .detectable_mean = 0.2};
 
 void check_all_ways(std::string_view scene, const Effort& effort, const ImageTestOptions& options) {
@@ -125,8 +125,8 @@ void check_all_ways(std::string_view scene, const Effort& effort, const ImageTes
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick, kOptions); }
-// Not lamp-room, corridor, cornell-glass, cover and slit, nor the warehouse by the power of its lamps: light is found
-// too rarely there for the few samples here to be told from chance. The slow test has them all.
+// Excludes lamp-room, corridor, cornell-glass, cover, slit, and the warehouse with selection by power: too few samples
+// reach lights for a significant result. The slow test includes all.
 INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::Values("cornell", "turntable", "mine", "furnace"), scene_name);
 
 TEST(LearningAmongHiddenLamps, ShowsTheSame) {
@@ -138,22 +138,22 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
     const LightSelectionChoice lights = way.settings.lights;
     if (lights != LightSelectionChoice::light_tree && lights != LightSelectionChoice::vlc) continue;
     if (lights == plain.lights && way.settings.guide == plain.guide) continue;
-    // Small buckets and one table to explore by leave rare bright samples; in motion these take part.
+    // Small buckets and a single exploration table give rare bright samples; the tests in motion include these.
     if (way.name == "departures" || way.name == "paper") continue;
     expect_same_image("learning-" + way.name + "-warehouse",
                       images(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
     ++compared;
   }
-  EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with it
+  EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with guiding
 }
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(SlowLearning, EveryWayShowsTheSame) {
-  // What finds a pixel's lamps in one of hundreds of samples leaves spreads that Welch's test takes for differences: 1
-  // to 15 of 1536 pixels, with every way to choose lights. Means of blocks are judged.
+  // With lamps sampled once in hundreds of samples, Welch's test rejects the variances of 1 to 15 of 1536 pixels for
+  // every light selection. Only block means are tested.
   const bool rare = GetParam() == "warehouse" || GetParam() == "corridor" || GetParam() == "cornell-water" ||
                     GetParam() == "cornell-glass";
-  // Guided paths that find the lamp behind three bends are few and bright: only the image as a whole tells there.
+  // Guided paths to the lamp behind three bends are rare and bright: only the image's mean is tested.
   const bool bends = GetParam() == "corridor";
   const ImageTestOptions options{.significance = 2.5e-5,
                                  .pixels = !rare,
@@ -166,7 +166,7 @@ TEST_P(SlowLearning, EveryWayShowsTheSame) {
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, SlowLearning, ::testing::ValuesIn(scene_names()), scene_name);
 
-/// The last image of a movement: what was learnt belongs to where things were before.
+/// Last image of a motion: learned state refers to earlier positions.
 Moments last_images(Session& session, const RenderSettings& settings, int repeats, int first_seed) {
   EXPECT_TRUE(session.set_settings(settings));
   std::vector<Image> images;
@@ -188,13 +188,13 @@ Moments last_images(Session& session, const RenderSettings& settings, int repeat
   return moments_of(std::move(images));
 }
 
-/// Weights of bidirectional strategies contain what selectors answer.
+/// Weights of bidirectional strategies depend on the selectors' probabilities.
 TEST(BidirectionalLights, EverySelectorShowsTheSame) {
   RenderSettings plain = base_settings(kQuick);
   plain.estimator = EstimatorChoice::bdpt;
   for (const char* scene : {"warehouse", "cornell-mirror"}) {
     const bool many_lamps = scene == std::string_view("warehouse");
-    RenderSettings quiet = plain;  // the way with the least noise
+    RenderSettings quiet = plain;  // selection with the least noise
     if (many_lamps) {
       quiet.estimator = EstimatorChoice::path;
       quiet.lights = LightSelectionChoice::light_tree;
@@ -217,7 +217,7 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
   }
 }
 
-/// A sky before the open side of the box, without a sun, which no path would find often enough to compare.
+/// A sky at the open side of the box. It has no sun, which too few paths would hit.
 TEST(EnvironmentLeftToPaths, ShowsTheSame) {
   Scene scene = find_builtin_scene("cornell")->build();
   scene.environment.kind = EnvironmentKind::sun_sky;
@@ -238,10 +238,10 @@ TEST_P(LearningInMotion, TheLastImageIsTheSame) {
   const Effort effort{24, 16, 0};
   const RenderSettings plain = plain_settings(GetParam(), effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);
-  // Single frames have long tails; in `slit` pixels seldom see a lamp between the blades.
+  // Single frames have long tails; in `slit`, few pixels see a lamp between the blades.
   const int repeats = GetParam() == "slit" ? 64 : 16;
   ImageTestOptions options = kOptions;
-  if (GetParam() == "slit") {  // where the paper's settings leave rare bright samples
+  if (GetParam() == "slit") {  // the paper's settings give rare bright samples here
     options.detectable = 0.59;
     options.detectable_mean = 0.4;
   }
@@ -253,7 +253,7 @@ TEST_P(LearningInMotion, TheLastImageIsTheSame) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("turntable", "warehouse"), scene_name);
-// Four times as many frames: 79 s of a suite of twenty minutes.
+// Four times the frames: 79 s of a suite of twenty minutes.
 INSTANTIATE_TEST_SUITE_P(SlowBuiltin, LearningInMotion, ::testing::Values("slit"), scene_name);
 
 }  // namespace

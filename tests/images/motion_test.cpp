@@ -1,5 +1,5 @@
-// A camera, a lamp and an object that move at once: what reprojection takes along is explained pixel by pixel, leaves
-// no trails behind the object, and is gone when everything stands still.
+// Tests reprojection with simultaneous motion of a camera, a lamp and an object: each kept history is explained, the
+// object leaves no trails, and old samples vanish at rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,11 +26,11 @@ namespace {
 constexpr int kWidth = 96;
 constexpr int kHeight = 54;
 constexpr int kFrames = 12;
-constexpr int kFirstCompared = 8;  ///< from here on there are references
+constexpr int kFirstCompared = 8;  ///< references start here
 constexpr int kSeeds = 3;
 constexpr float kFps = 24;
 
-/// Half a second. The tall box crosses the image by one to two pixels a frame.
+/// Half a second. The tall box moves by one to two pixels per frame.
 constexpr const char* kBox = R"({
   "scene": "builtin:cornell-closed",
   "camera": {"fov_y_deg": 60},
@@ -42,7 +42,7 @@ constexpr const char* kBox = R"({
   }
 })";
 
-/// Along the hall, through which the hanging vases swing, while the lamp above it goes ahead.
+/// Along the hall with swinging vases, while the lamp above moves ahead.
 constexpr const char* kSponza = R"({
   "scene": "SPONZA",
   "environment": {"constant": [0.25, 0.3, 0.4]},
@@ -57,10 +57,10 @@ constexpr const char* kSponza = R"({
 
 struct MovingScene {
   Scene scene;
-  const char* object;  ///< node that moves
-  double mse;          ///< bounds: of restarted accumulation
-  double temporal;     ///< of restarted accumulation
-  double trail;        ///< mean error behind the object
+  const char* object;  ///< moving node
+  double mse;          ///< bound relative to restarted accumulation
+  double temporal;     ///< relative to restarted accumulation
+  double trail;        ///< bound on the mean error behind the object
 };
 
 Scene load(const std::string& json) {
@@ -78,14 +78,14 @@ std::optional<MovingScene> sponza() {
   if (!std::filesystem::exists(file)) return std::nullopt;
   std::string json = kSponza;
   json.replace(json.find("SPONZA"), 6, file.generic_string());
-  // Few pixels show the vases, and restarted accumulation is as far off behind them: 7 %.
+  // The vases cover few pixels, and restarted accumulation has the same error behind them: 7 %.
   return MovingScene{load(json), "vase_hanging", 0.85, 0.75, 0.1};
 }
 
 RenderSettings settings_of(HistoryChoice history, int seed, int scale = 1) {
   RenderSettings s = small_settings(kWidth / scale, kHeight / scale);
   s.history = history;
-  s.reproject.stored = StoredSampleChoice::one;  // then each kept pixel has a source of its own
+  s.reproject.stored = StoredSampleChoice::one;  // each kept pixel has a separate source
   s.path.max_bounces = 4;
   s.auxiliary = true;  // motion vectors
   s.seed = seed;
@@ -100,7 +100,7 @@ std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
   return {view.begin(), view.end()};
 }
 
-/// What a frame leaves behind.
+/// Results of a frame.
 struct Frame {
   Image image;
   SurfaceMotion surface;
@@ -108,7 +108,7 @@ struct Frame {
   std::vector<uint32_t> samples;
   std::vector<uint32_t> kept;
   std::vector<uint32_t> reason;
-  std::vector<uint32_t> reject_reason;  ///< of the pixels of the frame before; forward
+  std::vector<uint32_t> reject_reason;  ///< for the previous frame's pixels; forward
 };
 
 Frame frame_of(const Session& session) {
@@ -121,7 +121,7 @@ Frame frame_of(const Session& session) {
           copy_of(session, kHistoryRejectReason)};
 }
 
-/// The sequence with one sample a pixel and frame, and at last `rest` more frames in which nothing moves.
+/// The sequence with one sample per pixel and frame, followed by `rest` frames without motion.
 std::vector<Frame> play(const Scene& scene, const RenderSettings& settings, int rest = 0) {
   Session session(scene, settings);
   std::vector<Frame> frames;
@@ -135,7 +135,7 @@ std::vector<Frame> play(const Scene& scene, const RenderSettings& settings, int 
   return frames;
 }
 
-/// Frame by frame from kFirstCompared.
+/// References of frames from kFirstCompared on.
 std::vector<Image> references(const Scene& scene, int spp) {
   std::vector<Image> images;
   RenderSettings s = settings_of(HistoryChoice::accumulate, 1001);
@@ -153,10 +153,9 @@ std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int
   return play(scene, settings_of(history, seed, scale), rest);
 }
 
-// --- What is kept is explained
-// ----------------------------------------------------------------------------------------
+// --- Explanation of kept histories
 
-/// Calls f(index of each pixel of the image within `reach` of (x, y)).
+/// Calls f(index) for each pixel within `reach` of (x, y).
 template <typename F>
 void around(float x, float y, int reach, F f) {
   const int cx = static_cast<int>(std::floor(x));
@@ -168,14 +167,14 @@ void around(float x, float y, int reach, F f) {
 }
 
 struct Unexplained {
-  int keep_too_many = 0;   ///< more samples than this frame's without a history, or than a change leaves
-  int without_source = 0;  ///< a history, but no pixel near where the surface was gave its own away
-  int of_the_hidden = 0;   ///< a history, though the surface was not in the image
-  int kept = 0;            ///< for the test to mean something
+  int keep_too_many = 0;   ///< more samples than a new pixel, or than a change allows
+  int without_source = 0;  ///< a history without a nearby pixel that gave its own away
+  int of_the_hidden = 0;   ///< a history although the surface was not in the image
+  int kept = 0;            ///< so that the test is meaningful
   int hidden = 0;
 };
 
-/// Pixels of `now` whose history the reject_reasons of the pixels of `before` do not explain.
+/// Pixels of `now` whose history is not explained by the previous frame's reject reasons.
 Unexplained unexplained(const Frame& before, const Frame& now) {
   const RenderSettings settings = settings_of(HistoryChoice::reproject, 0);
   const auto most = static_cast<uint32_t>(settings.reproject.max_samples_changed) + 1;
@@ -188,7 +187,7 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
       const Vec2 was = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - now.surface.motion[i];
       bool given_away = false;
       bool seen = false;
-      // The samples of a pixel lie anywhere in it, before as well as now.
+      // A pixel's samples are anywhere within it, in both frames.
       around(was.x, was.y, 2, [&](size_t q) {
         given_away = given_away || now.reject_reason[q] == 1;
         seen = seen || before.instance[q] == now.instance[i];
@@ -202,9 +201,9 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
   return result;
 }
 
-/// Every pixel of every frame says why it has a history or not, with one of `reasons` of RejectReason. Most pixels
-/// keep theirs. Each reason occurs, except two: large changes of light (7) are rare, and pixels see several surfaces
-/// (6) only while nothing moves.
+/// Expects every pixel to report one of `reasons` of RejectReason for keeping or losing its history. Most pixels keep
+/// theirs. Each reason occurs, with two exceptions: large changes of light (7) are rare, and mixed surfaces (6) occur
+/// only without motion.
 void expect_reasons(const std::vector<Frame>& frames, const std::vector<uint32_t>& reasons) {
   std::vector<int> count(11, 0);
   for (size_t f = 1; f < frames.size(); ++f) {
@@ -238,18 +237,17 @@ void expect_explained(const MovingScene& moving) {
   EXPECT_GT(sum.hidden, 0);
 }
 
-// --- No trails, less error, less flicker
-// ------------------------------------------------------------------------------
+// --- Trails, error and flicker
 
 struct Errors {
   double mse = 0;
   double temporal = 0;  ///< relative
-  double trail = 0;     ///< mean of (image - reference) over the mean of the reference, where the object just was
+  double trail = 0;  ///< mean of (image - reference) over the mean of the reference, at the object's recent positions
   double elsewhere = 0;
   int trail_pixels = 0;
 };
 
-/// The instance of the object: the one that the most pixels show among those of its node.
+/// Flags the instances of the object's node.
 std::vector<bool> instances_of(const MovingScene& moving, size_t count) {
   const Session session(moving.scene, settings_of(HistoryChoice::none, 0));
   std::vector<bool> result(count, false);
@@ -304,16 +302,15 @@ void expect_no_ghosts(const MovingScene& moving) {
   EXPECT_LT(kept.temporal, moving.temporal * anew.temporal);
   ASSERT_GT(kept.trail_pixels, 500);
   EXPECT_LT(std::fabs(kept.trail), moving.trail);
-  // Light by way of other surfaces lags behind the lamp: some two percent here, where it crosses the ceiling in a
-  // second.
+  // Indirect light lags behind the lamp: about two percent here, where it crosses the ceiling in a second.
   EXPECT_LT(std::fabs(kept.elsewhere), 0.04);
 }
 
-/// What histories brought along is forgotten, as the image converges.
+/// Expects histories from the motion to vanish as the image converges.
 void expect_no_stuck_pixels(const MovingScene& moving) {
   constexpr int kRest = 256;
-  constexpr int kScale = 2;  // fewer pixels will do
-  // Its random numbers are those of the history, whatever that keeps: not a low-discrepancy sequence.
+  constexpr int kScale = 2;  // fewer pixels suffice
+  // The history determines the random numbers, even if it keeps nothing: no low-discrepancy sequence.
   RenderSettings s = settings_of(HistoryChoice::reproject, 1, kScale);
   s.time_s = time_of(kFrames - 1);
   const Image truth = [&] {
@@ -326,7 +323,7 @@ void expect_no_stuck_pixels(const MovingScene& moving) {
   const double anew = mse(render(moving.scene, s, kRest + 1), truth);
   const double kept = mse(last.image, truth);
   std::cerr << "at rest: MSE " << kept << ", anew " << anew << "\n";
-  EXPECT_LT(kept, 1.3 * anew);  // a sixteenth of the samples is still from when things moved
+  EXPECT_LT(kept, 1.3 * anew);  // a sixteenth of the samples are from the motion
   const auto [least, most] = std::minmax_element(last.samples.begin(), last.samples.end());
   EXPECT_EQ(*least, kRest + 1u);
   EXPECT_LE(*most, kRest + 1u + static_cast<uint32_t>(s.reproject.max_samples_changed));
@@ -335,11 +332,10 @@ void expect_no_stuck_pixels(const MovingScene& moving) {
 TEST(Motion, HistoriesAreExplained) { expect_explained(box()); }
 TEST(Motion, PixelsSayWhyTheyHaveAHistory) {
   RenderSettings s = settings_of(HistoryChoice::reproject, 1);
-  // Nothing came to lie here, or did and was occluded, view dependent, mixed, relit, on another surface. No material is
-  // near-specular.
+  // Reasons: empty, none, occluded, view_dependent, mixed, relit, other_surface. No material is near-specular.
   expect_reasons(play(box().scene, s), {0, 1, 3, 4, 6, 7, 9});
   s.reproject.method = ReprojectionMethod::backward;
-  expect_reasons(play(box().scene, s), {1, 2, 9});  // it was off screen, or another surface was there
+  expect_reasons(play(box().scene, s), {1, 2, 9});  // none, off_screen, other_surface
 }
 
 TEST(Motion, ObjectsLeaveNoTrails) { expect_no_ghosts(box()); }

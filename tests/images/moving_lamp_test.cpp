@@ -1,5 +1,5 @@
-// A lamp that moves after a rest, with reprojection and adaptive allocation: pixels whose probability was settled at
-// rest follow it.
+// Tests a lamp that moves after a rest, with reprojection and adaptive sampling: pixels follow it although their
+// probability was settled.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kSeeds = 3;
 constexpr float kFps = 24;
 
-/// Only the lamp moves, for a second.
+/// Only the lamp moves, for one second.
 constexpr const char* kLamp = R"({
   "scene": "builtin:cornell-closed",
   "camera": {"fov_y_deg": 60, "eye": [1.9, 2.9, 2.2], "target": [1.28, 2.68, 1.44]},
@@ -30,8 +30,8 @@ double mean_luminance(const Image& image) {
   return sum / static_cast<double>(image.pixels.size());
 }
 
-/// Frames at rest, so that probabilities are settled, and as many in which the lamp moves: the last one's mean over
-/// that of `truth`, minus one.
+/// Relative error of the last frame's mean against `truth`, after frames at rest, which settle probabilities, and
+/// `frames` with a moving lamp.
 double lag_behind_the_lamp(const Scene& scene, RenderSettings settings, int frames, const Image& truth) {
   constexpr int kRest = 40;
   double sum = 0;
@@ -48,7 +48,8 @@ double lag_behind_the_lamp(const Scene& scene, RenderSettings settings, int fram
   return sum / kSeeds;
 }
 
-// Pixels with a probability of their own waited for frames that never came while the lamp moved: 9 % too bright.
+// Regression test: pixels with their own probability were 9 % too bright, since they were not sampled while the lamp
+// moved.
 TEST(MovingLamp, AdaptivePixelsFollow) {
   constexpr int kMoving = 22;
   const TempFolder folder;
@@ -66,7 +67,7 @@ TEST(MovingLamp, AdaptivePixelsFollow) {
   const double adaptive = lag_behind_the_lamp(scene, s, kMoving, truth);
   std::cerr << "behind the lamp: " << alone << " by reprojection, " << adaptive << " with adaptive allocation\n";
   EXPECT_LT(std::fabs(alone), 0.04);
-  EXPECT_LT(std::fabs(adaptive), 0.04);  // light by way of other surfaces lags, as in Motion.ObjectsLeaveNoTrails
+  EXPECT_LT(std::fabs(adaptive), 0.04);  // indirect light lags, as in Motion.ObjectsLeaveNoTrails
 }
 
 }  // namespace

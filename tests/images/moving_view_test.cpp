@@ -1,5 +1,5 @@
-// Forward reprojection under a camera that walks and turns: filling the pixels to which no history came takes most of
-// the noise away that they would show.
+// Tests forward reprojection with a walking and turning camera: filling pixels without a history removes most of their
+// noise.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -34,7 +34,7 @@ RenderSettings settings_of(bool fill, int seed) {
   return s;
 }
 
-/// Mean over the seeds of the MSE of the last of kFrames frames, `step` seconds apart.
+/// MSE of the last of kFrames frames, `step` seconds apart: mean over the seeds.
 double last_error(const Scene& scene, float step, bool fill, const Image& truth) {
   double sum = 0;
   for (int seed = 1; seed <= kSeeds; ++seed) {

@@ -1,4 +1,4 @@
-// Samples that are no numbers, from the scene to the image: each is counted, counts as black, and spoils nothing.
+// Tests non-finite samples from the scene to the image: each is counted, treated as black, and isolated.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -38,7 +38,7 @@ Scene broken_card(float environment) {
   return scene;
 }
 
-/// The two texels cover four pixels each.
+/// Each of the two texels covers four pixels.
 bool is_broken(int x, int y) { return (x / 2 == 1 && y / 2 == 1) || (x / 2 == 2 && y / 2 == 3); }
 
 TEST(Nonfinite, SamplesAreCountedAndBlack) {
@@ -76,7 +76,7 @@ TEST(Nonfinite, AdaptiveSamplingGoesOn) {
   for (const Rgb& pixel : session.image().pixels) EXPECT_TRUE(is_finite(pixel));
 }
 
-/// A sun so bright and small that its radiance overflows, on a card that covers the right half of the image.
+/// A sun with overflowing radiance on a card that covers the right half of the image.
 TEST(Nonfinite, OverflowOnTheWayIsFoundToo) {
   Scene scene;
   add(scene, quad({0, -1, 0}, {1, 0, 0}, {0, 2, 0}), matte("card", Rgb(0.5f)));

@@ -1,5 +1,5 @@
-// Whatever structures that learn contain, images keep their mean: here they contain chance. Frames take consecutive
-// elements of one sequence, as those of an epoch do.
+// Tests that images keep their mean with random content in learned structures. Frames use consecutive elements of one
+// sequence, as in an epoch.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -25,7 +25,7 @@ constexpr uint32_t kFrames = 8;
 constexpr int kImages = 16;
 constexpr uint32_t kBits = 128;
 
-/// An octree over the scene whose every leaf is split `levels` times.
+/// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
   const Box box = world_box(scene);
   OctreeTree tree(box.center(), 1.001f * max_component(box.extent()));
@@ -36,7 +36,7 @@ OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
   return tree;
 }
 
-/// Quadtrees after migrations between nodes that chance chose.
+/// Quadtrees after migrations between random nodes.
 Quadtrees random_quadtrees(uint32_t regions, testing::Random& random) {
   Quadtrees trees(kBits, regions);
   for (uint32_t region = 0; region < regions; ++region) {
@@ -52,7 +52,7 @@ Quadtrees random_quadtrees(uint32_t regions, testing::Random& random) {
   return trees;
 }
 
-/// A scene, and structures that know nothing of it.
+/// A scene, and structures independent of it.
 class Poisoned {
  public:
   explicit Poisoned(const char* scene)
@@ -82,7 +82,7 @@ class Poisoned {
     return context;
   }
 
-  /// Images of several seeds, each the mean of the frames of one epoch.
+  /// Images of several seeds, each the mean of one epoch's frames.
   Moments images(const PathContext& context, uint32_t first_seed) {
     std::vector<Image> images;
     for (uint32_t i = 0; i < kImages; ++i) {
@@ -100,7 +100,7 @@ class Poisoned {
   void build_caches() {
     const LightsView& lights = scene_.view().lights;
     const std::vector<LightGuess> guesses = light_guesses(lights);
-    // Each region saw some lights, by chance.
+    // Each region has random light samples.
     SampleStream stream;
     stream.resize(tree_.leaf_slots(), 1);
     for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) {

@@ -1,4 +1,4 @@
-// Error, bias and variance of what caches in a hash grid show.
+// Tests error, bias and variance of hash grid caches.
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
@@ -20,14 +20,14 @@ RenderSettings settings_of(CacheChoice cache, HistoryChoice history) {
   return s;
 }
 
-/// What images of the box are measured against. Pixels that see the lamp do not count: emission is not filtered, and
-/// the noise of the lamp's edges would outweigh all else.
+/// Reference for images of the box. Pixels with the lamp are excluded: emission is not filtered, and the noise of the
+/// lamp's edges would dominate.
 struct Truth {
   Image image;
   std::vector<bool> counts;
 };
 
-/// Rendered once a process: CMakeLists.txt has one run all tests of SharedCacheErrors.
+/// Rendered once per process: CMakeLists.txt runs all tests of SharedCacheErrors in one.
 const Truth& truth() {
   static const Truth result = [] {
     RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate);
@@ -50,7 +50,7 @@ double error_of(const Image& image) {
   return sum / count;
 }
 
-/// Expected error of the first frames, and rays of all of them.
+/// Mean error of each of the first frames, and the number of rays of all of them.
 struct Course {
   std::vector<double> error;
   double rays = 0;
@@ -97,7 +97,7 @@ TEST(SharedCacheErrors, ApsfHasThatOfPsfWithFewerRays) {
   for (size_t i = 0; i < 24; ++i) EXPECT_LT(apsf.error[i], 1.1 * psf.error[i]) << i;
 }
 
-/// Of frames after cells have settled: squared difference of their mean from the truth, and variance of one.
+/// For frames after cells have settled: squared difference of their mean from the reference, and variance of a frame.
 struct Settled {
   double bias2 = 0;
   double variance = 0;
@@ -126,7 +126,7 @@ Settled settle(CacheChoice cache, float constant) {
     means.push_back(m.mean_image());
   }
   result.variance /= 2 * count;
-  // The product of two independent differences has no noise of its own but that of the truth, the same for all.
+  // The product of two independent differences contains only the noise of the reference, which is equal for all.
   for (size_t i = 0; i < truth().counts.size(); ++i) {
     if (!truth().counts[i]) continue;
     const glm::dvec3 a(means[0].pixels[i] - truth().image.pixels[i]);
@@ -150,7 +150,7 @@ TEST(CacheErrorsSlow, PathGraphsTradeBiasForVariance) {
     EXPECT_LE(graphs[i].bias2, 1.02 * graphs[i - 1].bias2) << i;
   }
   EXPECT_TRUE(better);
-  // With a constant of 0 graphs show cells, too, whose samples hold the means of deeper ones: a little less noise.
+  // With a constant of 0, graphs also display cells, whose samples hold the means of deeper ones: slightly less noise.
   EXPECT_LT(graphs[0].variance, 1.02 * psf.variance);
   EXPECT_GT(graphs[0].variance, 0.85 * psf.variance);
   for (size_t i = 2; i < graphs.size(); ++i) EXPECT_GT(graphs[i].variance, psf.variance) << i;

@@ -1,5 +1,4 @@
-// What caches in a hash grid promise: less error than the path tracer's, light that stays where it belongs, and changes
-// that show soon.
+// Tests the properties of hash grid caches: less error than path tracing, no light leaks, and fast response to changes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,8 +23,8 @@ RenderSettings settings_of(CacheChoice cache, HistoryChoice history, int width, 
   return s;
 }
 
-/// A floor, lit from the left only: an endless black wall at x = 0 keeps the light from the right. Seen from above, 64
-/// pixels a metre.
+/// A floor lit only on the left: an infinite black wall at x = 0 blocks the light. Seen from above at 64 pixels per
+/// metre.
 Scene divided_floor() {
   Scene scene;
   scene.name = "divided floor";
@@ -41,7 +40,7 @@ Scene divided_floor() {
   return scene;
 }
 
-/// Mean radiance of the columns [first, last) of `image`, from the middle to the right.
+/// Mean radiance of columns [first, last) of `image`, counted from the middle to the right.
 double mean_right(const Image& image, int first, int last) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -64,7 +63,7 @@ TEST_P(Caches, LightStaysWithinACellOfAWall) {
       const Image image = session.image();
       const double lit = mean_right(image, -16, 0);
       EXPECT_GT(lit, 0.1);
-      // The jitter takes both points by up to half a cell each: light reaches two cells far, but hardly.
+      // Jitter moves both points by up to half a cell: light reaches two cells far, but is faint.
       EXPECT_EQ(mean_right(image, jitter ? 16 : 8, 64), 0.0) << jitter << " " << frame;
       if (jitter) {
         EXPECT_LT(mean_right(image, 8, 16), 0.02 * lit) << frame;
@@ -73,8 +72,8 @@ TEST_P(Caches, LightStaysWithinACellOfAWall) {
   }
 }
 
-/// The same floor seen along the wall, `elevation` degrees above the floor: cells are few pixels high and have few
-/// samples, so that coarser ones stand in for them.
+/// The same floor seen along the wall, `elevation` degrees above the floor. Cells are few pixels high and have few
+/// samples, so that coarser ones replace them.
 Scene grazed_floor(float elevation) {
   Scene scene = divided_floor();
   const float angle = glm::radians(elevation);
@@ -89,14 +88,14 @@ Scene grazed_floor(float elevation) {
 }
 
 TEST_P(Caches, LightReachesFurtherAtGrazingAnglesButFaintly) {
-  // 128 pixels a metre; an edge of 10 pixels is rounded to 1/16 metre, 8 pixels.
+  // 128 pixels per metre; an edge of 10 pixels is rounded to 1/16 metre, 8 pixels.
   constexpr int kCell = 8;
   RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 256, 64);
   s.psf.grid.cell_size = 10;
   ASSERT_EQ(s.psf.grid.thin_cells, ThinCells::coarser);
   Session session(grazed_floor(6), s);
   double lit = 0;
-  double bands[4] = {};  // up to 2 cells from the wall, up to 4, up to 9, beyond
+  double bands[4] = {};  // distance from the wall up to 2, 4 and 9 cells, and beyond
   const int ends[] = {kCell * 11 / 10, 2 * kCell, 4 * kCell, 9 * kCell, 128};
   constexpr int kFrames = 16;
   for (int frame = 0; frame < kFrames; ++frame) {
@@ -109,12 +108,12 @@ TEST_P(Caches, LightReachesFurtherAtGrazingAnglesButFaintly) {
   EXPECT_LT(bands[0], 0.01 * lit);    // 0.0045
   EXPECT_LT(bands[1], 0.001 * lit);   // 0.0002
   EXPECT_LT(bands[2], 0.0002 * lit);  // 0
-  // The coarsest stand-in is eight cells wide, and both points are up to half a cell off.
+  // The coarsest replacement is eight cells wide, and both points are off by up to half a cell.
   EXPECT_EQ(bands[3], 0.0);
 }
 
 TEST_P(Caches, LightDoesNotGoThroughAPanel) {
-  // A panel without thickness, lit from behind, seen from the front; a mirror beside it shows its back.
+  // A panel without thickness, lit from behind and seen from the front; a mirror shows its back.
   Scene scene;
   scene.name = "panel";
   add(scene, quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}), matte("panel", Rgb(0.8f)));
@@ -137,7 +136,7 @@ TEST_P(Caches, LightDoesNotGoThroughAPanel) {
   EXPECT_GT(brightest.g, 0.05f) << "the mirror shows the lit side";
 }
 
-/// Mean of `count` frames, one by one.
+/// Mean of `count` single frames.
 Image mean_frame(Session& session, int count) {
   std::vector<Image> frames;
   for (int i = 0; i < count; ++i) {
@@ -147,7 +146,7 @@ Image mean_frame(Session& session, int count) {
   return moments_of(std::move(frames)).mean_image();
 }
 
-/// Pixels that show the same place of a surface, and no lamp, before and after a change of the scene.
+/// Pixels that show the same surface point and no lamp, before and after a change of the scene.
 std::vector<bool> steady_pixels(Session& before, Session& after) {
   std::vector<bool> steady;
   const Image a = mean_frame(before, 16);
@@ -162,7 +161,7 @@ std::vector<bool> steady_pixels(Session& before, Session& after) {
   return steady;
 }
 
-/// Share of the way from one image to another that `image` has gone: 0 to 1.
+/// Progress of `image` between two images: 0 to 1.
 double share_of_way(const Image& image, const Image& from, const Image& to, const std::vector<bool>& counts) {
   double gone = 0;
   double whole = 0;
@@ -186,8 +185,8 @@ TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
   s.path.max_bounces = 5;
   s.apsf.min_samples = 16;
   const double expected = testing::closed_furnace_radiance(0.5, 5);
-  // Cells of a path graph learn from one another, so what the first frames got wrong lasts: the mean of a run strays by
-  // 0.35 %. What algorithm 2 drops is twenty times as much.
+  // Cells of a path graph use one another, so that errors of the first frames persist: a run's mean varies by 0.35 %.
+  // The energy dropped by algorithm 2 is twenty times larger.
   constexpr int kFrames = 32;
   constexpr double kTolerance = 0.018;
   for (const VarianceMeasure measure : {VarianceMeasure::relative, VarianceMeasure::absolute}) {
@@ -195,7 +194,7 @@ TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
     for (const float constant : {0.0f, 0.001f, 0.05f, 1.0f, 100.0f, 1e12f}) {
       s.apg.variance_constant = constant;
       EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, kTolerance) << "constant " << constant;
-      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf) break;  // have no constant
+      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf) break;  // without a constant
     }
   }
   s.apg = {};
@@ -206,7 +205,7 @@ TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
     for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::step, BlendFunction::one_over_square}) {
       s.apsf.blend = blend;
       EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, kTolerance) << int(survival) << " " << int(blend);
-      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apg) return;  // neither survives nor blends
+      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apg) return;  // without survival and blending
     }
   }
 }
@@ -236,16 +235,16 @@ TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
     std::string shares;
     for (const Image& frame : course)
       shares += std::to_string(share_of_way(frame, before, after, counts)).substr(0, 6) + " ";
-    // A single frame of a path graph strays by 0.03: three of them.
+    // A single frame of a path graph varies by 0.03; averages three.
     double share = 0;
     for (size_t i = 8; i < 11; ++i) share += share_of_way(course[i], before, after, counts) / 3;
-    RecordProperty(name == std::string_view("lamp") ? "lamp" : "box", shares);  // what the page of the grid says
+    RecordProperty(name == std::string_view("lamp") ? "lamp" : "box", shares);  // stated on the page of the grid
     EXPECT_GT(share, 0.75) << name << ": " << shares;
   }
 }
 
 TEST_P(Caches, EdgesOfLampsAreSmooth) {
-  // A lamp that lies across the pixels' grid, before a dim wall.
+  // A lamp rotated against the pixel grid, in front of a dim wall.
   Scene scene;
   scene.name = "edges";
   add(scene, quad({-4, -4, -0.5f}, {8, 0, 0}, {0, 8, 0}), matte("wall", Rgb(0.5f)));
@@ -265,12 +264,12 @@ TEST_P(Caches, EdgesOfLampsAreSmooth) {
   Session rough(scene, s);
   s.psf.edge_rays = 16;
   Session smooth(scene, s);
-  // The path graph's first frame knows no cells yet.
+  // The path graph's first frame has no cells.
   mean_frame(rough, 2);
   mean_frame(smooth, 2);
   const double rough_error = mse(mean_frame(rough, 1), truth);
   EXPECT_LT(mse(mean_frame(smooth, 1), truth), 0.1 * rough_error);
-  // Nothing but noise: what 64 frames average is nearer still.
+  // Only noise: the mean of 64 frames is closer.
   EXPECT_LT(mse(mean_frame(smooth, 64), truth), 0.004 * rough_error);
 }
 

@@ -1,5 +1,4 @@
-// What caches in a hash grid show over many frames: nothing flickers where levels change, and no energy is lost or
-// made.
+// Tests hash grid caches over many frames: no flicker where levels change, and conserved energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +26,7 @@ RenderSettings settings_of(CacheChoice cache, int width, int height) {
 class CachesInTime : public ::testing::TestWithParam<CacheChoice> {};
 class CachesInTimeSlow : public CachesInTime {};
 
-/// A floor under a clear sky without anything else: the image is the same everywhere, so whatever differs is error.
+/// A floor under a clear sky: the image is uniform, so that differences are errors.
 Scene open_floor() {
   Scene scene;
   scene.name = "open floor";
@@ -41,7 +40,7 @@ Scene open_floor() {
   return scene;
 }
 
-/// The same, and beyond its edge a box that nobody sees.
+/// The same with an invisible box beyond its edge.
 Scene floor_and_box() {
   Scene scene = open_floor();
   Node box;
@@ -54,19 +53,19 @@ Scene floor_and_box() {
   return scene;
 }
 
-/// How much pixels change from frame to frame, followed along the surface.
+/// Mean squared change of pixels between frames, following the surface.
 struct Flicker {
   double near_borders = 0;
   double elsewhere = 0;
 };
 
-/// The camera walks over the floor. Levels change where an edge of a cell, in pixels, is between two powers of two.
-/// `disturbed`: something moves in every frame, out of sight, so that all cells look for changes.
+/// The camera walks over the floor. Levels change where a cell's edge, in pixels, is between two powers of two.
+/// `disturbed` moves an invisible object in every frame, so that all cells check for changes.
 Flicker walk(CacheChoice cache, bool disturbed = false, int seed = 0) {
   constexpr int kWidth = 160;
   constexpr int kHeight = 96;
   RenderSettings s = settings_of(cache, kWidth, kHeight);
-  s.lights = LightSelectionChoice::uniform;  // a third of the light each: noise
+  s.lights = LightSelectionChoice::uniform;  // a third of the light each, for noise
   s.path.max_bounces = 1;
   s.seed = seed;
   const Scene scene = floor_and_box();
@@ -93,7 +92,7 @@ Flicker walk(CacheChoice cache, bool disturbed = false, int seed = 0) {
         const Vec3 d((static_cast<float>(x - kWidth / 2) + 0.5f) * pixel,
                      -(static_cast<float>(y - kHeight / 2) + 0.5f) * pixel, -1);
         const float t = -kEye / d.y;
-        // The same point of the floor a frame ago: further away by a step.
+        // The same floor point in the previous frame, one step further away.
         const float scale = -1.0f / (t * d.z - kStep);
         const int px = static_cast<int>(std::floor(d.x * t * scale / pixel)) + kWidth / 2;
         const int py = static_cast<int>(std::floor(kEye * scale / pixel)) + kHeight / 2;
@@ -113,15 +112,16 @@ Flicker walk(CacheChoice cache, bool disturbed = false, int seed = 0) {
   return flicker;
 }
 
-/// How the change at borders may compare with that elsewhere, and how many walks tell it with which standard error.
+/// Bound on the change at borders relative to elsewhere, the number of walks, and the standard error of their mean.
 struct BorderBound {
   double most;
   int walks;
   double noise;
 };
 BorderBound border_bound(CacheChoice cache) {
-  // Measured: psf 0.84 and 0.90, apsf 0.72 and 0.76, apg 1.000, apsf+apg 1.036 and 1.040. There new cells cull nobody,
-  // so all their pixels show path graphs where elsewhere some show quieter cells.
+  // Measured: psf 0.84 and 0.90, apsf 0.72 and 0.76, apg 1.000, apsf+apg 1.036 and 1.040. In the last, new cells
+  // terminate no paths at borders, so that all their pixels show path graphs; elsewhere, some show cells with less
+  // noise.
   switch (cache) {
     case CacheChoice::apg: return {1.01, 2, 0.004};
     case CacheChoice::apsf_apg: return {1.08, 4, 0.015};
@@ -152,7 +152,7 @@ struct Stretch {
   double mean = 0;
 };
 
-/// Fills the means of stretches, which follow one another.
+/// Computes the means of consecutive stretches.
 void run_through(Scene scene, const RenderSettings& settings, std::vector<Stretch>& stretches) {
   Session session(std::move(scene), settings);
   int frame = 0;
@@ -170,12 +170,12 @@ TEST_P(CachesInTimeSlow, TenThousandFramesDoNotDrift) {
   std::vector<Stretch> furnace{{200, 1200}, {9000, 10000}};
   run_through(testing::closed_furnace(0.5f), s, furnace);
   const double expected = testing::closed_furnace_radiance(0.5, 5);
-  // A thousand frames of 256 paths that spread by a quarter of their mean, of which cells make less: 0.05 %, and what
-  // cells of a path graph pass on to each other.
+  // A thousand frames of 256 paths with a relative deviation of a quarter, which cells reduce: 0.05 %, plus the
+  // correlation of a path graph's cells.
   for (const Stretch& stretch : furnace) EXPECT_NEAR(stretch.mean / expected, 1.0, 0.005) << stretch.begin;
   std::vector<Stretch> box{{200, 1200}, {9000, 10000}};
   run_through(build("cornell"), s, box);
-  // The lamp's edges and paths that spread by several times their mean: 0.3 %, three times.
+  // Lamp edges, and paths with a deviation of several times their mean: 0.3 %, tripled.
   EXPECT_NEAR(box[1].mean / box[0].mean, 1.0, 0.01);
 }
 

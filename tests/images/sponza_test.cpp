@@ -1,5 +1,5 @@
-// A scene as artists build them, with every texture, against Cycles. Its file is not in the repository: RELUME_SCENES
-// names the folder that holds sponza/sponza.gltf.
+// Compares a production scene with all textures against Cycles. Its file is not in the repository: RELUME_SCENES is the
+// folder of sponza/sponza.gltf.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -11,8 +11,8 @@
 namespace relume::support {
 namespace {
 
-/// Under a sky of radiance (0.25, 0.3, 0.4), six bounces; mean of an image of 640 × 360 pixels by Cycles 3.4.1,
-/// 1,024 samples, box filter (tools/compare_cycles renders such images).
+/// Sky of radiance (0.25, 0.3, 0.4), six bounces. Mean of an image of 640 × 360 pixels by Cycles 3.4.1 with 1,024
+/// samples and a box filter (tools/compare_cycles renders such images).
 const Rgb kCycles{0.21621f, 0.15628f, 0.09051f};
 
 class Sponza : public ::testing::Test {

@@ -1,4 +1,4 @@
-// Scenes without a light or a camera: what replaces them, and that the session says so.
+// Tests the replacement of missing lights and cameras, and the session's notes on it.
 #include <gtest/gtest.h>
 
 #include <utility>

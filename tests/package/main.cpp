@@ -1,5 +1,5 @@
-// Makes a scene, writes and reads it as a file, renders it and writes the image: parts of the
-// library that each bring other dependencies along.
+// Creates a scene, writes and reads it as a file, renders it and writes the image. These parts of the library have
+// different dependencies.
 #include <filesystem>
 #include <iostream>
 

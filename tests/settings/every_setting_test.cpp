@@ -1,5 +1,5 @@
-// No setting is ignored: each has a context in which another value gives other bits. Rendering is deterministic to the
-// bit, so nothing but the setting can have made the difference.
+// Tests that every setting has an effect: in some context, another value changes the bits. Rendering is deterministic,
+// so only the setting can cause the difference.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,14 +25,14 @@ struct Context : SettingCheck {
   Scene (*scene)() = build_busy_room;
 };
 
-/// Of the settings that belong to no technique; checks.json has the techniques' own.
+/// Contexts of settings outside techniques; checks.json has those of techniques.
 std::vector<Context> general_contexts() {
   std::vector<Context> list;
   for (const char* name : {"width", "height", "texture-filter", "seed", "stratify", "dither", "estimator", "guide",
                            "cache", "denoise", "max-bounces"})
     list.push_back({{name}});
   list.push_back({{"camera", "", "side"}});
-  list.push_back({{"scene-time", "max-bounces=0", "1"}, build_curtain});  // random numbers depend on it too
+  list.push_back({{"scene-time", "max-bounces=0", "1"}, build_curtain});  // also affects random numbers
   list.push_back({{"animation", "max-bounces=0 scene-time=1", "go"}, build_curtain_with_clips});
   list.push_back({{"lights", "static-lists.cell-size=2 static-lists.rays=64"}});
   list.push_back({{"allocation", "adaptive.max=6"}});
@@ -49,11 +49,11 @@ const std::vector<Context>& contexts() {
   return all;
 }
 
-/// What no context can show.
+/// A setting without visible effect.
 struct Exemption {
   std::string_view setting;
   std::string_view reason;
-  std::string_view other;  ///< a value that is held to give the same bits
+  std::string_view other;  ///< value that must give the same bits
 };
 const Exemption kExemptions[] = {
     {"threads", "the same bits with any number of threads are a promise", "3"},
@@ -82,7 +82,7 @@ void set(RenderSettings& settings, std::string_view name, std::string_view value
   assign(require_setting(list, name, "context"), value, "context");
 }
 
-/// "name=value name=value"
+/// Applies "name=value name=value".
 void apply_changes(std::string_view changes, RenderSettings& settings) {
   for (const std::string& change : words(changes)) {
     const size_t equals = change.find('=');
@@ -90,8 +90,8 @@ void apply_changes(std::string_view changes, RenderSettings& settings) {
   }
 }
 
-/// The other names of a choice, the other of two truths, the least of an integer, half way there of a number; the next
-/// one where that is the least already.
+/// Other values: all other names of a choice, the negated boolean, the minimum of an integer, or the midpoint to a
+/// number's minimum. A value at the minimum is increased by 1.
 std::vector<std::string> other_values(const Setting& setting) {
   if (const auto* flag = std::get_if<bool*>(&setting.value)) return {**flag ? "off" : "on"};
   if (const auto* choice = std::get_if<ChoiceRef>(&setting.value)) {
@@ -114,7 +114,7 @@ void move(Session& session, CheckMotion motion, int step) {
   if (motion == CheckMotion::lamp) session.set_time(0.2f * static_cast<float>(step));
   if (motion != CheckMotion::camera) return;
   CameraPose camera = session.camera();
-  camera.to_world[3] += Vec4(0.17f, 0.03f, -0.45f, 0);  // also nearer: cells of another size
+  camera.to_world[3] += Vec4(0.17f, 0.03f, -0.45f, 0);  // also closer: changes cell sizes
   session.set_camera(camera);
 }
 
@@ -149,7 +149,7 @@ std::vector<std::string> setting_names() {
 
 std::string setting_name(const ::testing::TestParamInfo<std::string>& info) { return test_name(info.param); }
 
-/// The last of the contexts that are for a setting, with what all of them change. Without one, its name is empty.
+/// The last context for a setting, with the changes of all its contexts. Its name is empty if none exists.
 Context context_of(std::string_view name, RenderSettings& settings) {
   Context found;
   for (const Context& context : contexts()) {
@@ -160,7 +160,7 @@ Context context_of(std::string_view name, RenderSettings& settings) {
   return found;
 }
 
-/// The settings of a context, for messages.
+/// Settings of a context, for messages.
 std::string described(RenderSettings& settings) {
   RenderSettings plain = small_settings(settings.width, settings.height);
   const SettingList list = describe(settings);
@@ -192,7 +192,7 @@ TEST_P(EverySetting, TakesEffectSomewhere) {
   for (const std::string& other : context.others.empty() ? other_values(setting) : words(context.others)) {
     RenderSettings changed = settings;
     set(changed, name, other);
-    if (name == "denoise" && !refusal(changed).empty()) continue;  // a library that is not installed
+    if (name == "denoise" && !refusal(changed).empty()) continue;  // library not installed
     ++compared;
     EXPECT_FALSE(rendered(context, changed) == before)
         << name << " = " << other << " gives the same bits as " << to_string(setting) << " with" << described(settings)

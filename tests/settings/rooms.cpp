@@ -10,7 +10,7 @@
 namespace relume::support {
 namespace {
 
-constexpr float kHalf = 2;  // of the room's width and depth, metres
+constexpr float kHalf = 2;  // half of the room's width and depth, in metres
 constexpr float kHeight = 3;
 
 Transform at(const Vec3& position, float turned_deg = 0) {
@@ -20,7 +20,7 @@ Transform at(const Vec3& position, float turned_deg = 0) {
   return transform;
 }
 
-/// Codes that differ from texel to texel: interpolating them is not the same as interpolating what they stand for.
+/// Codes that differ between texels: interpolating codes differs from interpolating decoded values.
 std::array<int, 4> speckle(int x, int y) {
   const auto code = [x, y](uint32_t channel) {
     return static_cast<int>(hash(static_cast<uint32_t>(x), static_cast<uint32_t>(y), channel) % 256);
@@ -56,7 +56,7 @@ void add_bodies(SceneBuilder& builder) {
               at({0.5f, 0.4f, 0.8f}));
 }
 
-/// 60 triangles that shine down from below the ceiling, and a box that moves.
+/// 60 emissive triangles below the ceiling, and a moving box.
 void add_lamps(SceneBuilder& builder) {
   for (int i = 0; i < 30; ++i) {
     const Vec3 corner(-1.7f + 0.66f * static_cast<float>(i % 6), kHeight - 0.2f,

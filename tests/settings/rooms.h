@@ -1,19 +1,18 @@
-// Scenes for the settings to act on.
+// Scenes for tests of settings.
 #pragma once
 
 #include "scene/scene.h"
 
 namespace relume::support {
 
-/// A room, open to sun and sky, that holds something for every technique: many lamps of which partitions hide some,
-/// rough and polished metal, gloss, a mirror, a texture, a second camera called "side", and a lamp that moves during
-/// the first second.
+/// A room with sun and sky for every technique: many lamps, some behind partitions, rough and polished metal, gloss, a
+/// mirror, a texture, a second camera called "side", and a lamp that moves during the first second.
 Scene build_busy_room();
 
-/// A light that fills the image evenly, whatever the random numbers, and is gone after a second.
+/// A light that fills the image uniformly, independent of random numbers, and vanishes after a second.
 Scene build_curtain();
 
-/// The same in the clip "go"; in the first one, "stay", it stays.
+/// Same in the clip "go"; in the first clip, "stay", it remains.
 Scene build_curtain_with_clips();
 
 }  // namespace relume::support

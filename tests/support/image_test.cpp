@@ -44,14 +44,14 @@ double incomplete_beta(double a, double b, double x) {
   return 1 - front * beta_fraction(b, a, 1 - x) / b;
 }
 
-/// Mean and variance of one quantity over the images of a side.
+/// Mean and variance of a quantity over the images of a side.
 struct Sample {
   double mean = 0;
   double variance = 0;  ///< of one image
   int count = 0;
 };
 
-/// Two-sided p-value that two means are equal. Differences that single precision explains do not count.
+/// Two-sided p-value for equal means. Differences within single-precision rounding are ignored.
 double welch_p(const Sample& a, const Sample& b) {
   constexpr double kRounding = 1e-5;
   const double difference = std::fabs(a.mean - b.mean);
@@ -65,7 +65,7 @@ double welch_p(const Sample& a, const Sample& b) {
 
 double sidak(double significance, double tests) { return -std::expm1(std::log1p(-significance) / tests); }
 
-/// Over images: the mean of one channel in a part of the image.
+/// Statistics over images of a channel's mean in a part of the image.
 Sample part_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel) {
   Sample sample{.count = m.count};
   std::vector<double> means;
@@ -81,10 +81,10 @@ Sample part_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel
   return sample;
 }
 
-/// Tests of the means of one channel in parts of the image: all of one size, but at the border.
+/// Tests of a channel's means in parts of the image, all of one size except at the border.
 struct PartTest {
   double worst = 0;       ///< relative difference
-  double detectable = 0;  ///< relative error from which on a part is rejected, averaged by the parts' light
+  double detectable = 0;  ///< relative error at which a part is rejected, weighted by the parts' radiance
   int rejected = 0;
 };
 

@@ -1,4 +1,4 @@
-// Renders small scenes and says what was measured, for tests that know the answer.
+// Renders and measures small scenes, for tests with known results.
 #pragma once
 
 #include "relume/image_io.h"
@@ -7,13 +7,13 @@
 
 namespace relume::support {
 
-/// Small settings on one thread, so that tests may run side by side.
+/// Small settings on one thread, so that tests may run in parallel.
 RenderSettings small_settings(int width, int height);
 
-/// `spp` samples a pixel.
+/// Renders `spp` samples per pixel.
 Image render(Scene scene, const RenderSettings& settings, int spp);
 
-/// Mean over all pixels of an image, and its standard error from the spread of the pixels, whose samples are
+/// Mean over all pixels of an image, and its standard error from the deviation of the pixels, whose samples are
 /// independent.
 struct Estimate {
   Rgb mean{0};
@@ -26,17 +26,17 @@ double mean_luminance(const Image& image);
 /// Mean squared difference over pixels and channels.
 double mse(const Image& a, const Image& b);
 
-/// Expects `estimate` to be `expected` within the share `tolerance` in every channel, and its standard error to be a
-/// third of that at most: less could not be told from chance. Black is expected exactly.
+/// Expects `estimate` to equal `expected` within the relative `tolerance` in every channel. The standard error must be
+/// at most a third of the tolerance, for a significant result. Black is expected exactly.
 void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance);
 
 /// Mean and variance of every pixel over images with seeds first_seed, first_seed + 1, ….
 struct Moments {
   int width = 0;
   int height = 0;
-  int count = 0;              ///< images
-  std::vector<Rgb> mean;      ///< row by row
-  std::vector<Rgb> variance;  ///< of one image, unbiased
+  int count = 0;              ///< number of images
+  std::vector<Rgb> mean;      ///< in rows
+  std::vector<Rgb> variance;  ///< unbiased, of one image
   std::vector<Image> images;
 
   Image mean_image() const;

@@ -1,4 +1,4 @@
-// The checks.json of every technique: what the tests of all techniques need to know of each.
+// Reads checks.json of every technique: the data that tests of all techniques need.
 #pragma once
 
 #include <map>
@@ -8,34 +8,34 @@
 
 namespace relume::support {
 
-/// Settings for which the bits must not depend on threads and resumes.
+/// Settings whose bits must not depend on threads and resumes.
 struct DeterminismCheck {
   std::string name;
-  std::string json;            ///< settings that differ from small_settings()
+  std::string json;            ///< difference from small_settings()
   int frames_of_an_image = 3;  ///< between moves
 };
 
-/// What moves while a setting is tested.
+/// Motion during the test of a setting.
 enum class CheckMotion { none, camera, lamp };
 
-/// Where a setting takes effect.
+/// Context in which a setting has an effect.
 struct SettingCheck {
-  /// A name, or a prefix that ends in a dot. A setting's own check adds its changes to those of the prefix.
+  /// A setting's name, or a prefix that ends in a dot. A setting's own check adds its changes to those of the prefix.
   std::string setting;
   std::string with = {};    ///< changes from small_settings(): "name=value name=value"
-  std::string others = {};  ///< values to compare with; empty: derived from the setting
+  std::string others = {};  ///< values for comparison; empty: derived from the setting
   CheckMotion motion = CheckMotion::none;
-  std::string buffer = {};  ///< to compare; empty: the image
+  std::string buffer = {};  ///< compared buffer; empty: the image
 };
 
 struct TechniqueChecks {
-  /// "slot=choice": share by which the choice may change the mean of the combination test's small box.
+  /// Largest relative change of the mean in the combination test's small box by "slot=choice".
   std::map<std::string, double, std::less<>> biases;
   std::vector<DeterminismCheck> determinism;
-  std::vector<SettingCheck> settings;  ///< prefixes precede the settings that they are for
+  std::vector<SettingCheck> settings;  ///< prefixes precede their settings
 };
 
-/// The checks of all techniques. Throws std::runtime_error, naming the file, for one that cannot be read.
+/// Checks of all techniques. Throws std::runtime_error with the file's name if one cannot be read.
 const TechniqueChecks& technique_checks();
 
 }  // namespace relume::support

@@ -1,4 +1,4 @@
-// Names that GoogleTest accepts.
+// Makes names that GoogleTest accepts.
 #pragma once
 
 #include <cctype>
@@ -6,7 +6,7 @@
 
 namespace relume::support {
 
-/// `text` with an underscore for everything but letters and digits.
+/// `text` with an underscore for each character other than letters and digits.
 inline std::string test_name(std::string text) {
   for (char& c : text) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   return text;
