@@ -1,12 +1,12 @@
-"""launched_kernels_test.py NM LIBRARY OBJECT: every kernel that LIBRARY launches is among those that OBJECT,
-kernels.cu compiled for the host, instantiates."""
+"""launched_kernels_test.py NM LIBRARY OBJECT: checks that OBJECT, kernels.cu compiled for the host, instantiates every
+kernel that LIBRARY launches."""
 import re
 import subprocess
 import sys
 
 
 def template_arguments(symbols, name):
-    """The first argument of each instantiation NAME<ARGUMENT>(...) among demangled symbols."""
+    """First argument of each instantiation NAME<ARGUMENT>(...) among demangled symbols."""
     found = set()
     for match in re.finditer(rf"\b{name}<", symbols):
         depth = 1

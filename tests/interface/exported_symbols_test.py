@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The shared library exports symbols of the public headers only: exported_symbols_test.py NM LIBRARY."""
+"""exported_symbols_test.py NM LIBRARY: checks that the shared library exports only symbols of the public headers."""
 
 import pathlib
 import re

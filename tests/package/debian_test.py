@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The Debian packages that cpack makes, and the data for desktops in them. RELUME_BUILD in the environment says where
-relume was built. scripts/test_package installs them in a bare system."""
+"""Tests the Debian packages made by cpack, and their desktop data. RELUME_BUILD is the build folder.
+scripts/test_package installs the packages in a bare system."""
 
 import os
 import pathlib
@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 
-SKIPPED = 77  # to ctest
+SKIPPED = 77  # ctest's exit code for skipped tests
 TOOLS = ("cpack", "dpkg-deb", "dpkg-shlibdeps", "file", "lintian", "desktop-file-validate", "update-mime-database", "rsvg-convert")
 MISSING = [tool for tool in TOOLS if not shutil.which(tool)]
 BUILD = pathlib.Path(os.environ["RELUME_BUILD"])
@@ -25,7 +25,7 @@ def run(*command, **options):
 
 
 def pack(folder, **environment):
-    """Package name -> file. gzip in place of xz: it takes a tenth of the time."""
+    """Package files by name. Uses gzip instead of xz, which takes ten times longer."""
     run("cpack", "--config", BUILD / "CPackConfig.cmake", "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", "-B", folder, cwd=folder, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH, **environment})
     return {file.name.split("_")[0]: file for file in sorted(folder.glob("*.deb"))}
 
@@ -35,7 +35,7 @@ def field(package, name):
 
 
 def contents(package):
-    """Path -> (mode, owner), of what is no folder."""
+    """(mode, owner) by path, without folders."""
     lines = [line.split(None, 5) for line in run("dpkg-deb", "-c", package).splitlines()]
     return {line[5][1:]: (line[0], line[1]) for line in lines if not line[0].startswith("d")}
 
@@ -106,14 +106,14 @@ class Packages(unittest.TestCase):
 
 
 class Library(Packages):
-    """Slow: lintian looks at every object file of the static library."""
+    """Slow: lintian reads every object file of the static library."""
 
     def test_lintian_finds_no_fault_in_the_library(self):
         self.lint(self.library)
 
 
 class Configuration(unittest.TestCase):
-    """Settings of the packages of other builds, configured without a compiler."""
+    """Package settings of other builds, configured without a compiler."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="relume_")
@@ -126,7 +126,7 @@ class Configuration(unittest.TestCase):
         )
 
     def configured(self, *definitions):
-        """CPACK_ variable -> value."""
+        """Values of CPACK_ variables by name."""
         run("cmake", "--fresh", "-S", self.source, "-B", self.source / "build", *definitions)
         return dict(re.findall(r'^set\((CPACK_\w+) "(.*?)"\)$', self.config.read_text(), re.MULTILINE | re.DOTALL))
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Follows docs/embedding.md: builds its programs against the installed package, and runs them."""
+"""Follows docs/embedding.md: builds and runs its programs with the installed package."""
 
 import os
 import pathlib
@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(os.environ["RELUME_BUILD"])
 PAGE = (ROOT / "docs/embedding.md").read_text()
 
-# The shared library takes the objects that the static one does: one compilation shows that the headers suffice.
+# Both libraries consist of the same objects: compiling once tests the headers.
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(embedding LANGUAGES CXX)
 {package}

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Follows docs/adding-a-technique.md literally: writes its files, makes its edits, runs its commands. Without arguments
-only as far as the edits."""
+"""Follows docs/adding-a-technique.md literally: writes its files, makes its edits, runs its commands. Without
+arguments, stops after the edits."""
 
 import pathlib
 import re
@@ -15,18 +15,18 @@ PAGE = (ROOT / "docs/adding-a-technique.md").read_text()
 
 
 def left_out(folder, names):
-    """What is no source."""
+    """Names that are excluded from the copy of the sources."""
     at_top = pathlib.Path(folder) == ROOT
     return [n for n in names if n == "__pycache__" or (at_top and (n.startswith("build") or n in (".git", "out")))]
 
 
 def new_files():
-    """Path -> text."""
+    """Text of new files by path."""
     return {path: text for path, _, text in re.findall(r"^`([^`]+)`:\n\n```(\w+)\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)}
 
 
 def edits():
-    """(path, text before, text after) of every place."""
+    """(path, text before, text after) of every edit."""
     diff = re.search(r"^```diff\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1]
     found = []
     for path, places in re.findall(r"^--- a/\S+\n\+\+\+ b/(\S+)\n(.*?)(?=^--- |\Z)", diff, re.MULTILINE | re.DOTALL):

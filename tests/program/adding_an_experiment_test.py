@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compiles the experiment that docs/adding-an-experiment.md shows: interfaces change, and pages do not notice."""
+"""Compiles the experiment of docs/adding-an-experiment.md, which must follow changes of interfaces."""
 
 import os
 import pathlib

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A display without a screen. As a program, display.py [--screen WxHxD] COMMAND...: runs COMMAND on one and returns its exit code."""
+"""A virtual display. display.py [--screen WxHxD] COMMAND...: runs COMMAND on a virtual display and returns its exit
+code."""
 
 import argparse
 import contextlib
@@ -17,13 +18,13 @@ PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 def end_with_parent():
-    """Linux then ends the server even where its parent is killed."""
+    """Makes Linux end the server even if its parent is killed."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def read_line(descriptor, seconds):
-    """What arrives within that time; without a newline if the other end closes or the time is over."""
+    """Bytes received within `seconds`, up to a newline; without one if the other end closed or time ran out."""
     line = b""
     while not line.endswith(b"\n") and select.select([descriptor], [], [], seconds)[0]:
         block = os.read(descriptor, 64)
@@ -35,10 +36,10 @@ def read_line(descriptor, seconds):
 
 @contextlib.contextmanager
 def virtual_display(screen="1600x1000x24"):
-    """Name of an Xvfb server, such as ":1". It accepts connections on entry and has ended on exit."""
+    """Name of an Xvfb server, such as ":1", that accepts connections on entry and has ended on exit."""
     reader, writer = os.pipe()
     try:
-        # Without -noreset the server restarts whenever its last client leaves, and the next client may meet it half way.
+        # Without -noreset, the server restarts after its last client and may reject the next one meanwhile.
         command = ["Xvfb", "-displayfd", str(writer), "-screen", "0", screen, "-nolisten", "tcp", "-noreset"]
         server = subprocess.Popen(command, pass_fds=[writer], preexec_fn=end_with_parent, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     finally:
@@ -59,13 +60,13 @@ def virtual_display(screen="1600x1000x24"):
 
 
 def is_available():
-    """Whether there is a display or the server that makes one."""
+    """Whether a display or Xvfb exists."""
     return bool(os.environ.get("DISPLAY")) or shutil.which("Xvfb") is not None
 
 
 @contextlib.contextmanager
 def any_display():
-    """Sets DISPLAY to a display without a screen, unless there is a display already."""
+    """Sets DISPLAY to a virtual display, unless a display exists."""
     if os.environ.get("DISPLAY"):
         yield
         return

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The virtual display passes exit codes on and ends with its user, however that ends."""
+"""Tests that the virtual display passes exit codes on and ends with its user in all cases."""
 
 import contextlib
 import os
@@ -19,7 +19,7 @@ def on_display(*command):
     return [sys.executable, str(DISPLAY), *command]
 
 
-# Printed by the command: the server is the first process that its parent has started.
+# Printed by the command: the server is the first child of its parent.
 PRINT_SERVER = "read server others < /proc/$PPID/task/$PPID/children; echo $server"
 
 
@@ -59,7 +59,7 @@ class Display(unittest.TestCase):
             process.wait(60)
             self.assert_ends(server)
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)  # the command, which no other code ends
+                os.killpg(process.pid, signal.SIGKILL)  # the command, which nothing else ends
 
 
 if __name__ == "__main__":

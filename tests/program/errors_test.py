@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bad input: one clear sentence, a non-zero exit code, and nothing left behind."""
+"""Tests invalid input: one clear message, a nonzero exit code, and no new files."""
 
 import os
 import struct
@@ -12,7 +12,7 @@ FAILED, USAGE = 1, 2
 
 
 def write_bare_exr(file, value, width=8, height=8):
-    """An EXR that knows nothing of relume, with this value everywhere (OpenEXR file layout, not compressed)."""
+    """Writes an EXR without relume's attributes and with this value in all pixels (OpenEXR file layout, uncompressed)."""
     def attribute(name, kind, data):
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
 
@@ -32,7 +32,7 @@ def write_bare_exr(file, value, width=8, height=8):
 
 class RefusalTest(ProgramTest):
     def refuse(self, code, *arguments, says=(), matches=".", env=None):
-        """Expects failure with one sentence that has every text of `says` and fits `matches`, and no new file."""
+        """Expects failure with one message that contains all of `says` and matches `matches`, and no new file."""
         before = self.files()
         done = run(*arguments, cwd=self.folder, env=env)
         self.assertEqual(done.returncode, code, done.stderr)
@@ -46,7 +46,7 @@ class RefusalTest(ProgramTest):
         self.assertEqual(self.files(), before)
 
     def refuse_each(self, command, rows):
-        """Each row: exit code, words that follow the command, and what the sentence must fit."""
+        """Each row: exit code, arguments after the command, and a pattern for the message."""
         for code, words, matches in rows:
             with self.subTest(words=words):
                 self.refuse(code, *command, *words.split(), matches=matches)
@@ -170,7 +170,7 @@ class Errors(RefusalTest):
 
 
 class Combinations(RefusalTest):
-    """What docs/combinations.md and the techniques' pages say is refused at start."""
+    """Combinations rejected according to docs/combinations.md and the techniques' pages."""
 
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
@@ -183,7 +183,7 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator bdpt --history reproject", "estimators 'bdpt' and 'light' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--cache apsf+apg --history reproject", "a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
-            # However the choices come together.
+            # From any source of choices.
             (FAILED, "--preset interactive --cache psf", "lights 'vlc' and guide 'cdq' .* without a radiance cache"),
             (FAILED, "--preset paper-001 --history none", "allocation 'adaptive' .* history 'none'"),
         ])
@@ -195,7 +195,7 @@ class Combinations(RefusalTest):
             (FAILED, "--allocation adaptive --adaptive.max 4 --adaptive.min 4", r"adaptive\.max is 4 .*adaptive\.min is 4, .* --adaptive\.max 5"),
             (FAILED, "--cache apsf --apsf.survival-v0 2 --apsf.survival-v1 2", r"apsf\.survival-v0 is 2 .*apsf\.survival-v1 is 2, .* v1 must be larger"),
             (FAILED, "--cache apsf+apg --apsf.blend-v0 0.5", r"apsf\.blend-v0 is 0\.5 .*apsf\.blend-v1 is 0\.2, .* v1 must be larger"),
-            # At 8 apart the thesis divides by zero.
+            # With a difference of 8, the thesis divides by zero.
             (FAILED, "--cache apsf --apsf.survival-v0 1 --apsf.survival-v1 9", r"apsf\.survival-v1 is 9, .* by less than 8"),
             (FAILED, "--cache apsf --apsf.blend-v0 0 --apsf.blend-v1 8", r"apsf\.blend-v1 is 8, .* by less than 8"),
         ])

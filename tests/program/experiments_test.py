@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every experiment runs, small, with one command, and leaves what its index promises. Verdicts are those of full runs
-(docs/results.md): images of 32 × 18 pixels decide nothing."""
+"""Runs every small experiment with one command, and checks the outputs listed by its index. Verdicts require full runs
+(docs/results.md): images of 32 × 18 pixels are not conclusive."""
 
 import json
 import os
@@ -63,7 +63,7 @@ class Experiments(ProgramTest):
         result["program"] = "another"
         file.write_text(json.dumps(result))
         self.assertIn("measured by another build of relume", self.succeed(*command, "--continue").stderr)
-        # With scenes that it is without, it is measured; these cannot be read.
+        # A scene folder requires a new measurement, which fails on these unreadable files.
         (self.folder / "scenes/sponza").mkdir(parents=True)
         (self.folder / "scenes/sponza/sponza.gltf").write_text("no glTF")
         done = run("experiment", "run", "psf-frametime", "--quick", "-o", "out", "--cache-dir", "cache", "--scenes", "scenes", "--continue", cwd=self.folder, timeout=300)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What images show: windows (--crop) and views of OpenColorIO (--ocio)."""
+"""Tests how images are displayed: windows (--crop) and views of OpenColorIO (--ocio)."""
 
 import json
 import struct
@@ -48,7 +48,7 @@ class Images(ProgramTest):
             self.skipTest(done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
         _, _, _, rows = png_pixels(self.folder / "half.png")
-        self.assertEqual(set(rows[0]), {128})  # half of the background's radiance, as the view encodes it
+        self.assertEqual(set(rows[0]), {128})  # half of the background's radiance, encoded by the view
         self.assertIn("half.ocio names no linear Rec. 709 colour space; radiance is taken as its role scene_linear, which is 'lin'", done.stderr)
         (self.folder / "agx.json").write_text('{"tone-map": "agx"}')
         self.succeed("render", "furnace", "-o", "settings.png", *look, "--env", "1,1,1", "--ocio", "half.ocio:Half", "--settings", "agx.json")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where memory or disk run out: one sentence, and nothing half written."""
+"""Tests behaviour without free memory or disk space: one message, and no partial files."""
 
 import os
 import resource
@@ -10,12 +10,12 @@ import unittest
 from program import PROGRAM, ProgramTest
 
 SIZE = ["--width", "200", "--height", "150"]
-LARGEST_FILE = 20000  # bytes; every file below would be larger
+LARGEST_FILE = 20000  # in bytes, less than every file below
 
 
 class Limits(ProgramTest):
     def run_limited(self, limit, bytes_, *arguments):
-        def apply():  # without a word to the signals: the program itself outlives SIGXFSZ
+        def apply():  # changes no signals: the program must survive SIGXFSZ on its own
             resource.setrlimit(limit, (bytes_, bytes_))
 
         environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
@@ -28,7 +28,7 @@ class Limits(ProgramTest):
         return last
 
     def written(self):
-        """Files, without references that go on next time."""
+        """Files, except cached references, which the next run continues."""
         return sorted(p.name for p in self.folder.rglob("*") if p.is_file() and "cache" not in p.parts)
 
     def test_full_disk(self):
@@ -87,7 +87,7 @@ class Limits(ProgramTest):
                 self.assertEqual(self.written(), ["large.ply"])
 
     def write_large_mesh(self):
-        """Four million triangles, of which each row lies on the first."""
+        """Writes four million triangles, with all rows coincident."""
         rows = 2000
         vertices = b"".join(struct.pack("<3f", x, y, 0) for y in range(2) for x in range(1001)) * (rows // 2 + 1)
         faces = b"".join(struct.pack("<B3iB3i", 3, x, x + 1, x + 1001, 3, x + 1, x + 1002, x + 1001) for x in range(1000)) * rows

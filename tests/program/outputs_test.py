@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the program writes: images, layers, metadata, statistics, sequences, completion."""
+"""Tests the program's outputs: images, layers, metadata, statistics, sequences, completion."""
 
 import json
 import os
@@ -24,7 +24,7 @@ LAYERS = {
 
 
 class TevViewer(threading.Thread):
-    """Listens as the tev viewer does, and keeps the messages that arrive (tev's ipc protocol: length, operation, fields)."""
+    """Listens like the tev viewer, and stores received messages (tev's ipc protocol: length, operation, fields)."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -90,7 +90,7 @@ class Outputs(ProgramTest):
         for kind in ("exr", "hdr", "png", "jpg", "jpeg", "tga"):
             self.succeed("render", "cornell", "-o", f"out.{kind}", *SMALL, "--spp", "2")
             self.assertIn("24 x 18", self.succeed("info", f"out.{kind}").stdout)
-        self.assertEqual(len(self.files()), 6)  # and nothing temporary
+        self.assertEqual(len(self.files()), 6)  # and no temporary file
         self.assertEqual(png_size(self.folder / "out.png"), (24, 18))
 
     def test_layers_have_conventional_names(self):
@@ -102,7 +102,7 @@ class Outputs(ProgramTest):
             self.assertIn(f" {channel} from ", info)
 
     def test_cells_show_as_layers_and_in_the_statistics(self):
-        # What pixels of the box show after 12 frames: the least and the most of each layer.
+        # Lower and upper bound of each layer for the box after 12 frames.
         bounds = {"identity": (0, 1 << 32), "level": (-8, 2), "count": (0, 4096), "age": (0, 12), "variance": (0, 1e4),
                   "survival": (0, 1), "blend": (0, 1), "termination": (0, 9), "occupancy": (0, 1)}
         names = ",".join(f"cell-{name}" for name in bounds)
@@ -113,7 +113,7 @@ class Outputs(ProgramTest):
             channel = channels[f"cell-{name}"]
             self.assertGreaterEqual(channel["min"], low, name)
             self.assertLessEqual(channel["max"], high, name)
-            self.assertLess(channel["min"], channel["max"], name)  # a layer that nobody wrote is the same everywhere
+            self.assertLess(channel["min"], channel["max"], name)  # an unwritten layer would be constant
         self.assertEqual(channels["cell-age"]["max"], 12)
         figures = json.loads((self.folder / "s.json").read_text())["figures"]
         self.assertTrue(0 < figures["resolve.culled"] < 1, figures)
@@ -134,7 +134,7 @@ class Outputs(ProgramTest):
         self.assertRegex(strings["relume.scene_hash"], "^[0-9a-f]{16}$")
         self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(strings["relume.timings"])))
         self.assertTrue(strings["relume.version"])
-        # Each image of a sequence names the seconds that it took itself.
+        # Each image of a sequence records its own rendering time.
         self.succeed("render", "slit", "-o", "f.exr", *SMALL, "--spp", "2", "--frames", "0-2", "--stats", "s.json")
         seconds = [json.loads(exr_strings(file)["relume.timings"])["render_s"] for file in sorted(self.folder.glob("f.*.exr"))]
         self.assertEqual(len(seconds), 3)
@@ -159,7 +159,7 @@ class Outputs(ProgramTest):
         self.assertGreater(sum(entry["seconds"] for entry in stats["passes"]), 0)
 
     def test_samples_that_are_no_numbers_are_counted_and_reported(self):
-        # A sun so bright and small that its radiance overflows; it shines on a triangle in the middle of the image.
+        # A sun whose radiance overflows, on a triangle in the middle of the image.
         write_gltf(self.folder / "card.gltf", {
             "cameras": [{"type": "orthographic", "orthographic": {"xmag": 4, "ymag": 4, "znear": 0.1, "zfar": 10}}],
             "nodes": [{"camera": 0, "translation": [0, 0, 1]}, {"mesh": 0}],
@@ -172,7 +172,7 @@ class Outputs(ProgramTest):
         self.assertLess(stats["nonfinite_samples"], stats["samples"])
         self.assertRegex(done.stderr, rf"warning: {stats['nonfinite_samples']} of \d.* samples were not finite")
         for channel in json.loads(self.succeed("info", "out.exr", "--json").stdout)["channels"]:
-            self.assertEqual(channel["min"], 0)  # where all samples were lost
+            self.assertEqual(channel["min"], 0)  # where all samples were rejected
             self.assertLess(channel["max"], 3.5e38)
 
     def test_what_stands_in_for_light_and_camera_is_said(self):
@@ -213,8 +213,8 @@ class Outputs(ProgramTest):
         self.assertGreater(self.metrics("a.exr", "d.exr")["mse"], 0)
 
     def write_moving_card(self):
-        """moving.json: a small card before a wall that is 9 m away; it goes right by 0.5 m/s and away by 1 m/s, from 1 m.
-        A metre is nine pixels of 24 x 18."""
+        """Writes moving.json: a small card in front of a wall 9 m away. From a distance of 1 m, it moves right at 0.5
+        m/s and away at 1 m/s. A metre is nine pixels of 24 × 18."""
         write_gltf(self.folder / "card.gltf", {
             "nodes": [{"mesh": 0, "name": "card", "scale": [0.2, 0.2, 1]}, {"mesh": 0, "name": "wall", "scale": [10, 10, 1], "translation": [0, 0, -8]}],
         })
@@ -224,7 +224,7 @@ class Outputs(ProgramTest):
         (self.folder / "moving.json").write_text(json.dumps(scene))
 
     def bounds(self, file):
-        """The least and the greatest value of each channel."""
+        """Minimum and maximum of each channel."""
         channels = json.loads(self.succeed("info", file, "--json").stdout)["channels"]
         return {channel["name"]: (channel["min"], channel["max"]) for channel in channels}
 
@@ -233,7 +233,7 @@ class Outputs(ProgramTest):
         self.assertAlmostEqual(found[1], greatest, places=4)
 
     def test_sequence_moves(self):
-        # Depth and motion have no noise here, so that they tell of movement alone.
+        # Depth and motion have no noise here, so that they show the motion alone.
         self.write_moving_card()
         for fps in (2, 4):
             self.succeed("render", "moving.json", "-o", f"at{fps}.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", fps, "--aov", "depth,motion")
@@ -325,13 +325,13 @@ class Outputs(ProgramTest):
         self.assertEqual((self.folder / "out.exr").read_bytes(), b"old")
 
     def test_video_gets_every_frame(self):
-        # The stand-in keeps the raw frames that it is given.
+        # The fake encoder stores the raw frames.
         env = self.with_encoder('echo "$@" > bin/arguments; for last; do :; done; cat > "$last"')
         self.succeed("render", "turntable", "-o", "out.mp4", *SMALL, "--spp", "1", "--frames", "0-3", env=env)
         self.assertEqual((self.folder / "out.mp4").stat().st_size, 4 * 24 * 18 * 3)
         self.assertEqual(self.files(), ["bin", "out.mp4"])
         arguments = (self.folder / "bin" / "arguments").read_text()
-        self.assertIn("out_color_matrix=bt709", arguments)  # what players take for granted in high definition
+        self.assertIn("out_color_matrix=bt709", arguments)  # default of players for high definition
         self.assertIn("-colorspace bt709", arguments)
 
     def test_video_that_cannot_be_encoded_leaves_nothing(self):

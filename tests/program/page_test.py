@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Pages of comparisons and experiments in a browser: every control, by mouse and by keyboard. Needs Chromium and selenium."""
+"""Tests pages of comparisons and experiments in a browser: every control, by mouse and keyboard. Needs Chromium and
+selenium."""
 
 import json
 import os
@@ -22,12 +23,12 @@ try:
     from selenium.webdriver.support.ui import Select, WebDriverWait
 except ImportError:
     webdriver = None
-    if os.path.exists(SYSTEM_PYTHON) and sys.executable != SYSTEM_PYTHON:  # to which Debian's package belongs
+    if os.path.exists(SYSTEM_PYTHON) and sys.executable != SYSTEM_PYTHON:  # the interpreter of Debian's selenium package
         os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, *sys.argv])
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 DRIVER = shutil.which("chromedriver")
-SKIPPED = 77  # ctest shows the test as skipped
+SKIPPED = 77  # ctest's exit code for skipped tests
 
 
 def start_browser():
@@ -40,7 +41,7 @@ def start_browser():
 
 
 class Page(unittest.TestCase):
-    """Opens the page of PAGE, made by the command ARGUMENTS, before each test."""
+    """Opens the page PAGE, made by the command ARGUMENTS, before each test."""
 
     ARGUMENTS = []
     PAGE = ""
@@ -81,7 +82,7 @@ class Page(unittest.TestCase):
         return [pane.get_attribute("data-pane") for pane in self.all(".pane") if pane.is_displayed()]
 
     def pixels(self, selector=".pane canvas"):
-        """Sum of the bytes of what a canvas shows, after the next frame."""
+        """Sum of a canvas's bytes after the next frame."""
         return self.browser.execute_async_script(
             "const done = arguments[1]; requestAnimationFrame(() => requestAnimationFrame(() => {"
             "const c = [...document.querySelectorAll(arguments[0])].find((e) => e.offsetParent);"
@@ -139,7 +140,7 @@ class ComparePage(Page):
             self.assertEqual(self.visible_panes(), [name])
             shown.append(self.pixels())
         self.assertEqual(len(set(shown)), 3)
-        self.keys("9")  # there is none
+        self.keys("9")  # no such pane
         self.assertEqual(self.visible_panes(), ["short"])
         self.one(".viewer").send_keys(" ")
         self.assertEqual(self.visible_panes(), ["uniform"])
@@ -191,10 +192,10 @@ class ComparePage(Page):
         self.assertNotEqual(self.zoom(), fitted)
         zoomed = self.pixels()
         ActionChains(self.browser).drag_and_drop_by_offset(canvases[2], 40, 25).perform()
-        self.assertNotEqual(self.pixels(), zoomed)  # of the first image, while the third was dragged
+        self.assertNotEqual(self.pixels(), zoomed)  # of the first image; the third was dragged
         self.click("[data-action='Fit']")
         self.wait(lambda: self.zoom() == fitted)
-        self.one(".viewer").send_keys(Keys.ENTER, Keys.ENTER)  # holds the pixel that the mouse marked, and lets it go
+        self.one(".viewer").send_keys(Keys.ENTER, Keys.ENTER)  # pins the pixel under the mouse, and releases it
         self.wait(lambda: self.pixels() == before)
 
     def test_values_under_the_cursor(self):
@@ -264,7 +265,7 @@ class ComparePage(Page):
         ActionChains(self.browser).move_to_element(self.one(".chart-block svg")).perform()
         self.assertTrue(self.one(".chart-block .tip").is_displayed())
         self.click(".chart-block summary")
-        self.wait(lambda: len(self.all(".chart-block details tbody tr")) > 6)  # filled once the browser says that it is open
+        self.wait(lambda: len(self.all(".chart-block details tbody tr")) > 6)  # filled after the browser reports it open
 
     def test_frame_times(self):
         self.assertGreaterEqual(len(self.all(".bars rect[data-part]")), 4)

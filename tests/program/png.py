@@ -1,4 +1,4 @@
-"""Reads PNGs with the standard library alone."""
+"""Reads PNGs with the standard library only."""
 
 import pathlib
 import struct
@@ -6,7 +6,7 @@ import zlib
 
 
 def png_pixels(file):
-    """Width, height and rows of RGB bytes of an 8-bit PNG without interlace."""
+    """Width, height and rows of RGB bytes of an 8-bit PNG without interlacing."""
     data = pathlib.Path(file).read_bytes()
     width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
     assert depth == 8 and kind in (2, 6), "not 8-bit RGB"
@@ -27,7 +27,7 @@ def png_pixels(file):
 
 
 def unfilter(kind, row, previous, step):
-    """Undoes a PNG filter in place (PNG specification, section 9)."""
+    """Reverses a PNG filter in place (PNG specification, section 9)."""
     for i in range(len(row) if kind else 0):
         left = row[i - step] if i >= step else 0
         up = previous[i]

@@ -1,4 +1,4 @@
-"""Runs the program and reads what it wrote. RELUME_PROGRAM in the environment says where the program is."""
+"""Runs the program and reads its outputs. RELUME_PROGRAM is the program's path."""
 
 import base64
 import json
@@ -14,7 +14,7 @@ SMALL = ["--width", "24", "--height", "18", "--threads", "1"]
 
 
 def run(*arguments, cwd=None, timeout=120, env=None):
-    """The finished process; its output is text."""
+    """Runs the program to its end; its output is text."""
     return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
 
 
@@ -23,7 +23,7 @@ def start(*arguments, cwd=None, env=None):
 
 
 def exr_header(file):
-    """Attributes of a single-part EXR: name -> (type, bytes) (OpenEXR file layout)."""
+    """Attributes of a single-part EXR by name: (type, bytes) (OpenEXR file layout)."""
     data = pathlib.Path(file).read_bytes()
     assert data[:4] == b"\x76\x2f\x31\x01", "no EXR"
     attributes = {}
@@ -40,7 +40,7 @@ def exr_header(file):
 
 
 def exr_channels(file):
-    """Names of the channels, in the file's order."""
+    """Names of the channels in file order."""
     names = []
     data = exr_header(file)["channels"][1]
     while data[0]:
@@ -61,7 +61,7 @@ def png_size(file):
 
 
 def write_gltf(file, members):
-    """A glTF file of one mesh, a triangle that covers the unit circle and faces +Z; `members` adds the rest."""
+    """Writes a glTF file of a triangle that covers the unit circle and faces +Z, with additional `members`."""
     corners = struct.pack("<9f", -2, -1, 0, 2, -1, 0, 0, 3, 0)
     document = {
         "asset": {"version": "2.0"},
@@ -77,7 +77,7 @@ def write_gltf(file, members):
 
 
 class ProgramTest(unittest.TestCase):
-    """A test with an empty folder of its own."""
+    """A test with a separate empty folder."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="relume_")
@@ -93,7 +93,7 @@ class ProgramTest(unittest.TestCase):
         return sorted(p.name for p in self.folder.iterdir())
 
     def with_encoder(self, script):
-        """An environment in which `ffmpeg` is this shell script."""
+        """Environment with this shell script as `ffmpeg`."""
         folder = self.folder / "bin"
         folder.mkdir()
         (folder / "ffmpeg").write_text("#!/bin/sh\n" + script)

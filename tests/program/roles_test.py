@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""No output takes the place of an input or of another output, and those that cannot be written are found at once."""
+"""Tests that no output overwrites an input or another output, and that unwritable outputs are reported before
+rendering."""
 
 import json
 import os
@@ -16,7 +17,7 @@ class Roles(RefusalTest):
         return {p.name: p.read_bytes() for p in self.folder.iterdir() if p.is_file()}
 
     def refuse_pair(self, first, second, name, *arguments):
-        """Expects that the command names both roles and the file, and changes nothing."""
+        """Expects the error to name both roles and the file, and no changes."""
         before = self.contents()
         self.refuse(USAGE, *arguments, says=[first, second, name, "choose another name"])
         self.assertEqual(self.contents(), before)
@@ -96,10 +97,10 @@ class Roles(RefusalTest):
 
 
 class Unwritable(RefusalTest):
-    """Every output of every command, before anything is rendered."""
+    """Every output of every command, before rendering."""
 
     def outputs(self, name):
-        """Commands with one output of this name, whose extension fits all."""
+        """Commands with one output of this name, whose extension suits all."""
         render = ["render", "cornell", "--width", "4096", "--height", "4096", "--spp", "100000"]
         yield from ([*render, "-o", name], [*render, "-o", "x.exr", "--stats", name], [*render, "-o", "x.exr", "--resume", name])
         yield [*render, "-o", name.replace(".exr", ".####.exr"), "--frames", "0-3"]
@@ -129,7 +130,7 @@ class Unwritable(RefusalTest):
     def test_missing_folders(self):
         for command in self.outputs("missing/x.exr"):
             if command[0] == "experiment":
-                continue  # makes its folder
+                continue  # creates its folder
             with self.subTest(command=command[:1] + command[-2:]):
                 if command[0] == "view" and "without its viewer" in run(*command, cwd=self.folder).stderr:
                     continue

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Large scenes and large images: time and memory."""
+"""Tests time and memory for large scenes and large images."""
 
 import json
 import sys
@@ -26,7 +26,7 @@ class Scale(ProgramTest):
 
     def test_8k_image(self):
         stats = self.stats("cornell", "--width", "7680", "--height", "4320")
-        # Six planes of floats for the sums, as many again for the image and the file: 33 million pixels, below 120 bytes each.
+        # Six float planes for the sums, and as many for image and file: 33 million pixels below 120 bytes each.
         self.assertLess(stats["peak_memory_bytes"], 4 * GIB)
 
 

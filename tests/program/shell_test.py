@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Manual pages and completions: each knows every command and every flag, and the tools that read them find no fault."""
+"""Tests manual pages and completions: each covers every command and flag, and their readers report no errors."""
 
 import os
 import pty
@@ -13,11 +13,11 @@ import unittest
 
 from program import ProgramTest, run
 
-SKIPPED = 77  # to ctest
+SKIPPED = 77  # ctest's exit code for skipped tests
 TOOLS = ("man", "groff", "mandoc", "lexgrog", "bash", "zsh", "fish")
 MISSING = [tool for tool in TOOLS if not shutil.which(tool)]
 FLAG = re.compile(r"^  (?:-\w, )?--(\[no-\])?([\w.-]+)", re.MULTILINE)
-# What zsh's _arguments is given, instead of what it makes of it.
+# Print the arguments of zsh's _arguments instead of completing.
 ZSH_STUBS = "compdef() {}\n_arguments() { if [[ $1 == -C ]]; then state=argument; else print -rl -- \"$@\"; fi }\n"
 ZSH_PROMPT = b"READY> "
 
@@ -33,7 +33,7 @@ def commands():
 
 
 def flags(command):
-    """As help lists them: {"--spp", "--no-adaptive.pilot", …}."""
+    """Flags in the help: {"--spp", "--no-adaptive.pilot", …}."""
     found = set()
     for negation, name in FLAG.findall(run(command, "--help-all").stdout):
         found.add(f"--{name}")
@@ -43,14 +43,14 @@ def flags(command):
 
 
 class ZshTerminal:
-    """An interactive zsh without settings of its own, in which a script was sourced."""
+    """An interactive zsh with default settings that sourced a script."""
 
     def __init__(self, script, folder):
         self.process, self.terminal = pty.fork()
         if self.process == 0:
             os.chdir(folder)
             os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, "TERM": "dumb"})
-        # The prompt is spelled so that the echo of this line does not contain it.
+        # The prompt is quoted so that the echo of this line does not contain it.
         self.send(f"PS1='REA''DY> '; stty cols 200; autoload -Uz compinit; compinit -u -D; source {script}\n")
         self.read_until(ZSH_PROMPT)
 
@@ -66,10 +66,10 @@ class ZshTerminal:
         return data
 
     def completes(self, words, expected):
-        """Whether the line becomes `expected` after a tab."""
+        """Whether a tab completes the line to `expected`."""
         self.send(words + "\t")
         done = self.read_until(expected.encode())
-        self.send("\x15")  # empties the line
+        self.send("\x15")  # clears the line
         return expected.encode() in done
 
     def close(self):
@@ -156,7 +156,7 @@ class Completions(ProgramTest):
         return [line.split("\t")[0] for line in lines]
 
     def check_offers(self, offers):
-        """`offers` gives what a shell offers for the last of the words."""
+        """`offers` returns the shell's completions of the last word."""
         self.assertLessEqual(set(commands()), set(offers("''")))
         for command in commands():
             self.assertEqual(flags(command) - set(offers(f"{command} --")), set(), command)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""When a render ends: samples, time, error, interruption, kill -9 and resumption."""
+"""Tests the end of a render: samples, time, error, interruption, kill -9 and resumption."""
 
 import contextlib
 import json
@@ -12,10 +12,10 @@ import unittest
 
 from program import SMALL, ProgramTest, exr_strings, png_size, run, start
 
-# Machines are noisy; a quiet one answers in a tenth of a second, and took ten or more where nothing looked for interrupts.
+# Allows for busy machines: an idle one answers in 0.1 s. Without checks for interrupts, it took at least ten seconds.
 SECONDS_TO_ANSWER = 20 if "RELUME_SANITIZED" in os.environ else 4
-SECONDS_IN_SILENCE = 3 if "RELUME_SANITIZED" in os.environ else 0.3  # a longer answer says what it finishes
-ATTEMPTS = 3  # a noisy machine is slow now and then, a command that says nothing is slow each time
+SECONDS_IN_SILENCE = 3 if "RELUME_SANITIZED" in os.environ else 0.3  # slower answers must report their remaining work
+ATTEMPTS = 3  # a busy machine is slow occasionally, a command without checks always
 ROOM = ["cornell", "--width", "96", "--height", "96"]
 LAYERS = ["--aov", "heatmap,variance"]
 
@@ -25,7 +25,7 @@ class Stopping(ProgramTest):
         return json.loads((self.folder / "s.json").read_text())
 
     def wait_for(self, file, process, seconds=60):
-        """Until `file` exists; the process must still run then."""
+        """Waits until `file` exists, with the process still running."""
         end = time.monotonic() + seconds
         while not file.exists() and time.monotonic() < end:
             time.sleep(0.01)
@@ -50,7 +50,7 @@ class Stopping(ProgramTest):
     def test_time(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1.5s", "--stats", "s.json")
         self.assertEqual(self.stats()["stopped_by"], "time")
-        # It stops rather early than late; a busy machine may stretch the last sample.
+        # It stops early rather than late; a busy machine may extend the last sample.
         self.assertGreater(self.stats()["render_s"], 0.5)
         self.assertLess(self.stats()["render_s"], 3)
 
@@ -76,7 +76,7 @@ class Stopping(ProgramTest):
         samples = int(exr_strings(self.folder / "out.exr")["relume.samples_per_pixel"])
         self.assertGreater(samples, 0)
         self.assertEqual(self.stats()["samples_per_pixel"], samples)
-        # What was interrupted goes on where it was, layers and counters too.
+        # Resuming continues all state, including layers and counters.
         self.succeed("render", *ROOM, *LAYERS, "-o", "resumed.exr", "--spp", samples + 3, "--resume", "a.ckpt", "--stats", "resumed.json")
         self.succeed("render", *ROOM, *LAYERS, "-o", "whole.exr", "--spp", samples + 3, "--stats", "whole.json")
         self.assert_same_pixels("resumed.exr", "whole.exr")
@@ -92,7 +92,7 @@ class Stopping(ProgramTest):
         self.assertEqual(process.returncode, 130, errors)
         last = self.files()[-1]
         self.assertNotIn("interrupted; wrote", errors, "every image has its sample")
-        # It goes on with the image after the last.
+        # It continues after the last complete image.
         number = int(re.search(r"\d+", last)[0])
         process = start("render", *ROOM, "-o", "out.####.png", "--frames", f"0-{number + 2}", "--spp", "1", "--resume", "a.ckpt", cwd=self.folder)
         _, errors = process.communicate(timeout=60)
@@ -101,14 +101,14 @@ class Stopping(ProgramTest):
         self.assertEqual(self.files()[-1], f"out.{number + 2:04}.png")
 
     def wait_until_it_renders(self, process):
-        """Until a verbose process has said that it built the scene."""
+        """Waits until a verbose process reports the built scene."""
         for line in process.stderr:
             if line.startswith("built it in"):
                 return
         self.fail("it ended before it rendered")
 
     def wait_for_handler(self, process, seconds=60):
-        """Until the process handles SIGINT, which would end it before."""
+        """Waits until the process handles SIGINT, which would end it earlier."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
@@ -118,7 +118,8 @@ class Stopping(ProgramTest):
         self.fail("it handles no interrupt")
 
     def answer(self, delay_s, arguments):
-        """Interrupts a command after that time: how long it took to end, and whether it said what it finishes."""
+        """Interrupts a command after `delay_s`. Returns the time to its end, and whether it reported its remaining
+        work."""
         process = start(*arguments, cwd=self.folder)
         self.addCleanup(process.kill)
         self.wait_for_handler(process)
@@ -133,7 +134,8 @@ class Stopping(ProgramTest):
         return seconds, "stopping once" in errors
 
     def assert_answers(self, delay_s, *arguments):
-        """An interrupt after that time ends the command soon, and leaves nothing half written. What takes longer is told."""
+        """Expects an interrupt after `delay_s` to end the command soon, without partial files. Longer work must be
+        reported."""
         answers = []
         for _ in range(ATTEMPTS):
             answers.append(self.answer(delay_s, arguments))
@@ -143,7 +145,7 @@ class Stopping(ProgramTest):
         self.fail(f"slow, and does not say what it finishes: {answers}")
 
     def test_interrupts_are_answered_while_a_scene_is_loaded_built_prepared_and_rendered(self):
-        large = (0, 0.2, 1, 2)  # it is loaded and built for a second or two
+        large = (0, 0.2, 1, 2)  # loading and building take a second or two
         small = (0, 0.2, 0.8)
         for delays, scene in ((large, ["city"]), (large, ["cover"]), (small, ["mine", "--guide", "cdq"]), (small, ["warehouse", "--lights", "static-lists", "--static-lists.rays", "65536"])):
             for delay_s in delays:
@@ -159,7 +161,7 @@ class Stopping(ProgramTest):
             for delay_s in (0, 1.5 if "city" in command else 0.8):
                 with self.subTest(command=command[:2], delay_s=delay_s):
                     if delay_s > 0 and command[0] in ("export", "info"):
-                        continue  # over by then
+                        continue  # already finished
                     self.assert_answers(delay_s, *command)
 
     def test_preparation_ends_with_the_time(self):
@@ -168,12 +170,12 @@ class Stopping(ProgramTest):
         self.assertIn("warning: rendering stopped before the light lists were complete: the image is noisier and no checkpoint was written; raise --time", done.stderr)
         self.assertEqual((self.stats()["stopped_by"], self.stats()["samples_per_pixel"]), ("time", 1))
         self.assertLess(self.stats()["render_s"], 1 + SECONDS_TO_ANSWER)
-        # A checkpoint would give other bits than an uninterrupted render has.
+        # A checkpoint would change bits relative to an uninterrupted render.
         self.assertEqual(self.files(), ["out.exr", "s.json"])
         self.assertGreater(self.metrics("out.exr", "out.exr")["mean_a"][1], 0)
 
     def test_second_interrupt_ends_at_once(self):
-        # The first sample is always finished, and this one takes seconds: paths go on until they meet the lamp.
+        # The first sample is always completed, and takes seconds here: paths continue until they hit the lamp.
         process = start("render", "cornell-closed", "--width", "640", "--height", "480", "--threads", "1", "--max-bounces", "1024", "--no-path.russian-roulette",
                         "-o", "out.exr", "--stats", "s.json", "--resume", "a.ckpt", "--verbose", cwd=self.folder)
         self.addCleanup(process.kill)
@@ -197,7 +199,7 @@ class Stopping(ProgramTest):
         self.assertEqual(png_size(self.folder / "out.png"), (96, 96))
 
     def test_kill_and_resume(self):
-        # As many samples as take a second, whatever the machine.
+        # Number of samples that takes about a second on this machine.
         self.succeed("render", *ROOM, "-o", "warm.exr", "--spp", "8", "--stats", "s.json")
         spp = max(64, int(8 * 0.8 / self.stats()["render_s"]))
         arguments = ["render", *ROOM, "--spp", spp, "--seed", "4"]
@@ -215,7 +217,7 @@ class Stopping(ProgramTest):
         self.assert_same_pixels("resumed.exr", "whole.exr")
 
     def wait_for_video(self, seconds=60):
-        """Until the encoder has begun to write; the check of the folder makes an empty file before."""
+        """Waits until the encoder writes; the folder check creates an empty file before."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             with contextlib.suppress(FileNotFoundError):
@@ -256,7 +258,7 @@ class Stopping(ProgramTest):
         self.assert_same_pixels("b.exr", "c.exr")
 
     def test_kill_and_resume_a_sequence(self):
-        # The history goes from image to image, so every later one depends on where the checkpoint left off.
+        # The history continues between images, so that every later image depends on the checkpoint.
         arguments = ["render", "turntable", "--width", "96", "--height", "54", "--frames", "0-5", "--spp", "24", "--history", "reproject"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)
@@ -287,7 +289,7 @@ class Stopping(ProgramTest):
                 self.assertGreater(self.metrics(f"{history}.{frame:04}.exr", f"{history}.{frame + 1:04}.exr")["mse"], 0, (history, frame))
 
     def test_kill_and_resume_a_sequence_at_rest(self):
-        # No change tells where an image begins: the checkpoint has to.
+        # No change marks the start of an image, so that the checkpoint must store it.
         arguments = ["render", *ROOM, "--frames", "0-3", "--spp", "24", "--history", "reproject", "--allocation", "adaptive"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Follows docs/tutorial.md: runs its commands in order, in one shell, and looks at what they write. `Literally` as they stand, which takes
-minutes; `Small` with a sixteenth of the pixels and a tenth of the time, which shows as well that every command works."""
+"""Follows docs/tutorial.md: runs its commands in order in one shell, and checks their outputs. `Literally` runs them
+unchanged, which takes minutes. `Small` uses a sixteenth of the pixels and a tenth of the time."""
 
 import os
 import pathlib
@@ -13,7 +13,7 @@ import unittest
 from program import PROGRAM, ProgramTest, png_size
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MOST_SECONDS = 600  # it promises ten minutes
+MOST_SECONDS = 600  # stated in the tutorial: ten minutes
 
 
 def commands():
@@ -22,7 +22,7 @@ def commands():
 
 
 def smaller(script):
-    """A quarter of every width and height, a tenth of every time."""
+    """A quarter of every width and height, and a tenth of every time."""
     script = re.sub(r"(--width|--height) (\d+)", lambda m: f"{m[1]} {int(m[2]) // 4}", script)
     return re.sub(r"(--time|--budget) (\d+)s", lambda m: f"{m[1]} {int(m[2]) / 10}s", script)
 

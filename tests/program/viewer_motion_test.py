@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`relume view` in a hidden window: how the camera moves, and scenes that move."""
+"""Tests `relume view` in a hidden window: camera motion and animated scenes."""
 
 import sys
 import unittest
@@ -7,7 +7,7 @@ import unittest
 import display
 from viewer_steps import Viewer, animated_gltf, cube_ply, length
 
-SKIPPED = 77  # to ctest
+SKIPPED = 77  # ctest's exit code for skipped tests
 
 
 class Camera(Viewer):
@@ -48,7 +48,7 @@ class Camera(Viewer):
         self.assertAlmostEqual(length(framed["eye"]), length(turned["eye"]), delta=1e-3 * length(framed["eye"]))
 
     def test_a_held_key_flies_no_further_than_frames_show(self):
-        # Frames that take long, each of which allows for a step of 0.15 s at most.
+        # Slow frames, each limited to a step of 0.15 s.
         script = "pace off\nset width 900\nset height 700\nset max-bounces 12\nframes 1\nreport\nkey w 60\nreport\nframes 1\nreport\nseconds 1\nreport\n"
         start, held, shown, later, _ = self.view("cornell", script)
         flown = length([a - b for a, b in zip(start["eye"], held["eye"])])

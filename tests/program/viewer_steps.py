@@ -1,4 +1,4 @@
-"""Scripts for a hidden viewer, and what they are tried on."""
+"""Scripts for a hidden viewer, and their scenes."""
 
 import base64
 import json
@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 def combination_table():
-    """Of docs/combinations.md: the cell of each pair of choices ("cache=psf", "guide=cdq"), and the sentences of refusals."""
+    """docs/combinations.md: the cell of each pair of choices ("cache=psf", "guide=cdq"), and the reasons of rejections."""
     table, refused = (ROOT / "docs/combinations.md").read_text().split("\n## Measured")[0].split("\n## Refused")
     rows = [line for line in table.splitlines() if re.match(r"\| \d+ `", line)]
     choices = [re.search("`(.+?)`", row)[1] for row in rows]
@@ -28,7 +28,7 @@ def combination_table():
 
 
 def steps_to(choice):
-    """Settings, with their values, that make a choice of that table."""
+    """Settings and values for a choice of that table."""
     slot, value = choice.split("=")
     value, _, method = value.partition(" ")
     return ([("reproject.method", method.strip("()"))] if method else []) + [(slot, value)]
@@ -45,7 +45,7 @@ def cube_ply(half):
 
 
 def animated_gltf():
-    """A triangle with two animations as glTF: `turn`, of 20 s, and `rise`, of 3 s."""
+    """A triangle with two glTF animations: `turn` of 20 s and `rise` of 3 s."""
     arrays = [("VEC3", [0, 0, 0, 1, 0, 0, 0, 1, 0]), ("SCALAR", [0, 20]), ("VEC4", [0, 0, 0, 1, 0, 1, 0, 0]),
               ("SCALAR", [0, 3]), ("VEC3", [0, 0, 0, 0, 1, 0])]
     sizes = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
@@ -75,12 +75,12 @@ def length(v):
 
 
 class Viewer(ProgramTest):
-    THREADS = 1  # of the renderer, which works as long as the window is open
+    THREADS = 1  # of the renderer, which runs while the window is open
 
     def view(self, scene, script="", *arguments, frames=2, timeout=280):
-        """Reports that the viewer printed, in order; the last is the one at the end."""
+        """Reports printed by the viewer in order; the last is the final one."""
         (self.folder / "steps.txt").write_text(script)
-        # A small window, for it is drawn by the processor too.
+        # A small window, since it is also drawn by the CPU.
         arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
         command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", "--threads", str(self.THREADS), *map(str, arguments)]
         environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
@@ -89,7 +89,7 @@ class Viewer(ProgramTest):
         return [json.loads(line) for line in done.stdout.splitlines()]
 
     def view_while(self, scene, script, actions):
-        """As view(), with one of the actions done after each of the first reports."""
+        """Same as view(), with one of the actions after each of the first reports."""
         (self.folder / "steps.txt").write_text(script)
         command = [PROGRAM, "view", str(scene), "--smoke", "1", "--script", "steps.txt", "--threads", "1", "--width", "240", "--height", "180"]
         environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`relume view` in a hidden window: scripted keys and mouse, every built-in scene, every slot, rates."""
+"""Tests `relume view` in a hidden window: scripted keys and mouse, every built-in scene, every slot, frame rates."""
 
 import json
 import os
@@ -15,9 +15,9 @@ from png import png_pixels
 from program import PROGRAM, SMALL, exr_strings, run
 from viewer_steps import Viewer, combination_table, cube_ply, steps_to
 
-SKIPPED = 77  # to ctest
+SKIPPED = 77  # ctest's exit code for skipped tests
 SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
-# Set on machines that do nothing else: rates are then required, not only reported.
+# For otherwise idle machines: requires frame rates instead of only reporting them.
 QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
 
 
@@ -53,7 +53,7 @@ class Scenes(Viewer):
             (self.folder / name).write_bytes(data)
         (self.folder / "folder").mkdir()
         names = [*bad, "missing.glb", "folder"]
-        # Messages go after some seconds, which a busy machine takes for a frame.
+        # Messages vanish after some seconds, which can be one frame on a busy machine.
         drops = "".join(f"drop {name}\nloaded\nreport\nframes 1\n" for name in names)
         reports = self.view("cornell", f"frames 1\n{drops}drop cornell-spheres\nloaded\nframes 2\n")
         for name, report in zip(names, reports):
@@ -91,7 +91,7 @@ class Scenes(Viewer):
 
 class Input(Viewer):
     def test_escape_closes_what_is_open_before_it_drops_the_selection(self):
-        presets = "panel settings\nseconds 0.2\nclick 1.342 0.159\nseconds 0.2\n"  # beside the image
+        presets = "panel settings\nseconds 0.2\nclick 1.342 0.159\nseconds 0.2\n"  # next to the image
         for opened in ("key f1\n", presets):
             closed, dropped, _ = self.view("cornell", f"frames 1\nselect node lamp\n{opened}key escape\nreport\nkey escape\nreport\n")
             self.assertEqual((closed["selected"], dropped["selected"]), (1, 0), opened)
@@ -149,7 +149,7 @@ class Input(Viewer):
         self.assertGreater(recorded["path_keys"], 4)
         self.assertTrue(playing["playing"])
         self.assertFalse(played["playing"])
-        for a, b in zip(recorded["eye"], played["eye"]):  # the last key is at most a tenth of a second old
+        for a, b in zip(recorded["eye"], played["eye"]):  # the last key is at most 0.1 s old
             self.assertAlmostEqual(a, b, delta=0.3)
 
     def test_bookmarks_come_back_and_belong_to_their_scene(self):
@@ -174,12 +174,12 @@ class Input(Viewer):
 class Settings(Viewer):
     def test_every_choice_of_every_slot_is_taken_live(self):
         choices = self.slots()
-        script = "pace moving\nset static-lists.rays 64\n"  # prepared soon on a machine that is busy
+        script = "pace moving\nset static-lists.rays 64\n"  # short preparation on a busy machine
         script += self.all_defaults(choices) + "frames 1\n"
         tried = []
         for slot, values in choices.items():
             for value in values:
-                # Messages go after some seconds, which a busy machine takes for a frame.
+                # Messages vanish after some seconds, which can be one frame on a busy machine.
                 script += f"try {slot} {value}\nreport\nframes 2\nreport\n"
                 tried.append((slot, value))
             script += f"set {slot} {values[0]}\nframes 1\n"
@@ -191,7 +191,7 @@ class Settings(Viewer):
             if rendered["slots"][slot] != value:
                 refused.add((slot, value))
                 self.assertIn("Open Image Denoise", at_once["messages"][-1])
-        # Beside defaults everything combines; what is left is what this build lacks.
+        # All choices combine with defaults; the only rejections are choices missing from this build.
         self.assertEqual(refused, self.missing_choices())
 
     def test_the_pairs_that_are_refused_are_those_of_the_table(self):
@@ -203,7 +203,7 @@ class Settings(Viewer):
         for pair in table:
             wanted = dict(step for choice in pair for step in steps_to(choice))
             script += "".join(f"try {name} {value}\n" for name, value in wanted.items()) + "report\n"
-            # The slots first, as the method may be what makes them combine.
+            # Slots first, as the method may make them combine.
             script += "".join(f"set {name} {choices[name][0]}\n" for name in wanted if name in choices) + "set reproject.method forward\n"
         reports = self.view("cornell", script, "--width", 160, "--height", 120)
         self.assertEqual(len(reports), len(table) + 1)
@@ -220,12 +220,12 @@ class Settings(Viewer):
         return "".join(f"set {slot} {values[0]}\n" for slot, values in choices.items())
 
     def missing_choices(self):
-        """Choices that this build has no library for."""
+        """Choices whose libraries this build lacks."""
         done = run("render", "furnace", "-o", "denoised.png", *SMALL, "--spp", "1", "--denoise", "oidn", cwd=self.folder)
         return set() if done.returncode == 0 else {("denoise", "oidn")}
 
     def test_every_setting_is_known(self):
-        """Of names alone: every setting gets the value that it has."""
+        """Sets every setting to its current value, to test the names."""
         values = json.loads(self.succeed("settings", "--json").stdout)
         self.assertGreater(len(values), 30)
         steps = ""
@@ -247,14 +247,15 @@ class Settings(Viewer):
         self.assertNotIn("mean_luminance_b", single)
 
     def test_times_of_passes_add_up_to_the_frame(self):
-        # One by one: of frames that come at once the interface sees the newest alone.
+        # Single frames: the interface only sees the newest of several.
         report = self.view("cornell", "pace off\n" + 6 * "frames 1\n")[-1]
         self.assertGreater(len(report["pass_ms"]), 3)
         self.assertAlmostEqual(sum(report["pass_ms"].values()) / report["frame_ms"], 1, delta=0.02)
         self.assertGreaterEqual(report["graph_frames"], 4)
 
     def slots(self):
-        """Slots and their choices as the help has them; the default first, so that each is tried against the defaults."""
+        """Slots and their choices in the help; the default comes first, so that each choice is tested with the
+        defaults."""
         settings = self.succeed("settings", "--markdown").stdout
         section = settings.split("## Slots")[1].split("\n## ")[0]
         result = {}
@@ -279,7 +280,7 @@ class Settings(Viewer):
         self.assertEqual((metadata["relume.scene"], metadata["relume.seed"]), ("cornell", "0"))
         self.assertGreaterEqual(float(metadata["relume.samples_per_pixel"]), 1)
         self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(metadata["relume.timings"])))
-        # What was recorded renders from the command line.
+        # The recording renders from the command line.
         self.succeed("render", "v.json", "-o", "f.png", "--frames", "0-1", "--fps", 1, "--spp", 1)
         self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))
 
@@ -336,7 +337,7 @@ class Rates(Viewer):
     THREADS = 0  # all
 
     def check(self, scene):
-        # The first seconds find the size; then the camera moves, for a while where rates are required.
+        # The first seconds adapt the size; then the camera moves, longer if rates are required.
         script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * (3 if QUIET else 1) + "report\n"
         report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720)[0]
         print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
@@ -346,7 +347,7 @@ class Rates(Viewer):
         self.assertLess(report["width"], 1280)
         if QUIET:
             self.assertGreaterEqual(report["worst_interface_hz"], 30)
-            self.assertGreaterEqual(report["frames_per_s"], 9.5)  # ten is what it aims at, by steps of √2 in pixels
+            self.assertGreaterEqual(report["frames_per_s"], 9.5)  # target is ten, in steps of √2 in pixels
             self.assertGreaterEqual(report["width"], 320)
 
     def test_cornell(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the program says of itself passes the checks of spelling and wording."""
+"""Checks spelling and wording of the program's help."""
 
 import pathlib
 import shutil

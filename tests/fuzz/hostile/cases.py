@@ -1,4 +1,4 @@
-"""What one trial runs: arguments and the folder in which the program finds its input. Everything follows from a random.Random."""
+"""Input of a trial: arguments and the program's input folder, generated from a random.Random."""
 
 import dataclasses
 import os
@@ -20,7 +20,7 @@ IMAGES = ["out.exr", "out.exr", "out.hdr", "out.png", "out.jpg", "out.tga"]
 
 
 def render(scene, rng, *more):
-    """Renders with one technique of many."""
+    """Renders with a random technique."""
     technique = rng.choice(TECHNIQUES)
     image = "made/" + ("out.exr" if "--aov" in technique else rng.choice(IMAGES))
     arguments = ["render", scene, *SMALL, *technique, *more]
@@ -47,7 +47,7 @@ def use_scene(scene, rng):
 
 
 def damaged_scene(kind, files, rng):
-    """One file of a scene, mostly the scene itself, damaged once or twice."""
+    """A scene with one file, usually the main one, damaged once or twice."""
     files = dict(files)
     names = list(files)
     victim = names[0] if rng.random() < 0.75 else rng.choice(names)
@@ -66,7 +66,7 @@ def some_images():
 
 
 def sealed(checkpoint):
-    """With the checksum that its bytes ask for (FNV-1a, 64 bits), so that the reader looks at them."""
+    """Appends the checksum of the damaged bytes (FNV-1a, 64 bits), so that the reader accepts them."""
     value = 0xcbf29ce484222325
     for byte in checkpoint[:-8]:
         value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
@@ -74,7 +74,7 @@ def sealed(checkpoint):
 
 
 class Maker:
-    """Makes cases. `products` are files that the program itself wrote, `helps` are its help texts."""
+    """Makes cases. `products` are files written by the program, `helps` its help texts."""
 
     def __init__(self, products, helps):
         self.products = products
@@ -84,7 +84,7 @@ class Maker:
         weights = {"gltf": 9, "glb": 6, "relume json": 6, "obj": 4, "ply": 4, "stl": 2, "off": 2, "dae": 3, "fbx": 3, "3ds": 2}
         makers = {self.texture: 6, self.environment: 5, self.settings: 5, self.settings_exr: 3, self.checkpoint: 5, self.metrics: 6, self.compare: 2,
                   self.command_line: 14, self.output: 9, self.reference: 6}
-        # Every kind comes early, so that a short trial has all of them.
+        # Starts with every kind, so that a short trial covers all.
         everything = [(self.scene(kind), weight) for kind, weight in weights.items()] + list(makers.items())
         self.order = [make for round_ in range(max(weight for _, weight in everything)) for make, weight in everything if weight > round_]
 
@@ -135,7 +135,7 @@ class Maker:
     def checkpoint(self, rng):
         name = rng.choice([name for name in self.products if name.endswith(".ckpt")])
         data = self.products[name]
-        settings = data.rindex(b"}") + 1 if rng.random() < 0.5 else 0  # stay as they are, half of the time
+        settings = data.rindex(b"}") + 1 if rng.random() < 0.5 else 0  # unchanged, half of the time
         for _ in range(rng.choice((1, 1, 3))):
             data = data[:settings] + damage(name, data[settings:], rng)
         if rng.random() < 0.6:

@@ -1,4 +1,4 @@
-"""Command lines of flags and values that the program's help names, and of others."""
+"""Command lines of valid and invalid flags and values, based on the program's help."""
 
 import re
 
@@ -9,14 +9,14 @@ from trial_case import SMALL, Case
 COMMANDS = ["render", "export", "info", "metrics", "compare", "experiment", "settings", "devices", "man", "completion", "scenes"]
 OPTION = re.compile(r"^  (?:-\w, )?--(\[no-\])?([\w.-]+)(?: (\S+))?", re.MULTILINE)
 
-# How the checkpoints were made that trials damage.
+# Commands that write the checkpoints to damage.
 CHECKPOINTS = {
     "plain.ckpt": ["render", "cornell", *SMALL], "psf.ckpt": ["render", "cornell", *SMALL, "--cache", "psf"],
     "guided.ckpt": ["render", "cornell", *SMALL, "--lights", "vlc", "--guide", "cdq"], "adaptive.ckpt": ["render", "cornell", *SMALL, "--allocation", "adaptive"],
     "denoised.ckpt": ["render", "turntable", *SMALL, "--history", "reproject", "--denoise", "svgf"],
 }
 
-# Flags whose valid values can take minutes or gigabytes, and flags that write or reach out: the values that trials give them.
+# Values for flags whose valid values can take minutes or gigabytes, or that write files or connect.
 CAREFUL = {
     "width": ["0", "-1", "1", "7", "nan", "1e308", "32769", "2147483648", "", "x"], "height": ["0", "-1", "1", "5", "inf", "1.5", "32769", "4294967297"],
     "spp": ["0", "1", "3", "-1", "1.5", "1073741825", "99999999999999999999", "x"], "reference-spp": ["2", "3", "1", "0", "-1", "x"], "repeat": ["1", "2", "0", "-1", "1e9"],
@@ -33,7 +33,7 @@ POSITIONAL = {"render": 1, "export": 1, "info": 1, "metrics": 2, "compare": 1, "
 
 
 def odd_text(rng):
-    """A value that may be an argument: without zero bytes."""
+    """A value that is a possible argument, without zero bytes."""
     if rng.random() < 0.5:
         return rng.choice(EXTREME_NUMBERS)
     return rng.choice([text for text in ODD_STRINGS if b"\0" not in text])
@@ -45,10 +45,10 @@ class CommandLines:
 
     @staticmethod
     def parse(text):
-        """Name -> what its help says of its value: None, a word, or choices with | between."""
+        """Value of each flag by name, according to the help: None, a word, or choices separated by |."""
         found = {}
         for negatable, name, value in OPTION.findall(text):
-            if name == "all":  # every experiment
+            if name == "all":  # runs every experiment
                 continue
             found[name] = value or None
             if negatable:
@@ -67,7 +67,7 @@ class CommandLines:
         return odd_text(rng)
 
     def flag(self, command, rng):
-        """One flag, mostly of this command, with or without a value."""
+        """A flag, usually of this command, with or without a value."""
         name = rng.choice(list(self.options[command if rng.random() < 0.95 else rng.choice(COMMANDS)]))
         kind = next((options[name] for options in self.options.values() if name in options), None)
         if name in CAREFUL and not CAREFUL[name]:
@@ -104,5 +104,5 @@ class CommandLines:
         if rng.random() < 0.05:
             command = odd_text(rng)
         files = {"a.exr": images.exr(), "few.json": b'{"max-bounces": 2}'}
-        # Without -o the pages of a comparison are beside the scene.
+        # Without -o, pages of comparisons are written next to the scene.
         return Case("command line", [command, *arguments], files, may_change=["*-compare/*", "experiments/*", "made.*"])

@@ -1,10 +1,10 @@
-"""Seeded damage to the bytes of a file. Each function takes bytes and a random.Random and returns bytes."""
+"""Seeded damage to a file's bytes. Each function takes bytes and a random.Random, and returns bytes."""
 
 import json
 import re
 import struct
 
-# As text, for numbers in text files and for values on the command line.
+# As text, for text files and the command line.
 EXTREME_NUMBERS = ["0", "-0", "-1", "1", "255", "256", "65536", "2147483647", "2147483648", "-2147483649", "4294967295", "4294967296",
                    "9223372036854775807", "9223372036854775808", "18446744073709551616", "1e308", "-1e308", "1e39", "1e-320", "1e999",
                    "NaN", "nan", "inf", "-inf", "Infinity", "0x10", "1.5", "1,5", "--1", "1e", "", "99999999999999999999999999999999"]
@@ -53,7 +53,7 @@ def swap_chunks(data, rng):
 
 
 def lie_about_sizes(data, rng):
-    """Extremes in place of numbers of 1, 2, 4 or 8 bytes, mostly near the front."""
+    """Replaces numbers of 1, 2, 4 or 8 bytes, usually near the start, by extremes."""
     out = bytearray(data)
     for _ in range(rng.choice((1, 1, 2, 4))):
         code = rng.choice("BHIIIQfd") if rng.random() < 0.7 else rng.choice("IH")
@@ -71,7 +71,7 @@ def lie_about_sizes(data, rng):
 
 
 def extreme_numbers(data, rng):
-    """Numbers in text."""
+    """Replaces numbers in text."""
     places = list(NUMBER.finditer(data))
     for match in sorted(rng.sample(places, min(len(places), rng.choice((1, 1, 2, 5)))), key=lambda m: -m.start()):
         data = data[: match.start()] + rng.choice(EXTREME_NUMBERS).encode() + data[match.end():]
@@ -79,7 +79,7 @@ def extreme_numbers(data, rng):
 
 
 def odd_strings(data, rng):
-    """Quoted strings, words and names in text."""
+    """Replaces quoted strings, words and names in text."""
     places = list(STRING.finditer(data))
     for match in sorted(rng.sample(places, min(len(places), rng.choice((1, 1, 3)))), key=lambda m: -m.start()):
         quote = b'"' if match[0].startswith(b'"') else b""
@@ -104,7 +104,7 @@ def shuffle_lines(data, rng):
 
 
 def nest_deeply(data, rng):
-    """A long run of what opens something."""
+    """Inserts a long run of an opening bracket or tag."""
     depth = rng.choice((100, 2000, 100000))
     opener = rng.choice((b"[", b'{"a":', b"(", b"<a>", b"{", b"a: {\n", b"\n", b" "))
     at = rng.randrange(len(data))
@@ -122,7 +122,7 @@ def json_places(value, path=()):
 
 
 def other_json(old, rng):
-    """A value in place of `old`: another type, an extreme number, or an index that may close a cycle."""
+    """Replacement of `old`: another type, an extreme number, or an index that may form a cycle."""
     if isinstance(old, int) and not isinstance(old, bool) and rng.random() < 0.6:
         return rng.choice((0, 1, 2, 3, old + 1, old - 1, -1, 1 << 31, 1 << 53, 1 << 63, (1 << 64) - 1, 10**9, old * 1000, 1e308, 0.5))
     if isinstance(old, float) and rng.random() < 0.6:
@@ -136,10 +136,10 @@ def other_json(old, rng):
 
 
 def change_json(data, rng):
-    """Types, numbers, keys and references of a JSON document; other damage where the bytes are none."""
+    """Changes types, numbers, keys and references of a JSON document; other bytes get other damage."""
     try:
         document = json.loads(data)
-    except (ValueError, RecursionError):  # damaged before
+    except (ValueError, RecursionError):  # already damaged
         return extreme_numbers(data, rng)
     for _ in range(rng.choice((1, 1, 2, 4))):
         places = json_places(document)
@@ -163,7 +163,7 @@ def change_json(data, rng):
 
 
 def change_glb_json(data, rng):
-    """The same inside a GLB whose lengths stay true."""
+    """Changes the JSON inside a GLB, with matching lengths."""
     if len(data) < 20:
         return random_bytes(data, rng)
     size = struct.unpack_from("<I", data, 12)[0]
@@ -179,7 +179,7 @@ ON_JSON = [change_json] * 8 + [extreme_numbers, odd_strings, nest_deeply]
 
 
 def damage(name, data, rng):
-    """`data`, damaged as suits a file of this name."""
+    """Damages `data` according to the type of file `name`."""
     if not data:
         return data
     choices = list(ON_BYTES)

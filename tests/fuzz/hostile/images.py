@@ -1,16 +1,16 @@
-"""Encoders of small images: PNG, JPEG, BMP, TGA, HDR and EXR, each a gradient."""
+"""Encoders of small gradient images: PNG, JPEG, BMP, TGA, HDR and EXR."""
 
 import struct
 import zlib
 
 
 def gradient(width, height, channels):
-    """Rows of bytes."""
+    """Rows of a gradient, as bytes."""
     return [bytes((31 * x + 57 * y + 83 * c) % 256 for x in range(width) for c in range(channels)) for y in range(height)]
 
 
 def png(width=8, height=6, depth=8, channels=4):
-    """ISO/IEC 15948, without filters."""
+    """ISO/IEC 15948, unfiltered."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -22,7 +22,7 @@ def png(width=8, height=6, depth=8, channels=4):
 
 
 def palette_png():
-    """Two bits a pixel and four colours, one of them transparent."""
+    """Two bits per pixel and four colours, one of them transparent."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -32,14 +32,14 @@ def palette_png():
 
 
 def jpeg(components=3):
-    """ITU-T T.81 baseline, 16 x 16 pixels of grey: every coefficient is zero, so each Huffman table has one code."""
+    """ITU-T T.81 baseline, 16 × 16 grey pixels: every coefficient is zero, so that each Huffman table has one code."""
     def segment(marker, data):
         return b"\xff" + bytes([marker]) + struct.pack(">H", len(data) + 2) + data
 
     frame = struct.pack(">BHHB", 8, 16, 16, components) + b"".join(bytes([c + 1, 0x11, 0]) for c in range(components))
     one_code = bytes([1] + [0] * 15 + [0])
     scan = bytes([components]) + b"".join(bytes([c + 1, 0]) for c in range(components)) + bytes([0, 63, 0])
-    bits = "00" * components * 4  # four units, each a DC difference of zero and the end of the block
+    bits = "00" * components * 4  # four units, each with a DC difference of zero and an end of block
     bits += "1" * (-len(bits) % 8)
     data = bytes(int(bits[i:i + 8], 2) for i in range(0, len(bits), 8))
     return (b"\xff\xd8" + segment(0xdb, b"\0" + bytes([1] * 64)) + segment(0xc0, frame) + segment(0xc4, b"\0" + one_code)
@@ -60,7 +60,7 @@ def tga(width=8, height=6, packed=False):
 
 
 def hdr(width=16, height=8, packed=True):
-    """Radiance RGBE, with the run-length code of new files."""
+    """Radiance RGBE, with the newer run-length encoding."""
     head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=1.0\n\n-Y {height} +X {width}\n".encode()
     rows = [bytes(128 if i % 4 == 3 else value for i, value in enumerate(row)) for row in gradient(width, height, 4)]
     if not packed:
@@ -78,7 +78,7 @@ def _attribute(name, kind, data):
 
 
 def _packed(data):
-    """EXR's ZIP: even bytes before odd ones, differences, deflate; as it is where that is no shorter."""
+    """EXR's ZIP: even bytes before odd ones, differences, deflate; uncompressed if that is not longer."""
     split = data[0::2] + data[1::2]
     differences = split[:1] + bytes((b - a + 128) % 256 for a, b in zip(split, split[1:]))
     packed = zlib.compress(differences)

@@ -1,4 +1,4 @@
-"""What is wrong with a finished run."""
+"""Checks a finished run for problems."""
 
 import fnmatch
 import json
@@ -7,14 +7,14 @@ import pathlib
 import re
 import stat
 
-# Words of libraries and of the language, which no message may contain.
+# Internal words of libraries and C++, which no message may contain.
 INTERNAL = [b"terminate called", b"std::", b"ssertion", b"basic_string", b"bad_alloc", b"json.exception", b"vector::", b"map::at", b"stoi", b"stof", b"what()",
             b"Sanitizer", b"runtime error:", b"Traceback", b"CLI::", b"Segmentation"]
 CONTROL = re.compile(rb"[\x00-\x08\x0b-\x1f\x7f]")
 
 
 def snapshot(folder):
-    """Path below `folder` -> what tells whether a file changed. Links count as themselves."""
+    """State of each path below `folder`, to detect changes. Links count as themselves."""
     found = {}
     for root, folders, files in os.walk(folder):
         for name in files + [f for f in folders if os.path.islink(os.path.join(root, f))]:
@@ -73,7 +73,7 @@ def judge_texts(case, run):
             except ValueError as error:
                 problems.append(f"prints JSON that is none: {error}")
     elif len(errors) != 1 or lines[-1] != errors[0] or len(errors[0]) <= len(b"relume: "):
-        if case.arguments:  # without any, it prints its help
+        if case.arguments:  # without arguments, the program prints its help
             problems.append("fails without one line that says why")
     if "-q" in case.arguments:
         problems += [f"prints a line that is neither a warning nor an error: {line[:80]!r}" for line in lines if not line.startswith((b"relume: ", b"warning: "))][:1]
@@ -81,7 +81,7 @@ def judge_texts(case, run):
 
 
 def judge(case, run, before, after):
-    """Sentences; none if all is well."""
+    """Problems as sentences; empty on success."""
     if run.hung:
         return [f"hangs: ended after {run.seconds:.0f} s"]
     problems = [f"needs {run.memory >> 20} MiB"] if run.too_large else []

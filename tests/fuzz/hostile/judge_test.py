@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whether trials notice what they look for: a stand-in for the program does each of the things that it must not."""
+"""Tests that trials detect each forbidden behaviour, with a script in the program's role."""
 
 import pathlib
 import sys

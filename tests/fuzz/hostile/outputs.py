@@ -1,4 +1,4 @@
-"""Outputs where none can be written, and names that are hard to write."""
+"""Cases with unwritable outputs and difficult file names."""
 
 import os
 
@@ -63,13 +63,13 @@ def full_device(rng):
 
 
 def link(rng):
-    """A link to a file that does not exist yet, to itself, to a folder, to nowhere, or to a device."""
+    """A link to a missing file, to itself, to a folder, to a missing folder, or to a device."""
     target = rng.choice(("made/new.exr", "a.exr", "made", "nowhere/a.exr", "/dev/null"))
     return Case("output", render("-o", "a.exr"), links={"a.exr": target}, may_change=["a.exr"])
 
 
 def locked_folder(rng):
-    if os.geteuid() == 0:  # nothing is locked for root
+    if os.geteuid() == 0:  # root ignores permissions
         return odd_name(rng)
     return Case("output", rng.choice((render("-o", "locked/a.exr"), ["export", "cornell", "-q", "-o", "locked/a.gltf"])), folders=["locked"], locked="locked")
 
@@ -84,7 +84,7 @@ def same_name_twice(rng):
 
 
 def over_input(rng):
-    """The program may refuse, or replace its input by a whole file."""
+    """Writes over an input: the program may reject it, or replace the input by a complete file."""
     rich = scenes.gltf()
     image = scenes.images.exr(texts={"relume.settings": '{"max-bounces": 2}'})
     cases = [

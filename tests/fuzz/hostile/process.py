@@ -15,12 +15,12 @@ PAGE_BYTES = os.sysconf("SC_PAGESIZE")
 
 @dataclasses.dataclass
 class Run:
-    exit_code: int  # negative: the signal that ended it
+    exit_code: int  # negative: signal that ended the process
     seconds: float
-    memory: int  # bytes: the largest process, or the sum of those that lived at the same time
+    memory: int  # in bytes: the largest process, or the sum of concurrent ones
     hung: bool
     too_large: bool
-    left_behind: bool  # a process of its group outlived it
+    left_behind: bool  # a process of its group is still running
     stdout: bytes
     stderr: bytes
 
@@ -55,8 +55,8 @@ def _end_group(process):
 
 
 def run(command, folder, environment, stdout, stderr, wall_s, memory_bytes):
-    """Waits for `command`; `stdout` and `stderr` are files that receive its output. Linux counts in ru_maxrss the largest of the
-    process and the children it waited for; the sum while they live comes from /proc."""
+    """Waits for `command`; `stdout` and `stderr` are files for its output. ru_maxrss gives the largest of the process
+    and its finished children; /proc gives the sum of running ones."""
     with open(stdout, "wb") as out, open(stderr, "wb") as err:
         began = time.monotonic()
         child = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True)

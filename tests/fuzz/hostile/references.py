@@ -1,4 +1,4 @@
-"""Files that refer to themselves, to each other in circles, to far too much, or to what is no file."""
+"""Files that reference themselves, each other in cycles, far too much data, or special files."""
 
 import dataclasses
 import json
@@ -27,7 +27,7 @@ def json_to_odd_file(rng):
 
 
 def gltf_nodes(rng):
-    """Children in circles, of two parents, in chains, or doubled at every level."""
+    """Children in cycles, with two parents, in chains, or doubled at every level."""
     file = scenes.Gltf()
     positions = file.accessor([0, 0, 0, 1, 0, 0, 0, 1, 0], "VEC3")
     file.add("meshes", {"primitives": [{"attributes": {"POSITION": positions}}]})
@@ -59,7 +59,7 @@ def gltf_to_odd_file(rng):
 
 
 def gltf_members(rng):
-    """Members that point at each other, or at nothing."""
+    """Members that reference each other, or missing objects."""
     file = scenes.gltf()
     doc = file.doc
     wrong = rng.choice((-1, 0, 1, 99, 1 << 31, (1 << 63) - 1))
@@ -97,7 +97,7 @@ def obj_library(rng):
 
 
 def dae_nodes(rng):
-    """Nodes that instance themselves, or are doubled at every level."""
+    """Nodes that instantiate themselves, or double at every level."""
     if rng.random() < 0.5:
         inner = b'<node id="q"><instance_node url="#q"/></node>'
     else:
@@ -123,7 +123,7 @@ def endless_device(rng):
     return Files(name, {}, {name: "/dev/zero"})
 
 
-# Endless devices cost a gigabyte each, so they are rare.
+# Rare, since endless devices cost a gigabyte each.
 MAKERS = 6 * [json_circle, json_to_odd_file, gltf_nodes, gltf_nodes, gltf_to_odd_file, gltf_members, gltf_members, obj_library, dae_nodes, fbx_connections, no_file] + [endless_device]
 
 

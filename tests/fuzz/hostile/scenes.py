@@ -1,4 +1,4 @@
-"""Small valid scenes of every format that relume reads. Each is a dictionary of files; the first is the scene."""
+"""Small valid scenes of every supported format. Each is a dictionary of files; the first is the scene."""
 
 import base64
 import json
@@ -11,7 +11,7 @@ U8, U16, U32, F32 = 5121, 5123, 5125, 5126
 
 
 class Gltf:
-    """A document and the bytes of its buffer."""
+    """A document and its buffer."""
 
     def __init__(self):
         self.data = b""
@@ -107,7 +107,7 @@ def animate(file, node, camera):
 
 
 def gltf(image=None):
-    """Everything that the reader knows; `image` says where the texture is, otherwise in the buffer."""
+    """Uses every feature of the reader. `image` is the texture's location; by default, the buffer."""
     file = Gltf()
     file.add("images", image or {"bufferView": file.view(images.png()), "mimeType": "image/png"})
     file.add("samplers", {"wrapS": 33071, "magFilter": 9728})
@@ -134,7 +134,7 @@ def gltf(image=None):
 
 
 def compressed(name):
-    """A triangle whose normals are compressed with EXT_meshopt_compression, or a mesh in Draco data that no encoder wrote."""
+    """A triangle with normals compressed by EXT_meshopt_compression, or a mesh of invalid Draco data."""
     file = Gltf()
     indices = file.accessor([0, 1, 2], component=U16)
     positions = file.accessor([0, 0, 0, 1, 0, 0, 0, 1, 0], "VEC3")
@@ -146,7 +146,7 @@ def compressed(name):
         primitive["attributes"]["NORMAL"] = normals = file.accessor([0, 0, 1] * 3, "VEC3")
         view = file.doc["bufferViews"][file.doc["accessors"][normals]["bufferView"]]
         at = len(file.data)
-        packed = b"\xa0" + bytes(12) + bytes(20) + struct.pack("<3f", 0, 0, 1)  # no differences, then the first vertex
+        packed = b"\xa0" + bytes(12) + bytes(20) + struct.pack("<3f", 0, 0, 1)  # zero differences, then the first vertex
         file.data += packed
         view["byteStride"] = 12
         view["extensions"] = {name: {"buffer": 0, "byteOffset": at, "byteLength": len(packed), "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"}}
@@ -294,7 +294,7 @@ def relume_json(scene, material="paint", node="part", environment=None):
 
 
 def all_scenes():
-    """Kind -> list of scenes."""
+    """Lists of scenes by kind."""
     rich = gltf()
     return {
         "gltf": [{"a.gltf": rich.text()}, {"a.gltf": rich.text("a.bin"), "a.bin": rich.data},

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Hostile trials of the whole program: damaged input of every kind, odd command lines, and outputs where none can be written.
 
-Every run must end within 30 s and 2 GB with exit code 0, 1 or 2, say in one line why it failed, and leave nothing half done.
-Trial N of seed S always does the same: `trials.py --seed S --only N` repeats it."""
+Every run must end within 30 s and 2 GB with exit code 0, 1 or 2, explain a failure in one line, and leave no partial
+files. Trial N of seed S is reproducible: `trials.py --seed S --only N` repeats it."""
 
 import argparse
 import collections
@@ -32,11 +32,11 @@ class Trials:
         self.program = os.path.abspath(options.program)
         self.work = pathlib.Path(tempfile.mkdtemp(prefix="relume_hostile_"))
         self.failures = pathlib.Path(options.keep or tempfile.gettempdir()) / f"relume_hostile_failures_{os.getpid()}"
-        # Sanitizers take several times the memory.
+        # Sanitizers multiply memory use.
         self.memory = MEMORY_BYTES * (4 if "RELUME_SANITIZED" in os.environ else 1)
         self.began = time.monotonic()
         self.lock = threading.Lock()
-        self.done = []  # (number, kind, run, problems)
+        self.done = []  # entries: number, kind, run, problems
         self.kept = 0
         self.maker = cases.Maker(self.products(), {command: self.output_of(command, "--help-all") for command in command_lines.COMMANDS})
 
@@ -61,7 +61,7 @@ class Trials:
         return folder
 
     def products(self):
-        """Files that the program writes, for trials to damage."""
+        """Files written by the program, for trials to damage."""
         products = {"all.json": self.output_of("settings", "--json").encode()}
         for name, arguments in command_lines.CHECKPOINTS.items():
             folder = self.empty_folder("setup")
@@ -96,7 +96,7 @@ class Trials:
         return case, run, problems
 
     def keep(self, number, case, worker, run, problems):
-        """Says what is wrong, and leaves the input and a script that runs it again."""
+        """Reports problems, and stores the input with a script that repeats the run."""
         folder = self.failures / str(number)
         shutil.rmtree(self.empty_folder(worker).parent.parent, ignore_errors=True)
         (folder / "made").mkdir(parents=True)
