@@ -1,12 +1,11 @@
-"""What tools/compare_cycles runs inside Blender: renders a glTF scene with Cycles as relume sees it.
+"""Runs inside Blender for tools/compare_cycles: renders a glTF scene with Cycles like relume.
 
     blender -b --factory-startup --python tools/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
 
-Surfaces become Lambert surfaces of their base colour, so scenes should have no others. Emissive materials emit their
-emissive factor times KHR_materials_emissive_strength; masks cut where glTF says. No denoiser, clamp or adaptive sampling,
-a box filter of one pixel, the scene's first camera. Prints
-"seconds: X" for preparing, sampling and writing, after what Blender itself prints.
-"""
+All surfaces become Lambertian with their base colour, so that scenes should contain no others. Emissive materials emit
+their emissive factor times KHR_materials_emissive_strength; masks cut as in glTF. Uses no denoiser, clamp or adaptive
+sampling, a box filter of one pixel, and the scene's first camera. Prints "seconds: X" for preparing, sampling and
+writing, after Blender's own output."""
 
 import argparse
 import json
@@ -17,7 +16,7 @@ import time
 import bpy
 import numpy
 
-# Blender 3.4's importer uses names that NumPy 1.24 no longer has.
+# Blender 3.4's importer uses names that NumPy 1.24 removed.
 numpy.bool, numpy.int, numpy.float = bool, int, float
 
 
@@ -39,7 +38,7 @@ def set_up_cycles(scene, options):
     cycles.time_limit = 0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
-    # Cycles counts no scattering at the last vertex: its limit is one less than relume's.
+    # Cycles does not count scattering at the last vertex: its limit is one less than relume's.
     bounces = options.max_bounces - 1
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
     cycles.transparent_max_bounces = 64
@@ -57,7 +56,7 @@ def set_up_image(scene, options):
 def set_up_camera(scene, gltf):
     scene.camera = next(o for o in bpy.data.objects if o.type == "CAMERA")
     camera = scene.camera.data
-    # glTF gives the vertical angle; the importer fits it to the aspect ratio of the file.
+    # glTF specifies the vertical angle; the importer adapts it to the file's aspect ratio.
     camera.sensor_fit, camera.angle = "VERTICAL", gltf["cameras"][0]["perspective"]["yfov"]
     camera.clip_start, camera.clip_end = 0.001, 10000
 
@@ -142,7 +141,7 @@ def main():
         elif material.node_tree:
             become_lambert(material)
     start = time.perf_counter()
-    bpy.ops.render.render(write_still=True)  # says on standard output when it takes samples
+    bpy.ops.render.render(write_still=True)  # prints sampling times to standard output
     print(f"seconds: {time.perf_counter() - start:.3f}", flush=True)
 
 

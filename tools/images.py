@@ -1,4 +1,4 @@
-"""What the scripts that compare images share: reading an EXR of relume or of Blender."""
+"""Reads EXR files of relume and Blender for the scripts that compare images."""
 
 import sys
 
@@ -7,11 +7,12 @@ import OpenImageIO as oiio
 
 
 def read_image(file):
-    """Red, green and blue as a float64 array of height × width × 3; ends the program with a sentence if there are none."""
+    """Red, green and blue as a float64 array of height × width × 3. Ends the program with a message if they are
+    missing."""
     buffer = oiio.ImageBuf(str(file))
     if buffer.has_error:
         sys.exit(f"{file}: {buffer.geterror()}")
-    # Blender writes "ViewLayer.Combined.R" where we write "R".
+    # Blender writes "ViewLayer.Combined.R" instead of "R".
     names = [name.split(".")[-1] for name in buffer.spec().channelnames]
     if not set("RGB") <= set(names):
         sys.exit(f"{file}: has no channels R, G and B")
