@@ -6,7 +6,7 @@ set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
 
 install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT library)
-# A component of its own: Debian's development package has the static library alone.
+# A separate component: Debian's development package has only the static library.
 install(TARGETS relume_shared EXPORT relumeSharedTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT shared)
 install(EXPORT relumeSharedTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT shared)
 install(TARGETS relume_lab EXPORT relumeLabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT lab)
@@ -17,14 +17,14 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/relume DESTINATION ${CMAKE_INSTA
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake INSTALL_DESTINATION ${relume_package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-# The package looks for its dependencies with the very list that this build used.
+# The package finds its dependencies with the same list as this build.
 install(FILES
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake
   ${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/RelumeDependencies.cmake
   DESTINATION ${relume_package_dir} COMPONENT library)
 
-# The programs are the executables of apps/ and its folders, but for tests. In the build folder they stand in bin/.
+# Programs are the executables of apps/ and its folders, except tests. The build folder has them in bin/.
 function(relume_install_programs folder)
   get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target ${targets})
@@ -48,5 +48,5 @@ if(RELUME_HAS_VIEWER)
   install(FILES ${desktop_dir}/relume.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT program)
 endif()
 
-# Debian's packages have their own file about the licence.
+# Debian's packages have a separate licence file.
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/relume COMPONENT license)

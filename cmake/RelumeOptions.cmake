@@ -24,14 +24,14 @@ endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # Without being told so, ccache keeps nothing that uses a precompiled header.
+  # Without these options, ccache does not cache sources with precompiled headers.
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
 endif()
 
-# relume_not_hot(TARGET...): compiles targets without hot code with -Og, which takes a third less CPU time than -O3 and a
-# fifth less than -O2 (medians over six sources, GCC 12). GCC 14 rejects precompiled headers of another level, so tests
-# take those of relume_test_headers_not_hot.
+# relume_not_hot(TARGET...): compiles targets without hot code with -Og. This takes a third less CPU time than -O3 and a
+# fifth less than -O2 (medians over six sources, GCC 12). GCC 14 rejects precompiled headers of another optimisation
+# level, so tests use those of relume_test_headers_not_hot.
 function(relume_not_hot)
   foreach(target ${ARGN})
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
@@ -42,17 +42,17 @@ function(relume_not_hot)
   endforeach()
 endfunction()
 
-# What most sources include, compiled once for a target. The preset `ci` does without
-# (CMAKE_DISABLE_PRECOMPILE_HEADERS) except in tests, so that each file still has to include what it uses.
+# Common headers, precompiled once per target. The preset `ci` disables them (CMAKE_DISABLE_PRECOMPILE_HEADERS) except
+# in tests, so that each file must include what it uses.
 set(RELUME_PRECOMPILED
   <algorithm> <chrono> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <stop_token> <string>
   <string_view> <vector> <relume/error.h> <core/vec.h>)
 
-# What every target of the project compiles with.
+# Compiler options of all targets.
 add_library(relume_flags INTERFACE)
 target_compile_options(relume_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
-  # The same bits whatever the optimiser does: no fused multiply-add, no reassociation.
+  # Equal bits at any optimisation level: no fused multiply-add, no reassociation.
   -ffp-contract=off
   -fno-math-errno -fno-trapping-math)
 if(RELUME_ARCH)
@@ -68,7 +68,7 @@ if(RELUME_SANITIZE)
   target_link_options(relume_flags INTERFACE ${sanitizers})
 endif()
 if(RELUME_FUZZERS)
-  # Coverage for libFuzzer in all of relume; the targets of tests/fuzz link its main program.
+  # Coverage for libFuzzer in all of relume; the targets of tests/fuzz link its main function.
   target_compile_options(relume_flags INTERFACE -fsanitize=fuzzer-no-link)
   target_link_options(relume_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()

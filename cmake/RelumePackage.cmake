@@ -1,5 +1,5 @@
 # cpack: the Debian packages `relume`, the program with its data, and `librelume-dev`, the static library with its headers.
-# Debian's own environment variables name the maintainer.
+# Debian's standard environment variables set the maintainer.
 set(RELUME_MAINTAINER "relume maintainers <maintainers@relume.invalid>" CACHE STRING "Maintainer of the Debian packages")
 if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
   set(RELUME_MAINTAINER "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
@@ -7,7 +7,7 @@ endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME relume)
-# Each package brings its own first line; CPack would put this one before it.
+# Each package has its own summary, to which CPack would prepend this one.
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT ${RELUME_MAINTAINER})
@@ -24,8 +24,8 @@ set(CPACK_RELUME_VERSION_DATE ${RELUME_VERSION_DATE})
 set(CPACK_RELUME_STRIP ${CMAKE_STRIP})
 set(CPACK_RELUME_WITH_OIDN ${OpenImageDenoise_FOUND})
 
-# Without AVX2, which Debian does not require, a program of these levels ends with an illegal
-# instruction: the package says so, and its preinst stops the installation.
+# Debian does not require AVX2. Without it, a program of these levels ends with an illegal instruction. The description
+# therefore states the requirement, and preinst stops the installation.
 set(processor_note "")
 if(RELUME_ARCH STREQUAL "native")
   set(processor_note "\n\nThis build is for the processor of the machine that built it.")
@@ -34,7 +34,7 @@ elseif(RELUME_ARCH MATCHES "^x86-64-v[3-9]$")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/preinst)
 endif()
 
-# CPack would take the architecture of the machine that builds.
+# CPack would use the architecture of the build machine.
 if(CMAKE_CROSSCOMPILING)
   set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${CMAKE_SYSTEM_PROCESSOR})
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
@@ -60,7 +60,7 @@ reuse samples across pixels, frames and paths can be combined and compared.${pro
 set(CPACK_DEBIAN_LIBRARY_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME librelume-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
-# What the CMake package looks for (RelumeDependencies.cmake).
+# Dependencies of the CMake package (RelumeDependencies.cmake).
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "libassimp-dev, libcli11-dev, libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libmeshoptimizer-dev, libopenexr-dev, \
 libstb-dev, libtbb-dev, libtinygltf-dev, libwebp-dev, libzstd-dev, nlohmann-json3-dev, pkgconf")

@@ -4,7 +4,7 @@ if(RELUME_BUILD_TESTS)
   include(GoogleTest)
 endif()
 
-# Seconds that a test may take. Sanitizers take about ten times as long.
+# Time limit of a test in seconds. Sanitizers take about ten times longer.
 set(RELUME_TEST_TIMEOUT 900)
 set(RELUME_SLOW_TEST_TIMEOUT 2400)
 if(RELUME_SANITIZE)
@@ -12,14 +12,15 @@ if(RELUME_SANITIZE)
   set(RELUME_SLOW_TEST_TIMEOUT 20000)
 endif()
 
-# relume_use_test_headers(TARGET): the precompiled headers of tests, in every preset: a third of a test's compilation.
+# relume_use_test_headers(TARGET): uses the precompiled headers of tests in every preset, which take a third of a test's
+# compilation.
 function(relume_use_test_headers target)
   set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS OFF)
   target_precompile_headers(${target} REUSE_FROM relume_test_headers)
 endfunction()
 
-# relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
-# is a ctest of its own. Suites whose name begins with "Slow" carry the label "slow".
+# relume_add_tests(NAME source...): builds a GoogleTest program from the *_test.cpp files of a folder, with a ctest per
+# test. Suites whose name begins with "Slow" carry the label "slow".
 function(relume_add_tests name)
   if(NOT RELUME_BUILD_TESTS)
     return()
@@ -32,7 +33,7 @@ function(relume_add_tests name)
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
 
-# relume_add_benchmarks(source...): *_bench.cpp files join the one program `relume_bench`.
+# relume_add_benchmarks(source...): adds *_bench.cpp files to the program `relume_bench`.
 function(relume_add_benchmarks)
   foreach(source ${ARGN})
     set_property(GLOBAL APPEND PROPERTY RELUME_BENCH_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/${source})

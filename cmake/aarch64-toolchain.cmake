@@ -1,5 +1,5 @@
-# Cross-compiles for 64-bit ARM on Debian, with the packages crossbuild-essential-arm64, qemu-user-static and the libraries of
-# scripts/install_packages as :arm64; tests run under qemu. See docs/building.md.
+# Cross-compiles for 64-bit ARM on Debian. Needs the packages crossbuild-essential-arm64, qemu-user-static and the
+# libraries of scripts/install_packages as :arm64. Tests run in qemu. See docs/building.md.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)

@@ -1,5 +1,5 @@
-# relume_add_image_tests(NAME source...): tests that render, one ctest each but for those with "Shared" in their name. Those with "Slow" in
-# their name carry the label "slow".
+# relume_add_image_tests(NAME source...): adds rendering tests with a ctest each, except those with "Shared" in their
+# name. Those with "Slow" in their name carry the label "slow".
 function(relume_add_image_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE test_support relume_flags GTest::gtest_main)
@@ -9,14 +9,14 @@ function(relume_add_image_tests name)
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
 
-# relume_share_processes(NAME SUITE COUNT property...): the tests Shared/SUITE or SharedSUITE of NAME_tests in COUNT processes, each a ctest: what they
-# measure against is rendered once a process.
+# relume_share_processes(NAME SUITE COUNT property...): runs the tests Shared/SUITE or SharedSUITE of NAME_tests in
+# COUNT processes with a ctest each. References are rendered once per process.
 function(relume_share_processes name suite shards)
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
     set(test ${name}.${suite}_${shard})
     add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=Shared/${suite}.*:Shared${suite}.*)
-    # A program that finds no test passes.
+    # Without this, a program without tests passes.
     set_tests_properties(${test} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}"
       FAIL_REGULAR_EXPRESSION "Running 0 tests" ${ARGN})
   endforeach()

@@ -1,5 +1,5 @@
-# CPack runs this between staging and packing: what Debian's policy asks of files beyond `cmake --install`. The time stamps
-# that end up in the packages come from the version's date, so that the same files make the same packages.
+# CPack runs this between staging and packing: applies rules of Debian's policy beyond `cmake --install`. Time stamps in
+# the packages are the version's date, so that equal files make equal packages.
 if(CPACK_RELUME_WITH_OIDN)
   message(FATAL_ERROR "The build uses OpenImageDenoise, of which Debian has no package to depend on. "
     "Configure it with -DCMAKE_DISABLE_FIND_PACKAGE_OpenImageDenoise=ON.")
@@ -28,7 +28,7 @@ foreach(component program library)
   run(gzip -9n ${documents}/changelog ${pages})
 endforeach()
 
-# CPack strips programs, but leaves sections that only name the compiler; archives keep their symbols, which linking needs.
+# CPack strips programs, but keeps sections that only name the compiler; archives keep their symbols for linking.
 set(sections --remove-section=.comment --remove-section=.note --enable-deterministic-archives)
 file(GLOB programs ${stage}/program/usr/bin/*)
 run(${CPACK_RELUME_STRIP} ${sections} ${programs})

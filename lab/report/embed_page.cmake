@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ file with the page's files of FOLDER as string constants. Compilers limit the length of one
-# literal; neighbouring ones are joined.
+# Writes OUTPUT, a C++ file with the page's files of FOLDER as string constants. Each is split into adjacent literals,
+# since compilers limit their length.
 function(append_constant name)
   set(literals "")
   foreach(file ${ARGN})

@@ -1,5 +1,5 @@
-# Installs relume under WORK, then configures, builds and runs the project beside this file against it. Arguments:
-# BUILD (relume's build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE, CXX, CXX_FLAGS.
+# Installs relume below WORK, then configures, builds and runs this folder's project with it. Arguments: BUILD (relume's
+# build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE, CXX, CXX_FLAGS.
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${WORK})
 
@@ -11,7 +11,7 @@ function(run what)
 endfunction()
 
 run("Installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-# What the project compiles itself with, and where, is no business of those who use it.
+# The project's own compile options and paths must not reach its consumers.
 file(GLOB_RECURSE exports ${prefix}/*.cmake)
 foreach(file ${exports})
   file(READ ${file} text)
