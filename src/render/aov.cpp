@@ -40,7 +40,7 @@ std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
 }  // namespace
 
 std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes) {
-  std::vector<AovLayer> layers{{"variance", "variance of the mean of the pixel's samples, luminance"}};
+  std::vector<AovLayer> layers{{"variance", "variance of the pixel's mean luminance"}};
   for (const PassDeclaration& pass : passes) {
     for (const BufferDescription& b : pass.owns) {
       if (b.display != BufferDisplay::hidden) layers.push_back({std::string(b.id.name), b.help});

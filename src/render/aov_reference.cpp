@@ -54,9 +54,8 @@ Layers all_layers() {
 
 std::string aov_reference() {
   std::string text =
-      "\n## Layers\n\n"
-      "What `--aov` can write into an EXR beside the image, and the viewer's inspector shows.\n\n"
-      "| `--aov` | shows | with |\n|---|---|---|\n";
+      "\n## Layers\n\nLayers that `--aov` writes into an EXR beside the image, and that the viewer's inspector "
+      "shows.\n\n| `--aov` | contents | with |\n|---|---|---|\n";
   for (const auto& [name, layer] : all_layers())
     text += fmt::format("| `{}` | {} | {} |\n", name, layer.help, fmt::join(layer.choices, ", "));
   return text;

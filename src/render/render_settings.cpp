@@ -17,26 +17,23 @@ SettingList describe_image(RenderSettings& s) {
       {"height", &s.height, "Height of the image", {.min = 1, .max = 32768, .unit = "pixels"}},
       {"camera", &s.camera, "Name or index (from 0) of the scene's camera; empty: the first"},
       {"animation", &s.animation,
-       "Which of the file's animations play: name or index (from 0), several separated by commas, or all; empty: the "
-       "first"},
-      {"scene-time", &s.time_s, "Time of the animation that is shown", {.min = 0, .max = kLatestTime, .unit = "s"}},
+       "Animations to play: name or index (from 0), several separated by commas, or all; empty: the first"},
+      {"scene-time", &s.time_s, "Time in the animation", {.min = 0, .max = kLatestTime, .unit = "s"}},
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
-       "How textures are interpolated: after decoding and with mip levels, as glTF asks, or between the sRGB codes at "
-       "full resolution, as Cycles does; the latter darkens busy textures"},
+       "Texture interpolation. linear: of decoded texels, with mip levels, as glTF requires; encoded: of sRGB codes at "
+       "full resolution, as in Cycles, which darkens detailed textures"},
       {"seed",
        &s.seed,
-       "Another seed gives independent noise; the same seed gives the same bits",
+       "Random seed: the same seed gives the same bits, another seed gives independent noise",
        {.min = 0, .max = kMostSeed}},
       {"stratify", &s.stratify,
-       "A pixel's samples are elements of one low-discrepancy sequence; off: independent random numbers, to compare "
-       "with"},
+       "Take the samples of a pixel from one low-discrepancy sequence; off: independent random numbers, for "
+       "comparison"},
       {"dither", &s.dither,
-       "Blue-noise dithered sampling: neighbouring pixels differ in their errors as much as they can, so that filters "
-       "and "
-       "eyes remove more of them"},
+       "Blue-noise dithering: neighbouring pixels get dissimilar errors, which filters and the eye remove more easily"},
       {"threads",
        &s.threads,
-       "Worker threads; 0: one for each core; the image does not depend on it",
+       "Worker threads; 0: one per core; the image does not depend on their number",
        {.min = 0, .max = 1024, .resets_history = false}},
   };
 }
@@ -45,32 +42,33 @@ SettingList describe_slots(RenderSettings& s) {
   return {
       {"estimator",
        choice(s.estimator, {"path", "bdpt", "light"}),
-       "How light is transported: paths from the camera that sample lights on their way, paths from camera and light "
-       "joined in every way, or paths from the light alone, which lack what is seen in mirrors and through glass",
+       "Light transport. path: camera paths with next event estimation; bdpt: bidirectional path tracing; light: light "
+       "tracing only, which misses surfaces seen in mirrors and through smooth glass",
        {.biases = true}},
       {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc"}),
-       "Which light a vertex samples: each alike, in proportion to its power, by descending a hierarchy, from lists of "
-       "what a cell sees, or among those that were visible nearby in the last frame"},
+       "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, or from a cache of "
+       "lights that were visible nearby in the last frame"},
       {"guide", choice(s.guide, {"bsdf", "cdq"}),
-       "Which direction a path takes: in proportion to the material's reflection, or also where light came from in "
-       "earlier frames"},
+       "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
+       "(path guiding)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
-       "Radiance cache: none, path space filtering, the same where the variance is low, path graphs, or both",
+       "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, or both adaptive "
+       "techniques",
        {.biases = true}},
       {"allocation",
        choice(s.allocation, {"uniform", "adaptive"}),
-       "Paths a pixel gets in a frame: one each, or none where there is little noise",
+       "Samples per pixel and frame: one each, or one or none, depending on noise (adaptive sampling)",
        {.biases = true}},
       {"history",
        choice(s.history, {"none", "accumulate", "reproject"}),
-       "What earlier frames contribute: nothing, the mean of all since the last change, or what can be verified to be "
-       "seen still when something moves",
+       "Use of earlier frames: none, the mean of all frames since the last change, or samples that move with their "
+       "surfaces",
        {.biases = true}},
       {"denoise",
        choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}),
-       "Filter over the finished image: none, block by block least squares with what surfaces look like, as wide as "
-       "the noise asks for, or the library Open Image Denoise",
+       "Denoiser: none, blockwise regression on surface features (BMFR), variance-guided filtering (SVGF), or Open "
+       "Image Denoise",
        {.biases = true}},
   };
 }

@@ -45,33 +45,32 @@ std::vector<std::string_view> tone_map_choices() {
 
 SettingList describe(SceneOverrides& s) {
   return {{"env", &s.env,
-           "Environment in place of the scene's: studio, sky, sun_sky, none, radiance R,G,B, or an EXR or HDR file "
-           "(equirectangular); empty: the scene's, or the studio if nothing lights what the camera sees"},
+           "Environment, instead of the scene's: studio, sky, sun_sky, none, radiance R,G,B, or an equirectangular EXR "
+           "or HDR file; empty: the scene's, or studio if nothing lights the visible surfaces"},
           {"env-rotation",
            &s.env_rotation_deg,
-           "Turns the environment about the vertical axis",
+           "Rotation of the environment about the vertical axis",
            {.min = -360, .max = 360, .unit = "degrees"}},
           {"env-exposure",
            &s.env_exposure,
-           "Brightness of the environment: radiance times 2 to this power",
+           "Exposure of the environment: its radiance is multiplied by 2 to this power",
            {.min = -64, .max = 64, .unit = "stops"}},
-          {"variant", &s.variant,
-           "Name of the material variant that is shown, of those that the file has; empty: its default materials"}};
+          {"variant", &s.variant, "Name of a material variant in the scene file; empty: the default materials"}};
 }
 
 SettingList describe(StopSettings& s) {
   return {
       {"spp",
        &s.spp,
-       "Samples a pixel, on average; 0: 64, or no limit if time or error sets one",
+       "Samples per pixel, on average; 0: 64, or no limit if --time or --error is set",
        {.min = 0, .max = 1 << 30, .resets_history = false}},
       {"time",
        &s.time_s,
-       "Render time after which no further sample begins (10s, 500ms, 2min); 0: no limit",
+       "Render time after which no further sample starts (10s, 500ms, 2min); 0: no limit",
        {.min = 0, .max = 1e8, .unit = "s", .resets_history = false}},
       {"error",
        &s.error,
-       "Estimated relative error of the image at which to stop, such as 0.02; 0: no limit",
+       "Estimated relative error of the image at which rendering stops, such as 0.02; 0: no limit",
        {.min = 0, .max = 1e6, .resets_history = false}},
   };
 }
@@ -80,31 +79,32 @@ SettingList describe(OutputSettings& s) {
   return {
       {"exposure",
        OptionalNumberRef{&s.exposure, "auto"},
-       "Brightness of PNG and JPEG files and displays: radiance times 2 to this power; auto: metered from the image",
+       "Exposure of PNG and JPEG files and displays: radiance is multiplied by 2 to this power; auto: metered from the "
+       "image",
        {.min = -64, .max = 64, .unit = "stops", .resets_history = false}},
       {"tone-map",
        choice(s.tone_map, tone_map_choices()),
-       "How PNG and JPEG files and displays map radiance to [0, 1]; none: clip; auto: neutral under the studio, agx "
-       "elsewhere",
+       "Tone mapping of PNG and JPEG files and displays to [0, 1]; none: clip; auto: neutral under the studio "
+       "environment, agx otherwise",
        {.resets_history = false}},
   };
 }
 
 std::vector<SettingGroup> setting_groups(AllSettings& s) {
   return {
-      {"Image", "What is rendered, and with what.", concatenate({describe_image(s.render), describe(s.scene)}),
+      {"Image", "Size, view, sampling and environment.", concatenate({describe_image(s.render), describe(s.scene)}),
        SettingGroupRole::image},
-      {"When to stop", "Whichever comes first.", describe(s.stop), SettingGroupRole::stopping},
-      {"Light transport", "`--max-bounces` and `--path.russian-roulette` hold for every estimator.",
+      {"When to stop", "Rendering stops at the first limit that is reached.", describe(s.stop),
+       SettingGroupRole::stopping},
+      {"Light transport", "`--max-bounces` and `--path.russian-roulette` apply to every estimator.",
        describe_transport(s.render)},
-      {"Radiance caches",
-       "`psf` is what all caches have in common: the cells and what they take in; `apsf` and `apg` are theirs alone.",
+      {"Radiance caches", "`psf` applies to the cells of every cache; `apsf` and `apg` apply to these two caches only.",
        describe_caches(s.render)},
-      {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
-      {"Denoisers", "Of the filters over the image.", describe_denoisers(s.render)},
-      {"Slots", "One technique each; docs/combinations.md says what combines.", describe_slots(s.render),
+      {"Frames", "The firefly clamp, adaptive sampling and reprojection.", describe_frames(s.render)},
+      {"Denoisers", "Surface features and the denoisers BMFR and SVGF.", describe_denoisers(s.render)},
+      {"Slots", "One technique per slot; docs/combinations.md shows which combine.", describe_slots(s.render),
        SettingGroupRole::slots},
-      {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
+      {"Display", "For 8-bit files and displays; EXR and HDR files store linear radiance.", describe(s.output)},
   };
 }
 
@@ -123,23 +123,19 @@ std::string as_flag(const Setting& setting) {
 std::string settings_reference() {
   AllSettings defaults;
   std::string text =
-      "# Settings\n\n"
-      "<!-- Made by `relume settings --markdown` from the declarations in the code; a test compares. -->\n\n"
-      "Every setting is a flag (`relume render scene.glb --max-bounces 4`), a key in settings files\n"
-      "(`--settings file.json` with `{\"max-bounces\": 4}`) and part of the metadata of every EXR. What comes later "
-      "wins:\n"
-      "defaults, settings in the scene file, `--preset`, `--settings`, flags. `--settings image.exr` takes the "
-      "settings\n"
-      "that an EXR was rendered with. Flags that are true or false are switched by `--name` and `--no-name`.\n\n"
-      "*Resets*: a change drops what earlier frames have accumulated. *Biases*: some values change the expected "
-      "image.\n";
+      "# Settings\n\n<!-- Made by `relume settings --markdown` from the declarations in the code; a test compares. "
+      "-->\n\nEvery setting is a flag (`relume render scene.glb --max-bounces 4`), a key in settings "
+      "files\n(`--settings file.json` with `{\"max-bounces\": 4}`) and part of the metadata of every EXR. "
+      "Later\nsources override earlier ones: defaults, settings in the scene file, `--preset`, `--settings`,\nflags. "
+      "`--settings image.exr` reads the settings with which an EXR was rendered. `--name` and\n`--no-name` switch a "
+      "true-or-false setting.\n\n*Resets*: a change discards the accumulated frames. *Biases*: some values change the "
+      "expected\nimage.\n";
   text += settings_to_markdown(setting_groups(defaults));
   text +=
-      "\n## Presets\n\n"
-      "Listed is what differs from the defaults. `adaptive`, `reprojection` and `combination` change only what is "
-      "listed and leave the rest as\n"
-      "the scene file has it. All others fill every slot, with the default where nothing is listed.\n\n"
-      "| `--preset` | what for | settings |\n|---|---|---|\n";
+      "\n## Presets\n\nThe table lists the differences from the defaults. `adaptive`, `reprojection` and "
+      "`combination`\nchange only the listed settings and keep the others as the scene file sets them. All other "
+      "presets\nset every slot, to its default where nothing is listed.\n\n| `--preset` | use | settings "
+      "|\n|---|---|---|\n";
   for (const Preset& preset : presets()) {
     AllSettings changed;
     settings_from_json(describe(changed), preset.json, preset.name);

@@ -38,7 +38,7 @@ std::string settings_to_markdown(const std::vector<SettingGroup>& groups) {
   std::string text;
   for (const SettingGroup& group : groups) {
     text += fmt::format("\n## {}\n\n{}\n\n", group.title, group.summary);
-    text += "| flag | value | default | resets | biases | what it does |\n";
+    text += "| flag | value | default | resets | biases | description |\n";
     text += "|---|---|---|---|---|---|\n";
     for (const Setting& setting : group.settings) text += row(setting);
   }

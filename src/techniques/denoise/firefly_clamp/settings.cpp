@@ -5,8 +5,8 @@ namespace relume {
 SettingList describe(FireflySettings& s) {
   return {{"limit",
            &s.limit,
-           "Scale samples down that are brighter than this times the mean of their neighbours, before histories and "
-           "denoisers see them; 0: none. Loses the energy that it cuts",
+           "Scale samples down to this multiple of their neighbours' mean luminance, before history and denoising; 0: "
+           "off; the light above it is lost",
            {.min = 0, .max = 1e6, .biases = true}}};
 }
 

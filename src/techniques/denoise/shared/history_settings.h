@@ -16,15 +16,15 @@ struct DenoiserHistorySettings {
 inline void add_settings(SettingList& list, DenoiserHistorySettings& s) {
   list.push_back({"max-history",
                   &s.max_history,
-                  "Samples that the light at a surface is averaged over at most while the camera moves",
+                  "Maximum history length in samples while the camera moves",
                   {.min = 1, .max = 1024, .biases = true}});
   list.push_back({"max-history-changed",
                   &s.max_history_changed,
-                  "The same while objects or lights move",
+                  "Maximum history length in samples while objects or lights move",
                   {.min = 1, .max = 1024, .biases = true}});
   list.push_back({"newest",
                   &s.newest,
-                  "Weight of a frame in the image while something moves; below 1 edges are smooth",
+                  "Weight of the newest frame in the image while something moves; values below 1 smooth edges",
                   {.min = 0.01, .max = 1, .biases = true}});
 }
 

@@ -6,15 +6,15 @@ SettingList describe(SvgfSettings& s) {
   SettingList list = {
       {"levels",
        &s.levels,
-       "Passes of the filter, each twice as wide as the one before",
+       "Filter passes, each twice as wide as the one before",
        {.min = 0, .max = 5, .biases = true}},
       {"light-tolerance",
        &s.light_tolerance,
-       "Standard deviations of its noise by which light may differ from pixel to pixel and still be averaged",
+       "Luminance difference between pixels that the filter tolerates, in standard deviations of the noise",
        {.min = 0.01, .max = 1000, .biases = true}},
       {"plane-tolerance",
        &s.plane_tolerance,
-       "How far off a pixel's plane others may lie, as a share of how far they are apart",
+       "Distance from a pixel's plane that the filter tolerates, as a fraction of the distance between the pixels",
        {.min = 0.001, .max = 1000, .biases = true}},
   };
   add_settings(list, s.history);

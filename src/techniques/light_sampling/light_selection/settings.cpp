@@ -3,9 +3,9 @@
 namespace relume {
 
 SettingList describe(LightSelectionSettings& s) {
-  return {
-      {"environment", &s.environment,
-       "Next event estimation samples the environment and the disks of suns; without, paths find them on their own"}};
+  return {{"environment", &s.environment,
+           "Sample the environment and the disks of suns by next event estimation; off: only paths that happen to "
+           "reach them add their light"}};
 }
 
 }  // namespace relume

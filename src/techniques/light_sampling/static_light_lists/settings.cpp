@@ -8,19 +8,19 @@ SettingList describe(StaticLightListsSettings& s) {
   return {
       {"cell-size",
        &s.cell_size,
-       "Edge of a cell; 0: a 24th of the scene's longest side",
+       "Cell size; 0: 1/24 of the longest side of the scene",
        {.min = 0, .max = 1e6, .unit = "m"}},
       {"rays",
        &s.rays,
-       "Rays that look for lights from each cell; a 64th of that for each light, and two at least, if that is more",
+       "Visibility rays per cell; raised where needed to 1/64 of this number per light, but at least two per light",
        {.min = 64, .max = 1 << 20}},
       {"max-lights",
        &s.max_lights,
-       "Lights that are weighed at a point, at most; longer lists are strided",
+       "Maximum number of lights weighted per choice; longer lists are strided",
        {.min = 1, .max = kMaxWeighedLights}},
       {"exploration",
        &s.exploration,
-       "Share of samples among all lights, in proportion to power, for what the lists miss",
+       "Fraction of samples drawn from all lights by power, to reach lights that the lists miss",
        {.min = 0.001, .max = 1}},
   };
 }

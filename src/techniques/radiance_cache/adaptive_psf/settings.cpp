@@ -22,24 +22,22 @@ VarianceThresholds checked(const char* name, float v0, float v1) {
 SettingList describe(AdaptivePsfSettings& s) {
   return {
       {"survival", choice(s.survival, {"one", "linear", "smooth-linear"}),
-       "How the variance of a pixel's cell decides whether its path is followed: always, or with a probability that "
-       "rises between the thresholds"},
+       "Probability that a path is followed: always 1, or rising between the thresholds with the variance of its cell"},
       {"survival-v0", &s.survival_v0, "Variance below which few paths are followed", {.min = 0, .max = 1e6}},
       {"survival-v1", &s.survival_v1, "Variance above which most paths are followed", {.min = 0, .max = 1e6}},
       {"survival-floor",
        &s.survival_floor,
-       "Least probability with which a path is followed, so that cells notice changes",
+       "Minimum probability that a path is followed, so that cells can adapt to changes",
        {.min = 0.001, .max = 1}},
       {"min-samples",
        &s.min_samples,
-       "Samples below which a cell's variance is not believed: its paths are all followed. Where bright samples are "
-       "rare, "
-       "few dark ones look certain, and cells that get no more stay dark",
+       "Samples below which a cell's variance is unreliable and all its paths are followed; lower values can leave "
+       "cells dark where bright samples are rare",
        {.min = 1, .max = 1 << 20, .biases = true}},
       {"blend",
        choice(s.blend, {"automatic", "zero", "one", "step", "one-over-square"}),
-       "Share of the cell in a pixel whose path was followed: none, all, or all but between the thresholds; automatic: "
-       "all with apsf, none with apsf+apg, where the path graph decides what cells show",
+       "Weight of the cell in a pixel whose path was followed: 0, 1, or 1 except between the thresholds; automatic: 1 "
+       "with apsf, 0 with apsf+apg, where the path graph weights the cells",
        {.biases = true}},
       {"blend-v0",
        &s.blend_v0,
@@ -50,8 +48,7 @@ SettingList describe(AdaptivePsfSettings& s) {
        "Variance above which cells are preferred again",
        {.min = 0, .max = 1e6, .biases = true}},
       {"variance", choice(s.variance, {"relative", "absolute"}),
-       "What the thresholds are compared with: the variance of a sample over the squared mean of its cell, or the "
-       "variance itself"},
+       "Variance compared with the thresholds: that of a sample relative to the squared mean of its cell, or absolute"},
   };
 }
 

@@ -9,24 +9,26 @@ SettingList describe(OctreeSettings& s) {
   return {
       {"collapse",
        &s.collapse,
-       "Eight regions with fewer samples a frame than this together are joined",
+       "Eight sibling regions are joined if they receive fewer samples per frame than this",
        {.min = 1, .max = 1 << 24}},
-      {"split", &s.split, "A region with more samples a frame than this is split in eight", {.min = 8, .max = 1 << 24}},
-      {"scale", &s.scale, "The two numbers are meant for 1920 x 1080 pixels and scaled with the size of the image"},
-      {"max-depth", &s.max_depth, "Levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
+      {"split",
+       &s.split,
+       "A region that receives more samples per frame than this is split in eight",
+       {.min = 8, .max = 1 << 24}},
+      {"scale", &s.scale, "Scale collapse and split, which are defined for 1920 x 1080 pixels, with the image size"},
+      {"max-depth", &s.max_depth, "Maximum number of levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
       {"vertices",
        &s.vertices,
-       "Vertices of a path that leave samples to learn from",
+       "Vertices of a path that record samples to learn from",
        {.min = 1, .max = kMaxRecordedVertices}},
       {"jitter",
        &s.jitter,
-       "How far from its place a vertex may take its region from, in edges of the region; hides borders",
+       "Distance by which the look-up of a vertex's region is jittered, in edges of the region; hides region borders",
        {.min = 0, .max = 2}},
       {"longest-epoch",
        &s.longest_epoch,
-       "Frames of 1, 2, 4, ... that sample with the same regions and what they know, at most, while nothing changes "
-       "and "
-       "a history adds frames up; 1: these change in every frame",
+       "Maximum length of the epochs of 1, 2, 4, ... frames that share one set of regions while nothing changes and a "
+       "history accumulates; 1: regions change in every frame",
        {.min = 1, .max = 1 << 20}},
   };
 }
