@@ -67,14 +67,14 @@ BufferDescription scratch(const BufferId& id, const char* help) { return {.id = 
 
 void add_parts(PassDeclaration& declaration) {
   for (const BufferDescription& buffer :
-       {denoiser_history(kBmfrSpecular, "specular light, as far as samples tell"),
-        denoiser_history(kBmfrSpecularSquare, "mean square of the luminance of those samples"),
-        denoiser_history(kBmfrSpecularSamples, "samples in bmfr-specular"),
-        denoiser_history(kBmfrSpecularFit, "specular light as features explain it"),
-        denoiser_history(kBmfrSpecularImage, "specular part of the filtered images, averaged"),
-        scratch(kBmfrSpecularFitHistory, "bmfr-specular-fit of the frame before, where it was"),
+       {denoiser_history(kBmfrSpecular, "accumulated specular light"),
+        denoiser_history(kBmfrSpecularSquare, "mean squared luminance of the samples in bmfr-specular"),
+        denoiser_history(kBmfrSpecularSamples, "number of samples in bmfr-specular"),
+        denoiser_history(kBmfrSpecularFit, "specular light, fitted by features"),
+        denoiser_history(kBmfrSpecularImage, "accumulated specular part of the denoised image"),
+        scratch(kBmfrSpecularFitHistory, "bmfr-specular-fit of the previous frame, reprojected"),
         scratch(kBmfrSpecularShown, "specular part of this frame's image"),
-        scratch(kBmfrSpecularAge, "samples in that history")})
+        scratch(kBmfrSpecularAge, "number of samples in the reprojected history")})
     declaration.owns.push_back(buffer);
   add_split_buffers(declaration.reads);
 }
@@ -85,13 +85,14 @@ PassDeclaration BmfrPass::declaration() const {
   PassDeclaration declaration{
       .name = "bmfr",
       .stage = Stage::denoise,
-      .owns = {denoiser_history(kBmfrLight, "light at the surface, as far as samples tell"),
-               denoiser_history(kBmfrSquare, "mean square of the luminance of its samples"),
-               denoiser_history(kBmfrSamples, "samples in it"),
-               denoiser_history(kBmfrFit, "light as features explain it"),
-               denoiser_history(kBmfrImage, "filtered images, averaged"), denoised_buffer(), unfiltered_buffer(),
-               filtered_share_buffer(), scratch(kBmfrFitHistory, "bmfr-fit of the frame before, where it was"),
-               scratch(kBmfrShown, "this frame's image"), scratch(kBmfrAge, "samples in that history")},
+      .owns = {denoiser_history(kBmfrLight, "accumulated light at the surface, without its albedo"),
+               denoiser_history(kBmfrSquare, "mean squared luminance of the samples in bmfr-light"),
+               denoiser_history(kBmfrSamples, "number of samples in bmfr-light"),
+               denoiser_history(kBmfrFit, "light at the surface, fitted by features"),
+               denoiser_history(kBmfrImage, "accumulated denoised images"), denoised_buffer(), unfiltered_buffer(),
+               filtered_share_buffer(), scratch(kBmfrFitHistory, "bmfr-fit of the previous frame, reprojected"),
+               scratch(kBmfrShown, "this frame's denoised image"),
+               scratch(kBmfrAge, "number of samples in the reprojected history")},
       .reads = feature_buffers(),
       .reads_if_any = {kAllocation}};
   if (split_) add_parts(declaration);

@@ -18,9 +18,9 @@ PassDeclaration OidnPass::declaration() const {
   };
   return {.name = "oidn",
           .stage = Stage::denoise,
-          .owns = {lasting(kOidnAlbedo, "mean albedo that the filter sees", BufferDisplay::value),
-                   lasting(kOidnNormal, "mean normal that the filter sees", BufferDisplay::value, "XYZ"),
-                   lasting(kDenoised, "the image, denoised", BufferDisplay::value)},
+          .owns = {lasting(kOidnAlbedo, "mean albedo, as input of the denoiser", BufferDisplay::value),
+                   lasting(kOidnNormal, "mean normal, as input of the denoiser", BufferDisplay::value, "XYZ"),
+                   lasting(kDenoised, "the denoised image", BufferDisplay::value)},
           .reads = {kMean, kFeatureAlbedo, kFeatureEmission, kFeature.normal}};
 }
 

@@ -36,17 +36,17 @@ BufferDescription denoiser_history(const BufferId& id, const char* help) {
           .display = BufferDisplay::value};
 }
 
-BufferDescription denoised_buffer() { return kept(kDenoised, "the image, denoised"); }
+BufferDescription denoised_buffer() { return kept(kDenoised, "the denoised image"); }
 
 BufferDescription unfiltered_buffer() {
   BufferDescription buffer =
-      kept(kUnfiltered, "mean of what the denoiser does not filter, emission above all, since the last change");
+      kept(kUnfiltered, "mean since the last change of the light that is not filtered, such as emission");
   buffer.double_buffered = true;
   return buffer;
 }
 
 BufferDescription filtered_share_buffer() {
-  return kept(kFilteredShare, "share of the frames since the last change that the denoiser filtered there");
+  return kept(kFilteredShare, "fraction of the frames since the last change in which the denoiser filtered the pixel");
 }
 
 std::vector<BufferId> feature_buffers() {

@@ -6,13 +6,12 @@
 namespace relume {
 
 PassDeclaration SplitLightPass::declaration() const {
-  return {
-      .name = "split",
-      .stage = Stage::resolve,
-      .owns = {{.id = kDiffuseScattered,
-                .help = "the part of this frame's sample that the surface scattered diffusely"},
-               {.id = kSpecularScattered, .help = "the part that specular lobes scattered, where it is kept apart"}},
-      .reads = {kScattered, kRadianceSpecular, kDiffuseAlbedo, kSpecularAlbedo}};
+  return {.name = "split",
+          .stage = Stage::resolve,
+          .owns = {{.id = kDiffuseScattered, .help = "diffuse part of this frame's scattered light"},
+                   {.id = kSpecularScattered,
+                    .help = "specular part of this frame's scattered light, where it is separate"}},
+          .reads = {kScattered, kRadianceSpecular, kDiffuseAlbedo, kSpecularAlbedo}};
 }
 
 bool SplitLightPass::run(const FrameContext& frame) {

@@ -40,11 +40,11 @@ PartBuffers buffers_of(LightPart part) {
 }
 
 void add_parts(PassDeclaration& declaration) {
-  declaration.owns.push_back(denoiser_history(kSvgfSpecular, "specular light, as far as samples tell"));
+  declaration.owns.push_back(denoiser_history(kSvgfSpecular, "accumulated specular light"));
   declaration.owns.push_back(
-      denoiser_history(kSvgfSpecularMoments, "mean of the luminance of svgf-specular and of its square"));
-  declaration.owns.push_back(denoiser_history(kSvgfSpecularSamples, "samples in svgf-specular"));
-  declaration.owns.push_back(denoiser_history(kSvgfSpecularImage, "specular part of the filtered images, averaged"));
+      denoiser_history(kSvgfSpecularMoments, "means of the luminance of svgf-specular and of its square"));
+  declaration.owns.push_back(denoiser_history(kSvgfSpecularSamples, "number of samples in svgf-specular"));
+  declaration.owns.push_back(denoiser_history(kSvgfSpecularImage, "accumulated specular part of the denoised image"));
   declaration.owns.push_back({.id = kSvgfSpecularShown, .help = "specular part of this frame's image"});
   add_split_buffers(declaration.reads);
 }
@@ -59,14 +59,14 @@ PassDeclaration SvgfPass::declaration() const {
   PassDeclaration declaration{
       .name = "svgf",
       .stage = Stage::denoise,
-      .owns = {denoiser_history(kSvgfLight, "light at the surface, as far as samples tell"),
-               denoiser_history(kSvgfMoments, "mean of its luminance and of the square of that"),
-               denoiser_history(kSvgfSamples, "samples in it"),
-               denoiser_history(kSvgfImage, "filtered images, averaged"),
+      .owns = {denoiser_history(kSvgfLight, "accumulated light at the surface, without its albedo"),
+               denoiser_history(kSvgfMoments, "means of the luminance of svgf-light and of its square"),
+               denoiser_history(kSvgfSamples, "number of samples in svgf-light"),
+               denoiser_history(kSvgfImage, "accumulated denoised images"),
                denoised_buffer(),
                unfiltered_buffer(),
                filtered_share_buffer(),
-               {.id = kSvgfShown, .help = "this frame's image"}},
+               {.id = kSvgfShown, .help = "this frame's denoised image"}},
       .reads = feature_buffers(),
       .reads_if_any = {kAllocation}};
   if (split_) add_parts(declaration);

@@ -11,16 +11,16 @@ namespace {
 /// The buffers of ReflectionViews.
 std::vector<BufferDescription> reflection_buffers() {
   return {
-      surface_buffer(kDiffuseAlbedo, "the part of feature-albedo that is not specular", false),
-      surface_buffer(kSpecularAlbedo, "directional albedo of specular lobes; black: their light is not kept apart",
-                     false),
+      surface_buffer(kDiffuseAlbedo, "non-specular part of feature-albedo", false),
+      surface_buffer(kSpecularAlbedo,
+                     "directional albedo of specular lobes; black where specular light is not separate", false),
       surface_buffer(kReflection.position,
-                     "image in a reflection where it is sharp, else the surface that reflects, metres", true, "XYZ"),
-      surface_buffer(kReflection.previous, "where specular-position was one frame ago, metres", false, "XYZ"),
+                     "position of the reflected image where it is sharp, else of the reflecting surface, metres", true,
+                     "XYZ"),
+      surface_buffer(kReflection.previous, "specular-position one frame ago, metres", false, "XYZ"),
       surface_buffer(kReflection.normal, "normal at specular-position", true, "XYZ"),
-      surface_buffer(kReflection.depth, "distance that bounds how far histories may lie off the plane, metres", false,
-                     "Z"),
-      surface_buffer(kReflection.motion, "motion of the image since the previous frame, pixels", false)};
+      surface_buffer(kReflection.depth, "distance that scales the plane tolerance of histories, metres", false, "Z"),
+      surface_buffer(kReflection.motion, "motion of the reflected image since the previous frame, pixels", false)};
 }
 
 ReflectionViews reflection_views(const FrameContext& frame) {
@@ -39,16 +39,19 @@ PassDeclaration FeaturesPass::declaration() const {
   PassDeclaration declaration{
       .name = "features",
       .stage = Stage::gbuffer,
-      .owns = {surface_buffer(kFeature.position, "surface seen, mirrors taken for windows, metres", true, "XYZ"),
-               surface_buffer(kFeature.previous, "where it was one frame ago, metres", false, "XYZ"),
-               surface_buffer(kFeature.normal, "its shading normal", true, "XYZ"),
-               surface_buffer(kFeatureAlbedo, "its directional albedo, and what mirrors take from it", false),
-               surface_buffer(kFeatureEmission, "emission seen directly or in mirrors", false),
-               surface_buffer(kFeature.depth, "length of the way to it, metres", false, "Z"),
-               surface_buffer(kFeature.motion,
-                              "its motion since the previous frame, pixels; 65504 where it lay behind its camera",
+      .owns = {surface_buffer(kFeature.position, "position of the visible surface, unfolded through mirrors, metres",
+                              true, "XYZ"),
+               surface_buffer(kFeature.previous, "feature-position one frame ago, metres", false, "XYZ"),
+               surface_buffer(kFeature.normal, "shading normal of the visible surface", true, "XYZ"),
+               surface_buffer(kFeatureAlbedo,
+                              "directional albedo of the visible surface, times the reflectance of mirrors in front",
                               false),
-               surface_buffer(kFeature.surface, "a number that tells surfaces apart", true)},
+               surface_buffer(kFeatureEmission, "emission visible directly or in mirrors", false),
+               surface_buffer(kFeature.depth, "path length to the visible surface, metres", false, "Z"),
+               surface_buffer(kFeature.motion,
+                              "motion since the previous frame, pixels; 65504 where the surface was behind the camera",
+                              false),
+               surface_buffer(kFeature.surface, "identifier of the visible surface", true)},
       .reads = {kPrimaryHits}};
   if (!split_) return declaration;
   for (BufferDescription& buffer : reflection_buffers()) declaration.owns.push_back(std::move(buffer));

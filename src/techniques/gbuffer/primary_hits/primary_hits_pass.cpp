@@ -7,7 +7,7 @@ namespace relume {
 PassDeclaration PrimaryHitsPass::declaration() const {
   return {.name = "gbuffer",
           .stage = only_samples_ ? Stage::sampled_hits : Stage::hits,
-          .owns = {{.id = kPrimaryHits, .help = "hit of the camera ray of this frame"}},
+          .owns = {{.id = kPrimaryHits, .help = "hit of this frame's camera ray"}},
           .reads_if_any = only_samples_ ? std::vector<BufferId>{kAllocation} : std::vector<BufferId>{}};
 }
 
@@ -29,18 +29,18 @@ BufferDescription surface_buffer(const BufferId& id, const char* help, bool doub
 }
 
 PassDeclaration SurfacePass::declaration() const {
-  return {
-      .name = "surface",
-      .stage = Stage::gbuffer,
-      .owns = {surface_buffer(kSurface.position, "first hit, metres", true, "XYZ"),
-               surface_buffer(kSurface.previous, "where it was one frame ago, metres", false, "XYZ"),
-               surface_buffer(kSurface.normal, "shading normal of the first hit", true, "XYZ"),
-               surface_buffer(kSurfaceAlbedo, "directional albedo of the first hit", false),
-               surface_buffer(kSurface.depth, "distance of the first hit, metres", false, "Z"),
-               surface_buffer(kSurface.motion,
-                              "motion since the previous frame, pixels; 65504 where it lay behind its camera", false),
-               surface_buffer(kSurface.surface, "instance of the first hit", true)},
-      .reads = {kPrimaryHits}};
+  return {.name = "surface",
+          .stage = Stage::gbuffer,
+          .owns = {surface_buffer(kSurface.position, "position of the first hit, metres", true, "XYZ"),
+                   surface_buffer(kSurface.previous, "surface-position one frame ago, metres", false, "XYZ"),
+                   surface_buffer(kSurface.normal, "shading normal of the first hit", true, "XYZ"),
+                   surface_buffer(kSurfaceAlbedo, "directional albedo of the first hit", false),
+                   surface_buffer(kSurface.depth, "distance of the first hit, metres", false, "Z"),
+                   surface_buffer(
+                       kSurface.motion,
+                       "motion since the previous frame, pixels; 65504 where the surface was behind the camera", false),
+                   surface_buffer(kSurface.surface, "instance of the first hit", true)},
+          .reads = {kPrimaryHits}};
 }
 
 bool SurfacePass::run(const FrameContext& frame) {
@@ -70,7 +70,8 @@ PassDeclaration AuxiliaryPass::declaration() const {
           .owns = {buffer(kAlbedoAov, "directional albedo of the first hit"),
                    buffer(kNormalAov, "shading normal of the first hit", "XYZ"),
                    buffer(kDepthAov, "distance of the first hit, metres", "Z"),
-                   buffer(kMotionAov, "motion since the previous frame, pixels; 65504 where it lay behind its camera",
+                   buffer(kMotionAov,
+                          "motion since the previous frame, pixels; 65504 where the surface was behind the camera",
                           "XY", BufferDisplay::value)},
           .reads = {kSurfaceAlbedo, kSurface.normal, kSurface.depth, kSurface.motion}};
 }

@@ -33,14 +33,13 @@ void draw_map(const FrameContext& frame, uint32_t half, uint32_t edge, const Val
 }  // namespace
 
 PassDeclaration DirectionViewPass::declaration() const {
-  return {
-      .name = "cdq-view",
-      .stage = Stage::present,
-      .owns = {{.id = kDirections,
-                .help = "with cdq.view on: densities over the sphere of directions at one point, per steradian; the "
-                        "quadtree's, and beside it that of the light which comes in",
-                .display = BufferDisplay::value}},
-      .reads = {kPrimaryHits}};
+  return {.name = "cdq-view",
+          .stage = Stage::present,
+          .owns = {{.id = kDirections,
+                    .help = "with cdq.view: guiding density at one point over the sphere of directions, per steradian, "
+                            "beside the density of the light that arrives there",
+                    .display = BufferDisplay::value}},
+          .reads = {kPrimaryHits}};
 }
 
 bool DirectionViewPass::run(const FrameContext& frame) {

@@ -39,7 +39,7 @@ PassDeclaration KnownLightsPass::declaration() const {
   return {.name = "vlc-view",
           .stage = Stage::present,
           .owns = {{.id = kKnownLights,
-                    .help = "lights that the cache knew at the first hit",
+                    .help = "number of lights cached for the region of the first hit",
                     .display = BufferDisplay::value}}};
 }
 

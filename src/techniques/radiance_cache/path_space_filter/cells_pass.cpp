@@ -117,15 +117,15 @@ PassDeclaration ResolveCellsPass::declaration() const {
   };
   return {.name = "resolve",
           .stage = Stage::resolve,
-          .owns = {layer(kCellIdentity, "a number that differs from cell to cell"),
-                   layer(kCellLevel, "log2 of the edge of the pixel's cell, metres"),
-                   layer(kCellCount, "samples in the pixel's cell"),
-                   layer(kCellAge, "frames with samples since the pixel's cell began"),
+          .owns = {layer(kCellIdentity, "identifier of the pixel's cell"),
+                   layer(kCellLevel, "log2 of the size of the pixel's cell, metres"),
+                   layer(kCellCount, "number of samples in the pixel's cell"),
+                   layer(kCellAge, "number of frames with samples since the pixel's cell was created"),
                    layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
-                   layer(kCellSurvival, "probability with which the pixel's path was followed"),
-                   layer(kCellBlend, "share of the cell in the pixel; the rest is its path's"),
-                   layer(kCellTermination, "bounce, from 1, at which the pixel's path ceased to count"),
-                   layer(kCellOccupancy, "share of taken slots around the pixel's cell")},
+                   layer(kCellSurvival, "probability that the pixel's path is followed"),
+                   layer(kCellBlend, "weight of the cell in the pixel; the rest is the weight of the path"),
+                   layer(kCellTermination, "bounce, from 1, after which the pixel's path no longer contributes"),
+                   layer(kCellOccupancy, "fraction of occupied slots around the pixel's cell")},
           .reads = {kFilteredPixels},
           .writes = {kRadiance, kRays}};
 }
@@ -147,7 +147,7 @@ PassDeclaration cell_paths_declaration() {
                               .reads = {kPrimaryHits},
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
-  declaration.owns.push_back({.id = kFilteredPixels, .help = "what each pixel leaves for the cells"});
+  declaration.owns.push_back({.id = kFilteredPixels, .help = "vertex and sample of each pixel for its cell"});
   return declaration;
 }
 

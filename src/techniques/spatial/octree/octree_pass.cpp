@@ -74,9 +74,9 @@ PassDeclaration RegionViewPass::declaration() const {
   return {
       .name = "octree-view",
       .stage = Stage::present,
-      .owns = {{.id = kRegion, .help = "number of the octree's leaf at the first hit", .display = BufferDisplay::value},
+      .owns = {{.id = kRegion, .help = "index of the octree leaf at the first hit", .display = BufferDisplay::value},
                {.id = kRegionDepth,
-                .help = "its level; each has an eighth of the volume of the one above",
+                .help = "level of the octree leaf; each level has an eighth of the volume of the one above",
                 .display = BufferDisplay::value}}};
 }
 

@@ -15,10 +15,10 @@ void add_film(PassDeclaration& declaration, Change reset) {
   const auto add = [&](const BufferId& id, const char* help) {
     declaration.owns.push_back({.id = id, .help = help, .persistent = true, .reset = reset, .follows_surface = true});
   };
-  add(kLightMean, "mean radiance that light paths brought");
-  add(kLightM2, "weighted sum of squared distances of their luminance from its mean");
-  add(kLightPaths, "light paths a pixel behind that mean");
-  add(kLightFrames, "frames behind it");
+  add(kLightMean, "mean radiance of light paths");
+  add(kLightM2, "weighted sum of squared luminance deviations of light paths from light-mean");
+  add(kLightPaths, "light paths per pixel in light-mean");
+  add(kLightFrames, "number of frames in light-mean");
   declaration.reads.push_back(kLightRadiance);
 }
 
@@ -28,7 +28,7 @@ void add_specular_part(PassDeclaration& declaration, Change reset) {
         {.id = id, .help = help, .persistent = true, .reset = reset, .display = BufferDisplay::value});
   };
   add(kSpecularMean, "specular part of mean");
-  add(kSpecularSamples, "samples in specular-mean");
+  add(kSpecularSamples, "number of samples in specular-mean");
   declaration.reads.insert(declaration.reads.end(),
                            {kRadianceSpecular, kSpecularAlbedo, kInheritedSpecularMean, kInheritedSpecularSamples});
 }
@@ -59,26 +59,27 @@ PassDeclaration AccumulatePass::declaration() const {
   const auto kept = [&](const BufferId& id, const char* help, BufferDisplay display = BufferDisplay::hidden) {
     return BufferDescription{.id = id, .help = help, .persistent = true, .reset = invalidated_by_, .display = display};
   };
-  PassDeclaration declaration{.name = "accumulate",
-                              .stage = Stage::present,
-                              .owns = {kept(kMean, "mean radiance of the samples that the pixel keeps"),
-                                       kept(kMoments.m2, "sum of squared distances of their luminance from its mean"),
-                                       kept(kSamples, "samples that the pixel keeps", BufferDisplay::value),
-                                       {.id = kHeatmap,
-                                        .help = "rays traced for the pixel, a frame",
-                                        .persistent = true,
-                                        .reset = Change::any,
-                                        .display = BufferDisplay::mean},
-                                       {.id = kNonfinite,
-                                        .help = "samples that were not finite",
-                                        .persistent = true,
-                                        .display = BufferDisplay::value}},
-                              .reads = {kRadiance, kRays},
-                              .reads_if_any = moment_ids(kInherited),
-                              .writes_if_any = {kMoments.m2_rgb, kSequenceSamples}};
+  PassDeclaration declaration{
+      .name = "accumulate",
+      .stage = Stage::present,
+      .owns = {kept(kMean, "mean radiance of the pixel's samples"),
+               kept(kMoments.m2, "sum of squared luminance deviations of the samples from mean"),
+               kept(kSamples, "number of samples in mean", BufferDisplay::value),
+               {.id = kHeatmap,
+                .help = "rays traced for the pixel per frame",
+                .persistent = true,
+                .reset = Change::any,
+                .display = BufferDisplay::mean},
+               {.id = kNonfinite,
+                .help = "number of samples that were not finite",
+                .persistent = true,
+                .display = BufferDisplay::value}},
+      .reads = {kRadiance, kRays},
+      .reads_if_any = moment_ids(kInherited),
+      .writes_if_any = {kMoments.m2_rgb, kSequenceSamples}};
   declaration.reads_if_any.push_back(kAllocation);
   if (parts_.m2_rgb)
-    declaration.owns.push_back(kept(kMoments.m2_rgb, "sum of squared distances of all channels from their mean"));
+    declaration.owns.push_back(kept(kMoments.m2_rgb, "sum of squared deviations of all channels from mean"));
   if (parts_.film) add_film(declaration, invalidated_by_);
   if (parts_.specular) add_specular_part(declaration, invalidated_by_);
   return declaration;

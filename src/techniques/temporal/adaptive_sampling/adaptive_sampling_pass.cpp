@@ -34,7 +34,7 @@ PassDeclaration SampleCountPass::declaration() const {
   return {.name = "sequences",
           .stage = Stage::prepare,
           .owns = {{.id = kSequenceSamples,
-                    .help = "samples that the pixel took from its sequence",
+                    .help = "number of samples that the pixel took from its sequence",
                     .persistent = true,
                     .display = BufferDisplay::value}}};
 }
@@ -50,15 +50,15 @@ PassDeclaration AdaptiveSamplingPass::declaration() const {
   PassDeclaration declaration{
       .name = "allocate",
       .stage = Stage::allocate,
-      .owns = {{.id = kAllocation, .help = "samples of this frame", .display = BufferDisplay::value},
+      .owns = {{.id = kAllocation, .help = "number of samples in this frame", .display = BufferDisplay::value},
                {.id = kSamplingProbability,
-                .help = "probability of a further sample; 0 while it is not known",
+                .help = "probability of a further sample; 0 while it is unknown",
                 .persistent = true,
                 .reset = invalidated_by_,
                 .follows_surface = true,
                 .display = BufferDisplay::value},
                {.id = kSamplingNoise,
-                .help = "standard deviation of the samples, as the method estimates it",
+                .help = "standard deviation of the samples, as estimated by the method",
                 .persistent = true,
                 .display = BufferDisplay::value}},
       .reads = {kMean, kMoments.m2, kSamples},

@@ -60,26 +60,25 @@ PassDeclaration ReprojectionPass::declaration() const {
   };
   const bool forward = settings_.method == ReprojectionMethod::forward;
   std::vector<BufferDescription> owns{
-      shown(kHistoryKept, "1 where this frame's pixel continues a history, 0 where it starts one"),
-      shown(kHistoryReason,
-            forward
-                ? "why, of this frame's pixel: 1 kept, 10 filled from where its surface was, 0 nothing came to "
-                  "lie here; what did was 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, "
-                  "9 another surface than this frame's sample hit"
-                : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
-                  "another surface was seen where it was")};
+      shown(kHistoryKept, "1 where the pixel continues a history, 0 where it starts one"),
+      shown(kHistoryReason, forward
+                                ? "origin of the pixel's history: 1 kept, 10 filled from the old position of its "
+                                  "surface, 0 none moved here; rejected because 3 occluded, 4 view dependent, 5 near "
+                                  "specular, 6 several surfaces, 7 relit, 9 on another surface than this frame's sample"
+                                : "origin of the pixel's history: 1 kept, 0 no samples before; rejected because 2 off "
+                                  "screen, 9 another surface at the old position")};
   if (forward) {
-    owns.push_back(shown(
-        kHistoryRejectReason,
-        "why the pixel of the previous frame lost its history, at its old place: 1 kept, 2 off screen, 3 occluded, "
-        "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+    owns.push_back(
+        shown(kHistoryRejectReason,
+              "why the pixel of the previous frame lost its history, at its old position: 1 kept, 2 off screen, 3 "
+              "occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
   if (forward) reads.push_back(kPrimaryHits);
   const auto inherited = [](const BufferId& id, const char* help) { return BufferDescription{.id = id, .help = help}; };
-  owns.insert(owns.end(), {inherited(kInherited.mean, "mean before this frame's sample, where the surface is now"),
-                           inherited(kInherited.m2, "m2 before this frame's sample"),
-                           inherited(kInherited.samples, "samples before this frame's")});
-  if (m2_rgb_) owns.push_back(inherited(kInherited.m2_rgb, "m2-rgb before this frame's sample"));
+  owns.insert(owns.end(), {inherited(kInherited.mean, "reprojected mean, before this frame's sample"),
+                           inherited(kInherited.m2, "reprojected m2, before this frame's sample"),
+                           inherited(kInherited.samples, "number of reprojected samples, before this frame's sample")});
+  if (m2_rgb_) owns.push_back(inherited(kInherited.m2_rgb, "reprojected m2-rgb, before this frame's sample"));
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = std::move(owns),

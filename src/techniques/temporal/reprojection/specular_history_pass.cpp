@@ -12,7 +12,7 @@ PassDeclaration SpecularHistoryPass::declaration() const {
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = {{.id = kInheritedSpecularMean, .help = "specular part of inherited-mean"},
-                   {.id = kInheritedSpecularSamples, .help = "samples in inherited-specular-mean"}},
+                   {.id = kInheritedSpecularSamples, .help = "number of samples in inherited-specular-mean"}},
           .reads = {kSpecularMean, kSpecularSamples, kReflection.motion, kReflection.previous, kReflection.position,
                     kReflection.normal, kReflection.depth, kReflection.surface}};
 }

@@ -18,12 +18,10 @@ constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
 
 PassDeclaration BdptPass::declaration() const {
   std::vector<BufferDescription> owns = estimator_buffers();
-  owns.push_back({.id = kSplats,
-                  .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
+  owns.push_back({.id = kSplats, .help = "radiance that light subpaths added to the pixel in the current frame"});
   if (film_) {
-    owns.push_back({.id = kLightRadiance,
-                    .help = "radiance that this frame's light paths brought",
-                    .display = BufferDisplay::value});
+    owns.push_back(
+        {.id = kLightRadiance, .help = "radiance of this frame's light paths", .display = BufferDisplay::value});
   }
   return {.name = "trace",
           .stage = Stage::trace,

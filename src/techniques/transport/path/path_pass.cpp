@@ -9,7 +9,7 @@ namespace relume {
 
 std::vector<BufferDescription> estimator_buffers() {
   return {{.id = kRadiance, .help = "radiance of this frame's sample", .display = BufferDisplay::value},
-          {.id = kRays, .help = "rays traced for this frame's sample", .display = BufferDisplay::value}};
+          {.id = kRays, .help = "number of rays traced for this frame's sample", .display = BufferDisplay::value}};
 }
 
 PathContext make_path_context(const PathSource& source, const FrameContext& frame) {
@@ -31,11 +31,12 @@ PassDeclaration PathPass::declaration() const {
                               .only_sampled_pixels = true};
   if (records_.first_vertices) {
     declaration.owns.push_back(
-        {.id = kFirstVertices, .help = "directions and light of this frame's sample at its first vertex"});
+        {.id = kFirstVertices,
+         .help = "sampled directions and their light at the first vertex of this frame's sample"});
   }
   if (records_.specular) {
     declaration.owns.push_back({.id = kRadianceSpecular,
-                                .help = "the part of radiance that specular lobes of the first surface scattered",
+                                .help = "part of radiance scattered by specular lobes of the first surface",
                                 .display = BufferDisplay::value});
   }
   return declaration;
