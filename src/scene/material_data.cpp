@@ -96,10 +96,9 @@ std::optional<LayerData> layer_data(const Material& m) {
 
 std::string material_parameters_reference() {
   std::string text =
-      "# Material parameters\n\n"
-      "Made by `relume scenes --materials` from the declarations in the code. Keys are those of `materials` in\n"
-      "[scene files](scene-json.md#materials); [materials](materials.md) tells what becomes of them.\n\n"
-      "| key | values | meaning |\n|---|---|---|\n";
+      "# Material parameters\n\nMade by `relume scenes --materials` from the declarations in the code. Keys are those "
+      "of `materials`\nin [scene files](scene-json.md#materials); [materials](materials.md) describes their "
+      "effects.\n\n| key | values | meaning |\n|---|---|---|\n";
   for (const MaterialParameter& p : material_parameters()) {
     if (std::holds_alternative<TextureRef Material::*>(p.member)) continue;
     const std::string in_gltf =

@@ -20,21 +20,18 @@ namespace {
 std::string gltf_contents() {
   return fmt::format(
       "nodes, instances, meshes, skins, morph targets, materials, textures, cameras, lights, animations. Extensions: "
-      "{}. Ignored with a warning: other extensions. A `minVersion` above 2.0 gives a warning",
+      "{}. Other extensions are ignored with a warning. A `minVersion` above 2.0 gives a warning",
       fmt::join(gltf::supported_extensions(), ", "));
 }
 
 constexpr const char* kJsonContents =
-    "relume's own format, which refers to a scene of another one "
-    "([reference](scene-json.md))";
+    "relume's format for a scene of another format, with changes ([reference](scene-json.md))";
 constexpr const char* kPlyContents =
-    "one mesh with normals, texture coordinates and colours: integers are display values (sRGB), floats linear";
+    "one mesh with normals, texture coordinates and colours; integer colours are sRGB, floats are linear";
 constexpr const char* kAssimpContents =
-    "nodes, meshes, materials, textures, lights, cameras, through assimp; "
-    "lengths and axes as they are";
+    "nodes, meshes, materials, textures, lights and cameras, through assimp; lengths and axes are unchanged";
 constexpr const char* kAssimpMetricContents =
-    "nodes, meshes, materials, textures, lights, cameras, through "
-    "assimp; lengths become metres, and +Y up";
+    "nodes, meshes, materials, textures, lights and cameras, through assimp; converted to metres and +Y up";
 
 std::string first_bytes(const std::filesystem::path& file, size_t count) {
   std::error_code error;
@@ -129,10 +126,9 @@ std::string scene_format_names() {
 
 std::string scene_formats_reference() {
   std::string text =
-      "# Scene formats\n\n"
-      "Made by `relume scenes --formats` from the declarations in the code. How readers treat what they cannot\n"
-      "represent: [scene files](scene-json.md#other-formats).\n\n"
-      "| format | extensions | what is read |\n|---|---|---|\n";
+      "# Scene formats\n\nMade by `relume scenes --formats` from the declarations in the code. "
+      "[Scene\nfiles](scene-json.md#other-formats) describes how readers treat features that they "
+      "cannot\nrepresent.\n\n| format | extensions | contents |\n|---|---|---|\n";
   for (const SceneFormat& format : scene_formats()) {
     text += fmt::format("| {} | `.{}` | {} |\n", format.name, fmt::join(format.extensions, "`, `."), format.contents);
   }
