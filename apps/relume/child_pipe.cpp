@@ -26,7 +26,7 @@ constexpr int kUnknownExit = 255;  // nobody could say how it ended
 
 ChildPipe::ChildPipe(const std::vector<std::string>& arguments) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("no pipe can be opened; close other files");
+  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("a pipe cannot be opened; close other files");
   std::vector<char*> argv;
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);

@@ -57,11 +57,10 @@ struct UserFolder {
   std::string_view contents;
 };
 
-inline constexpr UserFolder kReferenceFolder{
-    "XDG_CACHE_HOME", ".cache", "relume/references/",
-    "Rendered references, which later comparisons of the same scene use again."};
+inline constexpr UserFolder kReferenceFolder{"XDG_CACHE_HOME", ".cache", "relume/references/",
+                                             "Cache of rendered references, shared by all comparisons of a scene."};
 inline constexpr UserFolder kBookmarkFolder{"XDG_STATE_HOME", ".local/state", "relume/bookmarks/",
-                                            "Bookmarks of the viewer, one file a scene."};
+                                            "Bookmarks of the viewer, one file per scene."};
 
 struct Command {
   std::string_view name;

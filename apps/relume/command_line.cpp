@@ -51,8 +51,8 @@ std::vector<std::string> option_names(const Command& command) {
                                  nearest.empty() ? fmt::format("; see relume {} --help", command.name)
                                                  : fmt::format("; did you mean {}?", nearest)));
   }
-  throw UsageError(fmt::format("{} does not know what to do with '{}'; see relume {} --help", command.name,
-                               extras.front(), command.name));
+  throw UsageError(
+      fmt::format("{}: unexpected argument '{}'; see relume {} --help", command.name, extras.front(), command.name));
 }
 
 /// The setting with the name under which the user knows it.
@@ -106,7 +106,7 @@ int run_command(const std::vector<Command>& commands, const std::vector<std::str
     return kExitDone;
   }
   if (name.starts_with("-"))
-    throw UsageError(fmt::format("there is no option {} without a command; see relume --help", name));
+    throw UsageError(fmt::format("unknown option {} without a command; see relume --help", name));
   throw UsageError(fmt::format("there is no command '{}'{}", name, suggestion(name, names)));
 }
 
@@ -171,7 +171,7 @@ int run_program(const std::vector<Command>& commands, const std::vector<std::str
   try {
     const int exit_code = dispatch(commands, arguments);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return report("standard output cannot be written; is the disk full?", kExitFailed);
+      return report("standard output cannot be written; check the free space", kExitFailed);
     }
     return exit_code;
   } catch (const UsageError& error) {

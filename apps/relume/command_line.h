@@ -21,10 +21,9 @@ Request parse_arguments(const Command& command, const std::vector<std::string>& 
 
 inline constexpr std::string_view kProgramSummary = "Render scenes by path tracing.";
 inline constexpr std::string_view kProgramDescription =
-    "relume is an unbiased, deterministic path tracer for the processor. It renders glTF scenes to images and "
-    "animations, "
-    "or in a window while they change, and reuses samples across pixels, frames and paths. The same command gives the "
-    "same bits with any number of threads.";
+    "relume is a real-time path tracer for the processor, unbiased by default. It renders glTF scenes to images and "
+    "animations or in an interactive window, and reuses samples across pixels, frames and paths. The same command "
+    "gives the same bits with any number of threads.";
 const std::vector<Example>& overview_examples();
 
 /// The value in help and manual pages: "N", "X", "a|b", "TEXT"; empty for booleans. `given` comes first.

@@ -98,7 +98,7 @@ TEST(CommandLine, RefusesWithOneSentence) {
   EXPECT_EQ(f.error_of({"--max-bonces=3", "in"}), "paint has no option --max-bonces; did you mean --max-bounces?");
   EXPECT_EQ(f.error_of({"in", "--xyzzy"}), "paint has no option --xyzzy; see relume paint --help");
   EXPECT_EQ(f.error_of({"in", "-x"}), "paint has no option -x; see relume paint --help");
-  EXPECT_EQ(f.error_of({"in", "more"}), "paint does not know what to do with 'more'; see relume paint --help");
+  EXPECT_EQ(f.error_of({"in", "more"}), "paint: unexpected argument 'more'; see relume paint --help");
   EXPECT_EQ(f.error_of({"in", "--count", "10"}), "--count is '10', but must be from 1 to 9");
   EXPECT_EQ(f.error_of({"in", "--max-bounces", "-1"}), "--max-bounces is '-1', but must be from 0 to 1024");
   EXPECT_EQ(f.error_of({"in", "--guide", "cqd"}), "--guide is 'cqd', but this version has bsdf and cdq");

@@ -49,7 +49,7 @@ class NewFolder {
     std::error_code failure;
     made_ = std::filesystem::create_directories(folder_, failure);
     if (failure)
-      throw UsageError(fmt::format("{}: the folder cannot be made ({})", folder_.string(), failure.message()));
+      throw UsageError(fmt::format("{}: the folder cannot be created ({})", folder_.string(), failure.message()));
   }
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
@@ -110,7 +110,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   for (const ImageContender& image : options.images) {
     for (const Contender& contender : options.contenders) {
       if (image.name == contender.name)
-        throw UsageError(fmt::format("there are two contenders called '{}'; use --image NAME=FILE", image.name));
+        throw UsageError(fmt::format("two contenders are called '{}'; use --image NAME=FILE", image.name));
     }
     if (!std::filesystem::exists(image.file))
       throw Error(fmt::format("{}: there is no such file", image.file.string()));
@@ -120,9 +120,9 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   for (const Contender& contender : options.contenders) resolve_contender(contender, options.common);
   if (o.budget_s > 0 && common.stop.spp > 0)
     throw UsageError("--spp compares at equal samples and --budget at equal time; choose one");
-  if (common.stop.time_s > 0) throw UsageError("compare has no --time; --budget compares at equal time");
+  if (common.stop.time_s > 0) throw UsageError("compare has no --time; use --budget to compare at equal time");
   if (common.stop.error > 0)
-    throw UsageError("compare has no --error; it compares at equal samples (--spp) or time (--budget)");
+    throw UsageError("compare has no --error; use --spp to compare at equal samples, or --budget at equal time");
   options.spp = common.stop.spp > 0 ? common.stop.spp : o.frames.empty() ? kDefaultSpp : 1;
   options.budget_s = static_cast<double>(o.budget_s);
   options.repetitions = o.repetitions;
@@ -130,8 +130,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   options.reference_spp = o.reference_spp;
   options.reference_settings = parse_settings(o.reference_settings, "--reference-settings");
   if (!o.reference.empty() && !options.reference_settings.empty())
-    throw UsageError(
-        "--reference takes an image from a file, --reference-settings is for one that is rendered; choose one");
+    throw UsageError("--reference reads an image, and --reference-settings is for a rendered reference; choose one");
   resolve_reference(options.common, {}, options.reference_settings);
   if (o.reference.empty() && o.timed_frames == 0) options.cache_folder = reference_folder(o.cache_folder);
   options.program = program_stamp();
@@ -153,7 +152,7 @@ void check_timing(const CompareOptions& o) {
       {"--budget", o.budget_s > 0},          {"--frames", !o.frames.empty()},
       {"--reference", !o.reference.empty()}, {"--reference-settings", !o.reference_settings.empty()}};
   for (const auto& [name, given] : others) {
-    if (given) throw UsageError(fmt::format("--timing prints times and compares no images; leave {} out", name));
+    if (given) throw UsageError(fmt::format("--timing compares no images; remove {}", name));
   }
 }
 
@@ -218,7 +217,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   const double start_s = now_s();
   const std::optional<Comparison> comparison = compare_with_progress(scene, options, stop, verbosity);
   if (!comparison) {
-    log_info(verbosity, "interrupted; references are kept, and the same command continues an unfinished one");
+    log_info(verbosity, "interrupted; the same command reuses finished references and continues an unfinished one");
     return kExitInterrupted;
   }
   const auto machine = machine_description();
@@ -234,52 +233,51 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
 std::vector<Option> declare(CompareOptions& o) {
   return {
       {{"output", &o.output,
-        "Folder for compare.html, compare.json and compare.csv, or FILE.html; otherwise SCENE-compare"},
+        "Folder for compare.html, compare.json and compare.csv, or FILE.html; without it, SCENE-compare"},
        "FOLDER",
        'o',
        Completion::file},
       {{"techniques", &o.techniques,
-        "What is compared, with commas between: presets, techniques, settings files, NAME=KEY:VALUE,KEY:VALUE, or "
-        "NAME=PRESET,KEY:VALUE; 'default' is all defaults; otherwise default,interactive"},
+        "Contenders, separated by commas: presets, techniques, settings files, NAME=KEY:VALUE,KEY:VALUE or "
+        "NAME=PRESET,KEY:VALUE; 'default' is all defaults; without it, default,interactive"},
        "LIST",
        0,
        Completion::preset,
        true},
-      {{"image", &o.images, "An image made elsewhere as another column; may be given several times"},
+      {{"image", &o.images, "Image of another renderer or version, as another column; can be given several times"},
        "NAME=FILE",
        0,
        Completion::file,
        true},
       {{"budget",
         &o.budget_s,
-        "Compare at equal time: 50ms, 2s; without it at equal samples (--spp, or 64, or 1 a frame of --frames)",
+        "Compare at equal time: 50ms, 2s; without it at equal samples (--spp, or 64, or 1 per frame of --frames)",
         {.min = 0, .max = 1e6, .unit = "s"}}},
-      {{"frames", &o.frames, "Compare along these frames of the animation; techniques keep what they know"}, "A-B"},
-      {{"fps", &o.fps, "Frames a second of --frames", {.min = 0.001, .max = 100000}}},
+      {{"frames", &o.frames, "Compare along these frames of the animation; techniques keep their history"}, "A-B"},
+      {{"fps", &o.fps, "Frames per second of --frames", {.min = 0.001, .max = 100000}}},
       {{"repeat",
         &o.repetitions,
-        "Repetitions with seeds of their own; medians, bias and variance come from them",
+        "Repetitions with separate seeds, for medians, bias and variance",
         {.min = 1, .max = 1000}}},
-      {{"reference", &o.reference, "Take this image as the reference instead of rendering one"},
+      {{"reference", &o.reference, "Use this image as the reference instead of rendering one"},
        "FILE",
        0,
        Completion::file},
-      {{"reference-spp", &o.reference_spp, "Samples a pixel of the reference", {.min = 2, .max = 1 << 24}}},
+      {{"reference-spp", &o.reference_spp, "Samples per pixel of the reference", {.min = 2, .max = 1 << 24}}},
       {{"reference-settings", &o.reference_settings,
-        "Settings of the reference alone, such as lights:light-tree; flags for all that might bias it do not reach it"},
+        "Settings of the reference alone, such as lights:light-tree; flags that could bias it do not apply to it"},
        "KEY:VALUE",
        0,
        Completion::none,
        true},
       {{"timing",
         &o.timed_frames,
-        "Only time so many frames of each, in turns, after a quarter as many in which caches fill; prints "
-        "milliseconds, "
-        "the ratio to the first contender, and both by 95 % intervals",
+        "Only time this many frames of each contender, in turns, after a quarter as many warm-up frames; prints "
+        "milliseconds and the ratio to the first contender, with 95 % intervals",
         {.min = 0, .max = 1 << 20}},
        "FRAMES"},
       {{"cache-dir", &o.cache_folder,
-        "Where references are kept, in references/; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+        "Folder for cached references, in references/; without it, $XDG_CACHE_HOME/relume or ~/.cache/relume"},
        "FOLDER",
        0,
        Completion::file},
@@ -297,16 +295,16 @@ Command compare_command(Verbosity& verbosity) {
       .examples =
           {
               {"relume compare scene.glb --budget 2s --width 640 --height 360",
-               "what relume shows in two seconds against plain path tracing; the page is in scene-compare"},
+               "interactive against plain path tracing after two seconds each; the page is in scene-compare"},
               {"relume compare scene.glb --techniques default,psf,apg,bmfr", "techniques by their names"},
               {"relume compare cornell --techniques uniform=lights:uniform,power=lights:power -o out",
                "64 samples each"},
               {"relume compare scene.glb --techniques default,mine.json --budget 2s -o out", "two seconds each"},
               {"relume compare turntable --techniques a=history:none,b=history:accumulate --frames 0-47 -o out",
-               "an animation, with its flicker"},
-              {"relume compare scene.glb --techniques default,psf,vlc --timing 64", "what frames cost"},
+               "along an animation, with flicker"},
+              {"relume compare scene.glb --techniques default,psf,vlc --timing 64", "frame times"},
               {"relume compare scene.glb --techniques default --image cycles=cycles.exr -o out",
-               "with an image made elsewhere"},
+               "with an image of another renderer"},
           },
       .arguments = {{"SCENE", &options->scene, "Scene file or built-in scene", true, Completion::scene}},
       .options = declare(*options),

@@ -19,7 +19,7 @@ int run_completion(const std::vector<Command>& commands, const std::string& shel
       {"bash", bash_completion}, {"fish", fish_completion}, {"zsh", zsh_completion}};
   const auto script = scripts.find(shell);
   if (script == scripts.end())
-    throw UsageError(fmt::format("there is no completion for '{}', only for {}", shell, fmt::join(kShells, ", ")));
+    throw UsageError(fmt::format("there is no completion for '{}'; use {}", shell, fmt::join(kShells, ", ")));
   CompletionNames names;
   for (const Command& command : commands) names.commands.emplace_back(command.name);
   for (const BuiltinScene& scene : builtin_scenes()) names.scenes.emplace_back(scene.name);
@@ -35,9 +35,10 @@ Command completion_command(const std::vector<Command>& commands) {
   const auto shell = std::make_shared<std::string>();
   return {
       .name = "completion",
-      .summary = "Print a script that completes relume's command line in a shell.",
-      .examples = {{"source <(relume completion bash)", "for this shell"},
-                   {"relume completion bash > ~/.local/share/bash-completion/completions/relume", "for all later ones"},
+      .summary = "Print a completion script for a shell.",
+      .examples = {{"source <(relume completion bash)", "in this shell"},
+                   {"relume completion bash > ~/.local/share/bash-completion/completions/relume",
+                    "in all later shells"},
                    {"relume completion fish > ~/.config/fish/completions/relume.fish", "the same for fish"}},
       .arguments = {{"SHELL", shell.get(), "bash, zsh or fish", true, Completion::shell}},
       .options = {},

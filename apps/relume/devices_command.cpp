@@ -37,7 +37,7 @@ int run_devices() {
 Command devices_command() {
   return {
       .name = "devices",
-      .summary = "Tell what relume can run on.",
+      .summary = "List the devices that relume can use.",
       .examples = {{"relume devices", "processor, threads, vector instructions, ray queries"}},
       .arguments = {},
       .options = {},

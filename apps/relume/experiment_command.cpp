@@ -59,7 +59,7 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
 std::filesystem::path make_output_folder(const std::string& output) {
   std::error_code failure;
   std::filesystem::create_directories(output, failure);
-  if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
+  if (failure) throw UsageError(fmt::format("{}: the folder cannot be created ({})", output, failure.message()));
   return output;
 }
 
@@ -136,7 +136,7 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
            fmt::format("{} is in {} already{}", summary.name, folder.string(),
                        summary.run.program == context.program
                            ? ""
-                           : ", measured by another build of relume; without --continue it is measured again"));
+                           : ", measured by another build of relume; run without --continue to measure it again"));
 }
 
 /// The machine, and how many of its threads were allowed.
@@ -203,7 +203,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
 
 int run(const ExperimentOptions& o, const Verbosity& verbosity) {
   if (o.action == "run") return run_experiments(o, verbosity);
-  if (o.action != "list") throw UsageError(fmt::format("experiment can list and run, but not '{}'", o.action));
+  if (o.action != "list") throw UsageError(fmt::format("experiment has the actions list and run, not '{}'", o.action));
   return list_experiments();
 }
 
@@ -213,32 +213,33 @@ Command experiment_command(Verbosity& verbosity) {
   const auto options = std::make_shared<ExperimentOptions>();
   Command command{
       .name = "experiment",
-      .summary = "Measure again what papers claim.",
-      .examples = {{"relume experiment list", "which there are"},
+      .summary = "Measure the claims of papers.",
+      .examples = {{"relume experiment list", "all experiments"},
                    {"relume experiment run reprojection -o out",
-                    "claims and curves as out/reprojection.html and .json"},
-                   {"relume experiment run --all -o out --quick", "all of them, small: shows that everything works"},
+                    "claims and curves, in out/reprojection.html and .json"},
+                   {"relume experiment run --all -o out --quick", "a quick run of all, to check that they work"},
                    {"relume experiment run --all -o out --scenes scenes", "with Sponza in scenes/sponza"}},
       .arguments = {{"ACTION", &options->action, "list or run", true, Completion::experiment},
                     {"NAME", &options->names, "Experiments", false, Completion::experiment, true}},
-      .options = {{{"output", &options->output,
-                    "Folder for NAME.json and NAME.html, index.html that leads to all of them, and index.md"},
-                   "FOLDER",
-                   'o',
-                   Completion::file},
-                  {{"all", &options->all, "Run all of them"}},
-                  {{"threads", &options->threads, "Worker threads; 0: one for each core", {.min = 0, .max = 1024}}},
-                  {{"quick", &options->quick, "Small images and few settings"}},
-                  {{"continue", &options->goes_on, "Leave out what is in the folder already"}},
-                  {{"scenes", &options->scenes, "Folder with scenes that are not built in: sponza/sponza.gltf"},
-                   "FOLDER",
-                   0,
-                   Completion::file},
-                  {{"cache-dir", &options->cache_folder,
-                    "Where references are kept, in references/; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
-                   "FOLDER",
-                   0,
-                   Completion::file}},
+      .options =
+          {{{"output", &options->output,
+             "Folder for NAME.json and NAME.html, and for index.html and index.md over all of them"},
+            "FOLDER",
+            'o',
+            Completion::file},
+           {{"all", &options->all, "Run all experiments"}},
+           {{"threads", &options->threads, "Worker threads; 0: one per core", {.min = 0, .max = 1024}}},
+           {{"quick", &options->quick, "Small images and few settings"}},
+           {{"continue", &options->goes_on, "Skip experiments whose results are in the folder already"}},
+           {{"scenes", &options->scenes, "Folder with scenes that are not built in, such as sponza/sponza.gltf"},
+            "FOLDER",
+            0,
+            Completion::file},
+           {{"cache-dir", &options->cache_folder,
+             "Folder for cached references, in references/; without it, $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+            "FOLDER",
+            0,
+            Completion::file}},
       .setting_groups = {},
       .setting_flags = nullptr,
       .run = [options, &verbosity] { return run(*options, verbosity); },

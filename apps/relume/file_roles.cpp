@@ -28,12 +28,12 @@ std::string shown(const fs::path& file) {
 
 void check_name_lengths(const fs::path& file) {
   if (file.string().size() > kMostPathBytes) {
-    throw UsageError(fmt::format("{}: the path has {} bytes, and may have {} at most; choose a shorter one",
+    throw UsageError(fmt::format("{}: the path has {} bytes, but may have {} at most; choose a shorter one",
                                  shown(file), file.string().size(), kMostPathBytes));
   }
   for (const fs::path& part : file) {
     if (part.string().size() <= kMostNameBytes) continue;
-    throw UsageError(fmt::format("{}: the name {} has {} bytes, and may have {} at most; choose a shorter one",
+    throw UsageError(fmt::format("{}: the name {} has {} bytes, but may have {} at most; choose a shorter one",
                                  shown(file), shown(part), part.string().size(), kMostNameBytes));
   }
 }

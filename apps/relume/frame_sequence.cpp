@@ -28,7 +28,7 @@ struct Placeholder {
 };
 
 [[noreturn]] void refuse(const std::string& name) {
-  throw UsageError(fmt::format("the file name '{}' must hold one place for the frame number: ####, %d or %04d", name));
+  throw UsageError(fmt::format("the file name '{}' must contain the frame number once, as ####, %d or %04d", name));
 }
 
 /// "%d", "%4d" or "%04d" at `begin`.
@@ -81,10 +81,9 @@ FrameRange parse_frame_range(std::string_view text, std::string_view place) {
 float frame_time_s(int frame, float fps, float scene_time_s) {
   const float time_s = scene_time_s + static_cast<float>(frame) / fps;
   if (time_s <= kLatestTime) return time_s;
-  throw UsageError(
-      fmt::format("--frames: frame {} would be at {:g} s, and animations go to {:g} s; ask for earlier frames "
-                  "or more of them a second (--fps)",
-                  frame, time_s, kLatestTime));
+  throw UsageError(fmt::format(
+      "--frames: frame {} would be at {:g} s, but animations end at {:g} s; give earlier frames or a higher --fps",
+      frame, time_s, kLatestTime));
 }
 
 FrameNames::FrameNames(const std::filesystem::path& pattern)

@@ -113,16 +113,16 @@ std::string help_text(const Command& command) {
   std::string text = introduction(command);
   for (const std::string_view name : command.essentials) text += row_of(command, name);
   const size_t all = command.options.size() + flatten(command.setting_groups).size();
-  return text + row("-h, --help", "Show this") + row("--help-all", fmt::format("Show all {} options", all));
+  return text + row("-h, --help", "Show this help") + row("--help-all", fmt::format("Show all {} options", all));
 }
 
 std::string full_help_text(const Command& command) {
   std::string text = introduction(command);
   for (const Option& option : command.options) text += option_row(option);
   if (command.essentials.empty()) {
-    text += row("-h, --help", "Show this");
+    text += row("-h, --help", "Show this help");
   } else {
-    text += row("-h, --help", "Show the options that are used most") + row("--help-all", "Show this");
+    text += row("-h, --help", "Show the most common options") + row("--help-all", "Show this help");
   }
   for (const SettingGroup& group : command.setting_groups) {
     text += fmt::format("\n{}:\n", group.title);
@@ -133,7 +133,7 @@ std::string full_help_text(const Command& command) {
 
 const std::vector<Example>& overview_examples() {
   static const std::vector<Example> examples = {
-      {"relume render cornell -o out.png", "a built-in scene, 64 samples a pixel"},
+      {"relume render cornell -o out.png", "a built-in scene, 64 samples per pixel"},
       {"relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth", "linear radiance with layers"},
       {"relume info scene.glb", "counts, cameras, extent, memory, warnings"},
   };
@@ -145,15 +145,15 @@ std::string overview_text(const std::vector<Command>& commands) {
   for (const Example& example : overview_examples()) text += fmt::format("  {}\n", example.line);
   text += "\nUsage: relume COMMAND …\n\nCommands:\n";
   for (const Command& command : commands) text += row(std::string(command.name), command.summary);
-  text += "\nOptions:\n" + row("-h, --help", "Show this; `relume COMMAND --help` explains a command") +
+  text += "\nOptions:\n" + row("-h, --help", "Show this help; `relume COMMAND --help` explains a command") +
           row("--version", "Show the version");
   return text;
 }
 
 std::vector<Option> verbosity_options(Verbosity& verbosity) {
   return {
-      {{"quiet", &verbosity.quiet, "Nothing on standard error but warnings and errors"}, "", 'q'},
-      {{"verbose", &verbosity.verbose, "Tell more on standard error"}, "", 'v'},
+      {{"quiet", &verbosity.quiet, "Print only warnings and errors to standard error"}, "", 'q'},
+      {{"verbose", &verbosity.verbose, "Print more to standard error"}, "", 'v'},
   };
 }
 

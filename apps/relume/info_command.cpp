@@ -93,7 +93,7 @@ Command info_command(Verbosity& verbosity) {
   const auto options = std::make_shared<InfoOptions>();
   Command command{
       .name = "info",
-      .summary = "Tell what a scene or an image contains, and what the loader ignored.",
+      .summary = "List the contents of a scene or an image, and what the loader ignored.",
       .examples = {{"relume info scene.glb", "counts, cameras, extent, memory, warnings"},
                    {"relume info out.exr", "size, channels, and how it was rendered"},
                    {"relume info scene.glb --json", "the same for scripts"}},

@@ -38,7 +38,7 @@ int run_man(const std::vector<Command>& commands, const std::string& name, const
   } else if (name.empty()) {
     write_pages(commands, folder);
   } else {
-    throw UsageError(fmt::format("man writes all pages to '{}'; leave out the command '{}'", folder, name));
+    throw UsageError(fmt::format("man writes all pages to '{}'; remove the command '{}'", folder, name));
   }
   return kExitDone;
 }
@@ -50,10 +50,10 @@ Command man_command(const std::vector<Command>& commands) {
   const auto folder = std::make_shared<std::string>();
   return {
       .name = "man",
-      .summary = "Print a manual page of relume.",
+      .summary = "Print a manual page.",
       .examples = {{"relume man render | man -l -", "read the page of a command"},
                    {"relume man -o man1", "write all pages: man1/relume.1, man1/relume-render.1 ..."}},
-      .arguments = {{"COMMAND", name.get(), "Command that the page explains; default: the program", false,
+      .arguments = {{"COMMAND", name.get(), "Command to explain; without it, relume itself", false,
                      Completion::command}},
       .options = {{{"output", folder.get(), "Write all pages into this folder"}, "FOLDER", 'o', Completion::file}},
       .setting_groups = {},

@@ -19,10 +19,10 @@ struct ExitStatus {
 };
 
 constexpr ExitStatus kExitStatuses[] = {
-    {kExitDone, "Everything that was asked for was written."},
-    {kExitFailed, "The command failed; standard error says why."},
-    {kExitUsage, "The command line is wrong; nothing was done."},
-    {kExitInterrupted, "The command was interrupted. `relume render` then writes the image it has so far."},
+    {kExitDone, "All outputs were written."},
+    {kExitFailed, "The command failed; the reason is on standard error."},
+    {kExitUsage, "The command line is invalid; nothing was done."},
+    {kExitInterrupted, "The command was interrupted. `relume render` then writes the image so far."},
 };
 
 std::string upper_case(std::string text) {
@@ -116,7 +116,7 @@ std::string folders_section(const std::vector<UserFolder>& folders) {
   for (const UserFolder& folder : folders) {
     files += tagged(roff_italic(fmt::format("~/{}/{}", folder.below_home, folder.path)), folder.contents);
     environment +=
-        tagged(roff_bold(folder.variable), fmt::format("The folder used in place of ~/{}.", folder.below_home));
+        tagged(roff_bold(folder.variable), fmt::format("The folder used instead of ~/{}.", folder.below_home));
   }
   return environment + files;
 }

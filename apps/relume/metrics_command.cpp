@@ -64,7 +64,7 @@ StoredImage read_stored_image(const std::string& file) {
 }
 
 std::string to_text(const PixelWindow& window) {
-  if (window.empty()) return "all of it";
+  if (window.empty()) return "the whole image";
   return fmt::format("the window {},{},{},{}", window.x, window.y, window.width, window.height);
 }
 
@@ -92,7 +92,7 @@ int run_metrics(const MetricsOptions& options) {
   const auto [a, b] = read_images(options);
   const Metrics metrics = measure(options, a, b);
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
-    warn(fmt::format("left out pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
+    warn(fmt::format("ignored pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
                      metrics.nonfinite_b, options.b));
   }
   if (!options.flip_map.empty()) write_flip_map(options, a, b);
@@ -106,14 +106,15 @@ Command metrics_command() {
   const auto options = std::make_shared<MetricsOptions>();
   Command command{
       .name = "metrics",
-      .summary = "Measure how far an image is from a reference.",
+      .summary = "Measure the error of an image against a reference.",
       .examples = {{"relume metrics out.exr reference.exr", "MSE, relMSE, MAE, MAPE, FLIP and the means"},
                    {"relume metrics out.exr reference.exr --json", "the same for scripts"},
-                   {"relume metrics out.exr reference.exr --flip-map flip.png", "where the differences are"}},
+                   {"relume metrics out.exr reference.exr --flip-map flip.png", "an image of the differences"}},
       .arguments = {{"A", &options->a, "Image"}, {"B", &options->b, "Reference of the same size"}},
       .options = {{{"json", &options->json, "Print a JSON object"}},
-                  {{"hdr-flip", &options->hdr_flip, "Print HDR-FLIP too, which looks at every exposure; slow"}},
-                  {{"flip-map", &options->flip_map, "Write the FLIP difference of each pixel, as colours"},
+                  {{"hdr-flip", &options->hdr_flip,
+                    "Also print HDR-FLIP, the largest FLIP over a range of exposures; slow"}},
+                  {{"flip-map", &options->flip_map, "Write the FLIP error of each pixel as a colour map"},
                    "FILE",
                    0,
                    Completion::file}},

@@ -94,7 +94,7 @@ std::string state_folder() { return folder_of_user("XDG_STATE_HOME", ".local/sta
 std::string reference_folder(const std::string& cache_folder) {
   const std::string folder = cache_folder.empty() ? folder_of_user("XDG_CACHE_HOME", ".cache") : cache_folder;
   if (folder.empty())
-    throw UsageError("neither XDG_CACHE_HOME nor HOME is set; say with --cache-dir where references are kept");
+    throw UsageError("neither XDG_CACHE_HOME nor HOME is set; use --cache-dir to choose a folder for references");
   return folder + "/references";
 }
 
@@ -124,7 +124,7 @@ void prepare_signals() {
 }
 
 InterruptGuard::InterruptGuard(std::string notice) : notice_(std::move(notice)) {
-  if (pipe2(g_pipe, O_CLOEXEC) != 0) throw Error("no pipe for signals can be opened; close other files");
+  if (pipe2(g_pipe, O_CLOEXEC) != 0) throw Error("a pipe for signals cannot be opened; close other files");
   g_interrupts = 0;
   waiter_ = std::thread([this] {
     char byte = 0;

@@ -17,27 +17,25 @@ std::vector<Option> declare(RenderOptions& o) {
        "FILE",
        'o',
        Completion::file},
-      {{"aov", &o.aov, "Further layers of the EXR, with commas between: albedo,normal,depth,motion,variance …"},
+      {{"aov", &o.aov, "Additional layers of the EXR, separated by commas: albedo,normal,depth,motion,variance …"},
        "LIST"},
       {{"crop", &o.crop,
         "Render only this window, bit-identical to that part of the full image; an EXR keeps the size of the full "
-        "image, "
-        "other files hold the window alone"},
+        "image, other files contain only the window"},
        "X,Y,W,H"},
       {{"ocio", &o.ocio,
-        "Show PNG, JPEG, TGA and videos through a view of an OpenColorIO configuration in place of the tone map, also "
-        "of "
-        "one that the scene, --preset or --settings choose"},
+        "View of an OpenColorIO configuration for PNG, JPEG, TGA and videos; replaces the tone map, even one set by "
+        "the scene, --preset or --settings"},
        "CONFIG:VIEW",
        0,
        Completion::file},
       {{"frames", &o.frames,
-        "Render these frames of the animation; the number goes into the name of FILE, in place of #### "
-        "or %04d or before the extension"},
+        "Render these frames of the animation; the frame number replaces #### or %04d in FILE, or is inserted before "
+        "its extension"},
        "A-B"},
-      {{"fps", &o.fps, "Frames a second of --frames", {.min = 0.001, .max = 100000}}},
+      {{"fps", &o.fps, "Frames per second of --frames", {.min = 0.001, .max = 100000}}},
       {{"preset", &o.preset, "Named settings; flags override them"}, "NAME", 0, Completion::preset},
-      {{"settings", &o.settings_file, "Settings as JSON, or those that an EXR was rendered with"},
+      {{"settings", &o.settings_file, "Settings from a JSON file, or from an EXR that relume rendered"},
        "FILE",
        0,
        Completion::file},
@@ -50,8 +48,7 @@ std::vector<Option> declare(RenderOptions& o) {
         &o.checkpoint_interval_s,
         "Time between checkpoints",
         {.min = 0, .max = 1e8, .unit = "s"}}},
-      {{"display", &o.display, "Show the image in a running tev viewer; its port is 14158 unless it says otherwise"},
-       "HOST:PORT"},
+      {{"display", &o.display, "Show the image in a running tev viewer; the default port is 14158"}, "HOST:PORT"},
   };
 }
 
@@ -66,10 +63,10 @@ Command render_command(Verbosity& verbosity) {
       .summary = "Render a scene to an image, or an animation to images.",
       .examples =
           {
-              {"relume render cornell -o out.png", "a built-in scene, 64 samples a pixel"},
+              {"relume render cornell -o out.png", "a built-in scene, 64 samples per pixel"},
               {"relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth", "linear radiance with layers"},
               {"relume render scene.glb -o out.exr --error 0.01 --time 10min",
-               "until good enough, ten minutes at most"},
+               "up to an error of 0.01, for ten minutes at most"},
               {"relume render scene.glb -o out.exr --spp 4096 --resume out.ckpt", "can be interrupted and continued"},
               {"relume render turntable -o frames/####.png --frames 0-47 --fps 24", "two seconds of an animation"},
               {"relume render turntable -o film.mp4 --frames 0-47 --spp 8 --history reproject", "the same as a video"},

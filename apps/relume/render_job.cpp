@@ -166,22 +166,21 @@ void RenderJob::resume() {
   first_image_ = image_of_checkpoint();
   check_earlier_images();
   log_info(verbosity_,
-           fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
+           fmt::format("continues from {} at {} samples per pixel{}", options_.checkpoint,
                        format_samples(session_->image_samples()),
                        options_.frames.empty()
                            ? ""
                            : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_image_))));
-  if (first_image_ > 0) log_info(verbosity_, "images of earlier frames stay as they are");
+  if (first_image_ > 0) log_info(verbosity_, "images of earlier frames are kept");
 }
 
 size_t RenderJob::image_of_checkpoint() const {
   for (size_t i = 0; i < plan_.files.size(); ++i) {
     if (time_of(i) == render_settings(*session_).time_s) return i;
   }
-  throw Error(
-      fmt::format("{}: the checkpoint was made at time {} s, which is not asked for; use the same frames or "
-                  "time, or delete it",
-                  options_.checkpoint, render_settings(*session_).time_s));
+  throw Error(fmt::format(
+      "{}: the checkpoint was made at time {} s, which is not requested; use the same frames or time, or delete it",
+      options_.checkpoint, render_settings(*session_).time_s));
 }
 
 /// A checkpoint of another range would leave out what comes before it.
@@ -189,8 +188,8 @@ void RenderJob::check_earlier_images() const {
   for (size_t i = 0; i < first_image_; ++i) {
     if (std::filesystem::exists(plan_.files[i])) continue;
     throw Error(
-        fmt::format("{}: the checkpoint is of frame {}, and frame {} ({}) is missing; delete the checkpoint to "
-                    "render all, or ask for --frames {}-{}",
+        fmt::format("{}: the checkpoint is of frame {}, but frame {} ({}) is missing; delete the checkpoint to render "
+                    "all, or use --frames {}-{}",
                     options_.checkpoint, plan_.frames.first + static_cast<int>(first_image_),
                     plan_.frames.first + static_cast<int>(i), plan_.files[i].string(),
                     plan_.frames.first + static_cast<int>(first_image_), plan_.frames.last));
@@ -285,7 +284,7 @@ void RenderJob::write(size_t index, StopReason reason) {
   const std::string what =
       is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
                           : file.string();
-  log_info(verbosity_, fmt::format("{} {} with {} sample{} a pixel",
+  log_info(verbosity_, fmt::format("{} {} with {} sample{} per pixel",
                                    reason == StopReason::interrupted ? "interrupted; wrote" : "wrote", what, samples,
                                    samples == "1" ? "" : "s"));
 }
@@ -294,7 +293,7 @@ void RenderJob::report(StopReason reason) const {
   const Statistics& statistics = session_->statistics();
   const uint32_t pilot = pilot_samples(settings_.render);
   if (pilot > 0 && session_->frames_since_change() <= pilot)
-    warn("the image ended within its pilot samples, which are biased; give it more time");
+    warn("rendering ended within the pilot samples, which are biased; give it more time");
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));

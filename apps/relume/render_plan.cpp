@@ -67,7 +67,7 @@ PixelWindow parse_window(std::string_view text, std::string_view place) {
 void check_ocio_output(const RenderOptions& options) {
   const std::string extension = lower_extension(options.output);
   if (options.ocio.empty() || (extension != ".exr" && extension != ".hdr")) return;
-  throw UsageError(fmt::format("{}: --ocio is for displayed images, and {} files hold radiance; write a PNG",
+  throw UsageError(fmt::format("{}: --ocio is for display images, but {} files store radiance; write a PNG",
                                options.output, extension));
 }
 
@@ -109,15 +109,15 @@ void check_stop_settings(const AllSettings& settings) {
   const RenderLimits criteria = stop_criteria(settings.stop);
   const uint32_t pilot = pilot_samples(settings.render);
   if (criteria.samples > 0 && criteria.samples <= pilot) {
-    throw UsageError(fmt::format(
-        "--adaptive.pilot leaves the samples of the first {} frames out of the image; give --spp more, or a "
-        "smaller --adaptive.max",
-        pilot));
+    throw UsageError(
+        fmt::format("--adaptive.pilot excludes the samples of the first {} frames from the image; raise --spp or lower "
+                    "--adaptive.max",
+                    pilot));
   }
   if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
   throw UsageError(
-      "--error alone cannot end an image with --history none, which is one frame whose error is not known; give --spp "
-      "or --time, or --history accumulate");
+      "--error alone cannot stop a render with --history none, whose error is not known; give --spp or --time, or "
+      "--history accumulate");
 }
 
 }  // namespace relume::cli

@@ -53,7 +53,7 @@ std::string environment_text(const Environment& environment) {
     case EnvironmentKind::map: return fmt::format("map {} x {}", environment.width, environment.height);
     case EnvironmentKind::sun_sky: return "sun and sky";
     case EnvironmentKind::studio: return "studio";
-    case EnvironmentKind::automatic: return "studio if nothing lights what is visible";
+    case EnvironmentKind::automatic: return "studio if nothing lights the visible surfaces";
   }
   return "none";
 }
@@ -103,8 +103,9 @@ std::string to_text(const SceneSummary& s) {
     text += fmt::format("{:13} {}\n", name, value);
   };
   line("nodes", format_count(s.nodes));
-  line("meshes", fmt::format("{}, placed {} times", format_count(s.meshes), format_count(s.mesh_instances)));
-  line("triangles", fmt::format("{}, as placed {}", format_count(s.triangles), format_count(s.instanced_triangles)));
+  line("meshes", fmt::format("{}, with {} instances", format_count(s.meshes), format_count(s.mesh_instances)));
+  line("triangles",
+       fmt::format("{}, with instances {}", format_count(s.triangles), format_count(s.instanced_triangles)));
   line("materials", fmt::format("{}, of which {} emit", format_count(s.materials), format_count(s.emissive_materials)));
   line("textures", format_count(s.textures));
   line("lights", format_count(s.lights));

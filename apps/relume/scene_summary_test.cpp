@@ -62,7 +62,7 @@ TEST(SceneSummary, TextHasNoControlCharactersOfNames) {
 TEST(SceneSummary, EmptySceneHasNoBounds) {
   const std::string text = to_text(summarize(Scene{}));
   EXPECT_EQ(text.find("bounds"), std::string::npos);
-  EXPECT_NE(text.find("triangles     0, as placed 0"), std::string::npos) << text;
+  EXPECT_NE(text.find("triangles     0, with instances 0"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -18,10 +18,10 @@ bool is_video_file(const std::filesystem::path& file) {
 void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
   check_layers(file, aovs);
   if (!program_exists("ffmpeg")) {
-    throw UsageError(fmt::format(
-        "{}: videos are encoded by ffmpeg, which is not there; install it (apt install ffmpeg), or write images: "
-        "-o {}.####.png",
-        file.string(), file.stem().string()));
+    throw UsageError(
+        fmt::format("{}: videos are encoded by ffmpeg, which was not found; install it (apt install ffmpeg), or write "
+                    "images: -o {}.####.png",
+                    file.string(), file.stem().string()));
   }
   check_output_file(file);
 }
@@ -56,7 +56,7 @@ void VideoWriter::finish() {
 }
 
 void VideoWriter::fail() const {
-  throw Error(fmt::format("{}: ffmpeg could not encode the video; is the disk full?", file_.string()));
+  throw Error(fmt::format("{}: ffmpeg could not encode the video; check the free space", file_.string()));
 }
 
 }  // namespace relume::cli

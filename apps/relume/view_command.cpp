@@ -10,28 +10,28 @@ namespace {
 
 std::vector<Option> declare(ViewOptions& o) {
   return {
-      {{"preset", &o.preset, "Named settings; flags override them; 'interactive' where no technique is chosen"},
+      {{"preset", &o.preset, "Named settings; flags override them; without a chosen technique, interactive"},
        "NAME",
        0,
        Completion::preset},
-      {{"settings", &o.settings_file, "Settings as JSON, or those that an EXR was rendered with"},
+      {{"settings", &o.settings_file, "Settings from a JSON file, or from an EXR that relume rendered"},
        "FILE",
        0,
        Completion::file},
       {{"ocio", &o.ocio,
-        "Show the image, and write PNG, through a view of an OpenColorIO configuration in place of the tone map, "
-        "whatever the scene, --preset or --settings choose"},
+        "Show the image, and write PNG, through a view of an OpenColorIO configuration. It replaces the tone map of "
+        "scene, --preset and --settings"},
        "CONFIG:VIEW",
        0,
        Completion::file},
-      {{"target", &o.target_hz, "Rendered frames a second to hold by scaling the resolution", {.min = 1, .max = 240}}},
-      {{"watch", &o.watch, "Read the scene again when its files change, with the same camera and settings"}},
-      {{"smoke", &o.smoke, "Show no window, render this many frames, print a report as JSON and end", {.min = 0}}},
-      {{"screenshot", &o.screenshot, "Write an image of the window before ending"}, "FILE", 0, Completion::file},
-      {{"script", &o.script, "Steps to go through: keys, mouse, settings (docs/viewer.md)"},
-       "FILE",
-       0,
-       Completion::file},
+      {{"target",
+        &o.target_hz,
+        "Rendered frames per second to hold by scaling the resolution",
+        {.min = 1, .max = 240}}},
+      {{"watch", &o.watch, "Reload the scene when its files change, with the same camera and settings"}},
+      {{"smoke", &o.smoke, "Render this many frames without a window, print a report as JSON and exit", {.min = 0}}},
+      {{"screenshot", &o.screenshot, "Write an image of the window before exiting"}, "FILE", 0, Completion::file},
+      {{"script", &o.script, "Steps to perform: keys, mouse, settings (docs/viewer.md)"}, "FILE", 0, Completion::file},
   };
 }
 
@@ -53,11 +53,11 @@ Command view_command(Verbosity& verbosity) {
   const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "view",
-      .summary = "Explore a scene in a window; change everything while it renders.",
+      .summary = "View and edit a scene in an interactive window.",
       .examples =
           {
-              {"relume view scene.glb", "drag goes around or looks around, WASD flies; F1 lists the keys"},
-              {"relume view city --target 15", "scale the resolution so that 15 frames a second are rendered"},
+              {"relume view scene.glb", "drag to orbit or look around, WASD to fly; F1 lists the keys"},
+              {"relume view city --target 15", "scale the resolution to render 15 frames per second"},
               {"relume view cornell --width 640 --height 480", "an image of fixed size"},
               {"relume view cornell --smoke 10 --screenshot window.png", "no window; for tests"},
           },

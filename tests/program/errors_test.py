@@ -221,8 +221,8 @@ class Checkpoints(RefusalTest):
             (FAILED, "--height 19", r'a\.ckpt: .* other settings \("height": 18, now "height": 19\)'),
             (FAILED, "--lights uniform", r'a\.ckpt: .* other settings \("lights": "power", now "lights": "uniform"\)'),
             (FAILED, "--aov albedo", r"a\.ckpt: .* other settings \(without auxiliary buffers\)"),
-            (FAILED, "--scene-time 1", r"a\.ckpt: .* made at time 0 s, which is not asked for; use the same"),
-            (FAILED, "--frames 3-4", r"a\.ckpt: .* made at time 0 s, which is not asked for; use the same frames"),
+            (FAILED, "--scene-time 1", r"a\.ckpt: .* made at time 0 s, which is not requested; use the same"),
+            (FAILED, "--frames 3-4", r"a\.ckpt: .* made at time 0 s, which is not requested; use the same frames"),
         ])
         self.refuse(FAILED, "render", "furnace", *SMALL, "--spp", "1", "-o", "out.exr", "--resume", "a.ckpt",
                     matches=r"a\.ckpt: .* belongs to another scene; delete it to start over")
@@ -260,8 +260,8 @@ class Commands(RefusalTest):
         write_bare_exr(self.folder / "nan.exr", float("nan"), 24, 18)
         self.refuse_each(["compare", "cornell", *SMALL, "-o", "page.html", "--cache-dir", "cache"], [
             (USAGE, "--spp 4 --budget 1s", "--spp .* equal samples and --budget .* equal time; choose one"),
-            (USAGE, "--time 5s", "compare has no --time; --budget compares at equal time"),
-            (USAGE, "--error 0.1", "compare has no --error; it compares at equal samples"),
+            (USAGE, "--time 5s", "compare has no --time; use --budget to compare at equal time"),
+            (USAGE, "--error 0.1", "compare has no --error; use --spp to compare at equal samples"),
             (FAILED, "--techniques default,default", "--techniques: there are two called 'default'; give one another name with NAME="),
             (FAILED, "--techniques a=lights:uniform,a=lights:power", "--techniques: there are two called 'a'"),
             (FAILED, "--image a=small.exr --image a=fits.exr", "--image: there are two called 'a'"),
@@ -282,14 +282,14 @@ class Commands(RefusalTest):
     def test_experiment(self):
         self.refuse_each(["experiment"], [
             (USAGE, "", "experiment needs ACTION"),
-            (USAGE, "rnu", "experiment can list and run, but not 'rnu'"),
+            (USAGE, "rnu", "experiment has the actions list and run, not 'rnu'"),
             (USAGE, "run", "experiment run needs names or --all; `relume experiment list` shows them"),
             (USAGE, "run reprojection --all", "experiment run takes names or --all, not both"),
             (FAILED, "run reprojektion", "no experiment 'reprojektion'; did you mean 'reprojection'"),
         ])
 
     def test_completion_of_another_shell(self):
-        self.refuse_each(["completion"], [(USAGE, "tcsh", "no completion for 'tcsh', only for bash, zsh, fish"), (USAGE, "", "completion needs SHELL")])
+        self.refuse_each(["completion"], [(USAGE, "tcsh", "no completion for 'tcsh'; use bash, zsh, fish"), (USAGE, "", "completion needs SHELL")])
 
     def test_control_characters_reach_no_terminal(self):
         self.refuse(USAGE, "ren\nder\x1b[2J", says=[r"'ren\nder\x1b[2J'"])

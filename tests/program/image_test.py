@@ -59,7 +59,7 @@ class Images(ProgramTest):
             self.assertEqual(done.returncode, 2)
         for more, sentence in ((["--ocio", "half.ocio:Filmic"], "it has Half"), (["--ocio", "half.ocio:Half", "--tone-map", "agx"], "give one of them")):
             self.assertIn(sentence, run("render", "furnace", "-o", "no.png", *map(str, look), *more, cwd=self.folder).stderr)
-        self.assertIn("files hold radiance", run("render", "furnace", "-o", "no.exr", "--ocio", "half.ocio:Half", cwd=self.folder).stderr)
+        self.assertIn("files store radiance", run("render", "furnace", "-o", "no.exr", "--ocio", "half.ocio:Half", cwd=self.folder).stderr)
 
 
 if __name__ == "__main__":

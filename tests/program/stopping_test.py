@@ -45,7 +45,7 @@ class Stopping(ProgramTest):
         self.assertNotEqual(mean, 64, "every pixel got a sample in every frame")
         self.assertAlmostEqual(self.stats()["samples_per_pixel"], mean, delta=0.01)
         self.assertEqual(float(exr_strings(self.folder / "out.exr")["relume.samples_per_pixel"]), self.stats()["samples_per_pixel"])
-        self.assertIn(f"with {self.stats()['samples_per_pixel']:g} samples a pixel", done.stderr)
+        self.assertIn(f"with {self.stats()['samples_per_pixel']:g} samples per pixel", done.stderr)
 
     def test_time(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1.5s", "--stats", "s.json")
@@ -266,7 +266,7 @@ class Stopping(ProgramTest):
         process.kill()
         process.communicate(timeout=60)
         done = self.succeed(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
-        self.assertRegex(done.stderr, r"continues from a.ckpt at \d+ samples a pixel of frame [1-5]")
+        self.assertRegex(done.stderr, r"continues from a.ckpt at \d+ samples per pixel of frame [1-5]")
         self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
         for frame in range(6):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
@@ -276,7 +276,7 @@ class Stopping(ProgramTest):
         self.succeed(*arguments, "--frames", "2-3")
         done = run(*arguments, "--frames", "0-3", cwd=self.folder)
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"a\.ckpt: the checkpoint is of frame 3, and frame 0 \(a\.0000\.png\) is missing; delete the checkpoint")
+        self.assertRegex(done.stderr, r"a\.ckpt: the checkpoint is of frame 3, but frame 0 \(a\.0000\.png\) is missing; delete the checkpoint")
         self.succeed(*arguments, "--frames", "2-4")
         self.assertTrue((self.folder / "a.0004.png").exists())
 
