@@ -117,8 +117,9 @@ std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status))
-    throw Error(ErrorCode::not_found, fmt::format("{}: there is no such file; check its name", file.string()));
-  if (fs::is_directory(status)) throw Error(fmt::format("{}: this is a folder; name a file", file.string()));
+    throw Error(ErrorCode::not_found, fmt::format("{}: the file does not exist; check its name", file.string()));
+  if (fs::is_directory(status))
+    throw Error(fmt::format("{}: this is a folder; give the name of a file", file.string()));
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   if (!in)
@@ -137,8 +138,8 @@ std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
     const auto count = static_cast<size_t>(in.gcount());
     if (bytes.size() + count > max_bytes)
-      throw Error(
-          fmt::format("{}: larger than {} bytes, the most that is read; use a smaller file", file.string(), max_bytes));
+      throw Error(fmt::format("{}: the file is larger than the limit of {} bytes; use a smaller one", file.string(),
+                              max_bytes));
     const auto* begin = reinterpret_cast<const std::byte*>(block.data());
     bytes.insert(bytes.end(), begin, begin + count);
   }

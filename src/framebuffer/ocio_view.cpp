@@ -34,7 +34,7 @@ std::string linear_rec709(const ocio::ConstConfigRcPtr& config, const std::strin
   }
   if (const ocio::ConstColorSpaceRcPtr space = config->getColorSpace(ocio::ROLE_SCENE_LINEAR)) {
     note = fmt::format(
-        "{} names no linear Rec. 709 colour space; radiance is taken as its role scene_linear, which is '{}'", file,
+        "{} has no linear Rec. 709 colour space; radiance is interpreted as its role scene_linear, which is '{}'", file,
         space->getName());
     return ocio::ROLE_SCENE_LINEAR;
   }

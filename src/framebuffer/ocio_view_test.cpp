@@ -98,7 +98,7 @@ TEST_F(Ocio, WhatIsNotFiniteIsBlack) {
 TEST_F(Ocio, NotesTheColourSpaceThatReplacesLinearRec709) {
   EXPECT_EQ(OcioView(config(), "Raw").note(),
             config() +
-                " names no linear Rec. 709 colour space; radiance is taken as its role scene_linear, which is "
+                " has no linear Rec. 709 colour space; radiance is interpreted as its role scene_linear, which is "
                 "'lin'");
   std::string named = kConfig;
   for (size_t at = named.find(" lin\n"); at != named.npos; at = named.find(" lin\n", at + 1))

@@ -58,11 +58,11 @@ void check_compression(const Header& header, const std::string& name) {
   if (compression == 5) unsupported(name, "a PNG inside");
   if (compression > kMasksWithAlpha) unsupported(name, fmt::format("compression {}", compression));
   if (depth != 1 && depth != 4 && depth != 8 && depth != 16 && depth != 24 && depth != 32)
-    unsupported(name, fmt::format("{} bits a pixel", depth));
+    unsupported(name, fmt::format("{} bits per pixel", depth));
   const bool fits = compression == kRle8   ? depth == 8
                     : compression == kRle4 ? depth == 4
                                            : compression == kUncompressed || depth == 16 || depth == 32;
-  if (!fits) damaged(name, fmt::format("compression {} with {} bits a pixel", compression, depth));
+  if (!fits) damaged(name, fmt::format("compression {} with {} bits per pixel", compression, depth));
 }
 
 void read_masks(Span bytes, Header& header, const std::string& name) {
@@ -88,7 +88,7 @@ Header read_header(Span bytes, const std::string& name) {
   const bool is_core = header.size == kCoreHeader;
   if (!is_core && (header.size < 16 || header.size > 124))
     unsupported(name, fmt::format("a header of {} bytes", header.size));
-  if (header.pixels_at < kFileHeader + header.size) damaged(name, "its pixels begin within the header");
+  if (header.pixels_at < kFileHeader + header.size) damaged(name, "its pixels start within the header");
   // OS/2 allows truncated headers; missing fields are 0.
   if (bytes.size() < kFileHeader + header.size) cut_off(name);
   const Span fields = bytes.first(kFileHeader + header.size);

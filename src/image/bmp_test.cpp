@@ -172,7 +172,7 @@ TEST(Bmp, NamesWhatIsNotSupported) {
   EXPECT_NE(problem(64, 3, 1).find("Huffman compression"), std::string::npos);
   EXPECT_NE(problem(64, 4, 24).find("run lengths of 24-bit pixels"), std::string::npos);
   EXPECT_NE(problem(40, 11, 32).find("compression 11"), std::string::npos);
-  EXPECT_NE(problem(40, 0, 2).find("2 bits a pixel"), std::string::npos);
+  EXPECT_NE(problem(40, 0, 2).find("2 bits per pixel"), std::string::npos);
   EXPECT_NE(problem(128, 0, 24).find("a header of 128 bytes"), std::string::npos);
   EXPECT_NE(problem(40, 1, 24).find("damaged"), std::string::npos);
 }

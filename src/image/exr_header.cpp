@@ -205,8 +205,7 @@ void check_header(const Header& header, const std::string& name, uint64_t file_b
 
 void check_exr_header(std::span<const std::byte> bytes, const std::string& name) {
   Reader reader(bytes, name);
-  if (reader.read<uint32_t>() != 20000630u)
-    throw Error(fmt::format("{}: not an OpenEXR file; check what wrote it", name));
+  if (reader.read<uint32_t>() != 20000630u) throw Error(fmt::format("{}: not an OpenEXR file; check its format", name));
   const auto version = reader.read<uint32_t>();
   if ((version & 0xffu) != 2)
     throw Error(fmt::format("{}: OpenEXR version {} is not supported; export it as version 2", name, version & 0xffu));

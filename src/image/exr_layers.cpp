@@ -60,7 +60,7 @@ Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::st
   }
   std::vector<std::string> names;
   for (const ExrChannel& channel : exr.channels) names.push_back(channel.name);
-  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; the file has {}", name, layer.empty() ? "" : layer + ".",
+  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; it has {}", name, layer.empty() ? "" : layer + ".",
                           layer.empty() ? "" : layer + ".", layer.empty() ? "" : layer + ".", fmt::join(names, ", ")));
 }
 

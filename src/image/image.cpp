@@ -55,7 +55,7 @@ void append_chunk(void* target, void* data, int size) {
 void check_side(const std::string& name, const Image& image, int max_side) {
   if (std::max(image.width, image.height) > max_side)
     throw Error(
-        fmt::format("{}: {}x{} pixels are more than this format holds; write an EXR", name, image.width, image.height));
+        fmt::format("{}: {}x{} pixels exceed the limit of this format; write an EXR", name, image.width, image.height));
 }
 
 /// Writes through stb_image_write. `extension` is one of write_image()'s except .exr.
@@ -101,8 +101,8 @@ void check_image_size(const std::string& name, int64_t width, int64_t height, in
   if (width > kMaxImageSide || height > kMaxImageSide || width * height > kMaxImagePixels ||
       width * height * bytes_per_pixel > kMaxDecodedBytes)
     throw Error(fmt::format(
-        "{}: {}x{} pixels of {} bytes are more than the supported 2^17 a side, 2^28 pixels and 8 GiB; scale it down",
-        name, width, height, bytes_per_pixel));
+        "{}: {}x{} pixels of {} bytes exceed the limits of 2^17 per side, 2^28 pixels and 8 GiB; scale it down", name,
+        width, height, bytes_per_pixel));
   if (static_cast<uint64_t>(width * height * bytes_per_pixel) / static_cast<uint64_t>(max_expansion) > file_bytes)
     throw Error(fmt::format(
         "{}: the header announces {}x{} pixels, more than a file of {} bytes can hold; export or copy it again", name,
@@ -140,7 +140,7 @@ void write_image(const std::filesystem::path& file, const Image& image) {
     throw Error(fmt::format("{}: images cannot be written as '{}'; use .exr, .hdr, .png, .jpg or .tga", file.string(),
                             extension));
   if (image.width <= 0 || image.height <= 0)
-    throw Error(fmt::format("{}: an image of {}x{} pixels cannot be written; give it a size", file.string(),
+    throw Error(fmt::format("{}: an image of {}x{} pixels cannot be written; give it at least one pixel", file.string(),
                             image.width, image.height));
   if (extension != ".exr") return write_with_stb(file, extension, image);
   ExrFile exr;

@@ -114,7 +114,7 @@ class RgbeParser {
       const uint8_t code = byte();
       const bool run = code > 128;
       const size_t count = run ? code - 128u : code;
-      if (count == 0 || count > row.size() - x) fail("a run leaves its row");
+      if (count == 0 || count > row.size() - x) fail("a run exceeds its row");
       const uint8_t value = run ? byte() : uint8_t{0};
       for (size_t i = 0; i < count; ++i) row[x++][channel] = run ? value : byte();
     }
@@ -126,9 +126,9 @@ class RgbeParser {
     int shift = 0;
     for (size_t x = 0; x < row.size();) {
       if (pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1) {
-        if (x == 0 || shift > 16) fail("a run leaves its row");
+        if (x == 0 || shift > 16) fail("a run exceeds its row");
         const size_t count = static_cast<size_t>(pixel[3]) << shift;
-        if (count > row.size() - x) fail("a run leaves its row");
+        if (count > row.size() - x) fail("a run exceeds its row");
         const Rgbe previous = row[x - 1];
         for (size_t i = 0; i < count; ++i) row[x++] = previous;
         shift += 8;

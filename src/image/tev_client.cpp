@@ -242,7 +242,7 @@ struct TevClient::State {
       next_attempt = Clock::now() + retry;
       return false;
     }
-    notice = fmt::format("{}: connected to the viewer again", where());
+    notice = fmt::format("{}: reconnected to the viewer", where());
     for (const auto& [name, image] : images) {
       if (!send(create_message(name, image))) return false;
     }
@@ -280,8 +280,8 @@ TevClient::TevClient(TevAddress address, TevTimeouts timeouts) : state_(std::mak
   state_->timeouts = timeouts;
   state_->resolved = resolve(state_->address);
   if (!state_->connect(timeouts.connect))
-    throw Error(fmt::format("{}: no viewer answers there ({}); start tev first, or check host and port",
-                            state_->where(), std::strerror(errno)));
+    throw Error(fmt::format("{}: no viewer answers ({}); start tev first, or check host and port", state_->where(),
+                            std::strerror(errno)));
 }
 
 TevClient::~TevClient() = default;

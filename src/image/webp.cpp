@@ -18,7 +18,7 @@ constexpr int64_t kMostPixelsPerByte = int64_t{1} << 15;
 
 [[noreturn]] void fail(const std::string& name, VP8StatusCode status) {
   if (status == VP8_STATUS_OUT_OF_MEMORY)
-    throw Error(fmt::format("{}: the memory does not suffice to decode the WebP image; scale it down", name));
+    throw Error(fmt::format("{}: not enough memory to decode the WebP image; scale it down", name));
   if (status == VP8_STATUS_UNSUPPORTED_FEATURE)
     throw Error(
         fmt::format("{}: the WebP image has a feature that libwebp does not support; save it as PNG or JPEG", name));
@@ -46,7 +46,7 @@ DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& n
   if (const VP8StatusCode status = WebPGetFeatures(data, bytes.size(), &config.input); status != VP8_STATUS_OK)
     fail(name, status);
   if (config.input.has_animation != 0)
-    throw Error(fmt::format("{}: animated WebP images are not supported; export one image of it", name));
+    throw Error(fmt::format("{}: animated WebP images are not supported; export a single frame", name));
   DecodedPixels result;
   result.width = config.input.width;
   result.height = config.input.height;

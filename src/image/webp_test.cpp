@@ -99,7 +99,7 @@ TEST(WebpMalformed, AnimationsAreRefused) {
   std::vector<std::byte> bytes;
   for (const char c : std::string("RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x07\0\0\x07\0\0", 30))
     bytes.push_back(static_cast<std::byte>(c));
-  EXPECT_EQ(sentence_of(bytes), "wood.webp: animated WebP images are not supported; export one image of it");
+  EXPECT_EQ(sentence_of(bytes), "wood.webp: animated WebP images are not supported; export a single frame");
 }
 
 TEST(WebpMalformed, FlippedBitsAreAnImageOrASentence) {

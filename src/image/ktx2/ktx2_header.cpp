@@ -195,7 +195,7 @@ void read_swizzle(Span bytes, Ktx2Header& header, const std::string& name) {
 }  // namespace
 
 Ktx2Header read_ktx2_header(Span bytes, const std::string& name) {
-  if (!is_ktx2(bytes)) fail_damaged_ktx2(name, "it does not begin as KTX2 files do");
+  if (!is_ktx2(bytes)) fail_damaged_ktx2(name, "it does not have the signature of a KTX2 file");
   if (bytes.size() < kFixedBytes) fail_cut_off_ktx2(name);
   Ktx2Header header;
   read_shape(bytes, header, name);
