@@ -109,9 +109,8 @@ std::string repair_texels(Texture& texture, const std::string& name, PixelFormat
     ++repaired;
   }
   if (repaired == 0) return {};
-  return fmt::format(
-      "{}: {} numbers are negative, above {:g} or none at all; the nearest that makes sense replaces them", name,
-      repaired, largest);
+  return fmt::format("{}: {} values are negative, above {:g} or not finite; the nearest valid values replace them",
+                     name, repaired, largest);
 }
 
 }  // namespace relume

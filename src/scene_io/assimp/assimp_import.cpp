@@ -108,7 +108,8 @@ void import_embedded_images(const aiScene& source, ImportedScene& imported) {
 void convert(const aiScene& source, const std::string& place, Warnings& warnings, ImportedScene& imported) {
   Scene& scene = imported.scene;
   scene.name = std::filesystem::path(place).stem().string();
-  if (source.mFlags & AI_SCENE_FLAGS_INCOMPLETE) warnings.add("the file is incomplete; what it has is shown");
+  if (source.mFlags & AI_SCENE_FLAGS_INCOMPLETE)
+    warnings.add("the file is incomplete; only its readable part is loaded");
   import_assimp_materials(source, imported, warnings);
   import_embedded_images(source, imported);
   const std::vector<Index> mesh_of = import_assimp_meshes(source, scene, warnings);

@@ -206,7 +206,7 @@ TEST(Assimp, MendsFloatTexturesWithAWarning) {
   write_image(folder.path() / "r.exr", image);
   const Scene scene = load_obj(folder, "Kd 1 1 1\nPr 1\nmap_Pr r.exr\n");
   EXPECT_EQ(first_texel(scene, scene.materials[material_of(scene)].metallic_roughness_texture).y, 0.0f);
-  EXPECT_TRUE(mentions(scene.warnings, "r.exr: 2 numbers are negative, above 1 or none at all"));
+  EXPECT_TRUE(mentions(scene.warnings, "r.exr: 2 values are negative, above 1 or not finite"));
 }
 
 TEST(Assimp, LoadsStlAndOff) {

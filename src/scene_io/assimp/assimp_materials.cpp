@@ -113,7 +113,7 @@ void convert_emission(const aiMaterial& source, std::vector<TextureRequest>& tex
   if (m.emission_texture.used() && is_black(m.emission)) m.emission = Rgb(1);
   m.emission *= number(source, AI_MATKEY_EMISSIVE_INTENSITY, 1, 0, kLargest);
   if (!(max_component(m.emission) <= kMaxRadiance))
-    warnings.add(fmt::format("material '{}': its emission is above {:g}, which takes its place", m.name, kMaxRadiance));
+    warnings.add(fmt::format("material '{}': its emission is above {:g} and is reduced to it", m.name, kMaxRadiance));
   m.emission = glm::min(m.emission, Rgb(kMaxRadiance));
 }
 
@@ -143,7 +143,7 @@ void convert_textures(const aiMaterial& source, std::vector<TextureRequest>& tex
       make_ref(textures, TextureRecipe::normal,
                find_texture(source, {aiTextureType_NORMAL_CAMERA, aiTextureType_NORMALS, aiTextureType_HEIGHT}));
   if (source.GetTextureCount(aiTextureType_SPECULAR) + source.GetTextureCount(aiTextureType_SHININESS) > 0)
-    warnings.add("specular and shininess textures are ignored; their factors count");
+    warnings.add("specular and shininess textures are ignored; their factors are used");
   if (source.GetTextureCount(aiTextureType_DISPLACEMENT) > 0) warnings.add("displacement textures are ignored");
 }
 

@@ -176,7 +176,7 @@ ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit, Pipe& pip
     const pid_t ended = waitpid(child, &end.status, options);
     if (ended == child) break;
     if (ended < 0 && errno != EINTR)
-      throw Error("the process that reads the file ended unseen; start relume another way");
+      throw Error("the process that reads the file ended without a status; start relume without ignoring SIGCHLD");
     if (end.excess == Excess::none) {
       if (pages_in_use(std::to_string(child)).resident > resident_limit) end.excess = Excess::memory;
       if (now_s() > deadline_s) end.excess = Excess::time;
@@ -214,7 +214,7 @@ std::string problem_of(const ChildEnd& end, const TrialLimits& limits) {
     return "the system ended the process that reads the file, likely for lack of memory; free some memory";
   if (signal_number != 0) return fmt::format("reading crashed (signal {}); {}", signal_number, kRemedy);
   if (exit_status == kNotHandedOver)
-    return "the process that reads the file could not hand over its result; load the file again";
+    return "the process that reads the file could not return its result; load the file again";
   if (exit_status != 0) return fmt::format("reading crashed (exit status {}); {}", exit_status, kRemedy);
   return {};
 }

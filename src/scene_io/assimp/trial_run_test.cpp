@@ -92,7 +92,7 @@ TEST(TrialRun, ReportsAResultThatCannotBeHandedOver) {
         },
         kLimits, "a.dae");
   });
-  expect_says(message, "could not hand over its result");
+  expect_says(message, "could not return its result");
 }
 
 TEST(TrialRun, ReportsCrashes) {

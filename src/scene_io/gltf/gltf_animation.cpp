@@ -83,8 +83,8 @@ std::vector<Vec4> read_values(const Document& document, int accessor, AnimatedPr
 /// Replaces an animated node's matrix by its translation, rotation and scale.
 void replace_matrix(Node& node, Warnings& warnings) {
   if (!node.matrix) return;
-  warnings.add(fmt::format("node '{}' is animated but has a matrix; its translation, rotation and scale take its place",
-                           node.name));
+  warnings.add(fmt::format(
+      "node '{}' is animated but has a matrix; the matrix is split into translation, rotation and scale", node.name));
   node.transform = decompose(*node.matrix);
   node.matrix.reset();
 }
@@ -128,7 +128,7 @@ class AnimationImporter {
       if (channel.node == kNone) continue;
       if (!driven_.emplace(channel.node, channel.property).second) {
         document_.warnings.add(
-            fmt::format("animation '{}' moves node '{}' in several ways at once; the first one counts", name_,
+            fmt::format("animation '{}' has several channels for a property of node '{}'; the first one is used", name_,
                         scene_.nodes[static_cast<size_t>(channel.node)].name));
         continue;
       }
@@ -156,9 +156,10 @@ class AnimationImporter {
     channel.interpolation = interpolation_of(sampler.interpolation);
     if (channel.property == AnimatedProperty::visible) {
       if (channel.interpolation == Interpolation::cubic_spline) {
-        document_.warnings.add(fmt::format(
-            "animation '{}' hides or shows a node along a spline; that part is ignored, as glTF asks for steps",
-            name_));
+        document_.warnings.add(
+            fmt::format("animation '{}' interpolates the visibility of a node by a spline; that channel is ignored, as "
+                        "glTF requires steps",
+                        name_));
         return;
       }
       channel.interpolation = Interpolation::step;  // also for files with the default, linear
@@ -169,7 +170,7 @@ class AnimationImporter {
     const size_t targets = channel.property == AnimatedProperty::morph_weight ? morph_targets : 1;
     if (targets == 0) {
       document_.warnings.add(
-          fmt::format("animation '{}' moves morph targets that do not exist; that part is ignored", name_));
+          fmt::format("animation '{}' moves morph targets that do not exist; that channel is ignored", name_));
       return;
     }
     if (channel.values.size() != per_key * channel.times.size() * targets)

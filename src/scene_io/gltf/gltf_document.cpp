@@ -34,7 +34,7 @@ Chunks split_glb(const Document& document, ByteSpan file) {
     document.fail(fmt::format("GLB version {} is not supported; convert the file to 2", read_u32(file, 4)));
   const size_t length = read_u32(file, 8);
   if (length > file.size())
-    document.damaged(fmt::format("the header promises {} bytes but the file has {}", length, file.size()));
+    document.damaged(fmt::format("the header states {} bytes but the file has {}", length, file.size()));
   Chunks chunks;
   size_t offset = 12;
   while (offset + 8 <= length) {
@@ -141,7 +141,8 @@ void warn_of_version(Document& document) {
   if (failure != std::errc{}) return;
   if (dot != end) std::from_chars(dot + 1, end, minor);
   if (major > 2 || (major == 2 && minor > 0))
-    document.warnings.add(fmt::format("the file asks for glTF {}, but 2.0 is supported; parts may be missing", text));
+    document.warnings.add(
+        fmt::format("the file requires glTF {}, but relume supports 2.0; parts may be missing", text));
 }
 
 void warn_of_extensions(Document& document) {

@@ -51,7 +51,7 @@ Face read_face(const Document& document, int image) {
   const std::string name = image_name(document, image);
   const detail::ImageSize size = detail::read_image_size(file, name);
   if (size.width != size.height || size.width > kLargestFace)
-    throw Error(fmt::format("{}: {}x{} pixels are no square of at most {}; scale it down", name, size.width,
+    throw Error(fmt::format("{}: {}x{} pixels are not a square of at most {}; scale it down", name, size.width,
                             size.height, kLargestFace));
   const Texture texture = decode_texture(file, name, PixelFormat::rgba32_float);
   Face face{texture.width, std::vector<Rgb>(texture.texels.size() / sizeof(Vec4))};

@@ -123,10 +123,10 @@ TEST(GltfImageLight, MalformedOnesAreOneWarning) {
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, -1}})}}), "there is no image -1"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, "a"}})}}), "its images are not numbers"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 6}})}}), "differ in size"},
-      {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 7}})}}), "are no square"},
+      {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 7}})}}), "are not a square"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 8}})}}), "image 8"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 9}})}}),
-       "4096x4096 pixels are no square of at most 2048"},
+       "4096x4096 pixels are not a square of at most 2048"},
       {json("text"), "it is not an object"},
   };
   std::vector<Bytes> images = faces();

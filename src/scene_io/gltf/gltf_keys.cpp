@@ -114,7 +114,7 @@ void import_parameter(Document& document, const SceneIndices& indices, const tin
           return c.clip == clip && c.part == p.part && c.index == index && c.parameter == parameter;
         });
     if (is_driven) {
-      document.warnings.add(fmt::format("animation '{}' drives {} in several ways at once; the first one counts", name,
+      document.warnings.add(fmt::format("animation '{}' has several channels for {}; the first one is used", name,
                                         pointer_to(p, pointer.index)));
       return;
     }

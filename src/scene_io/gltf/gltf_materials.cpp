@@ -141,8 +141,7 @@ TextureRef MaterialImporter::reference(int texture, int uv_set, const tinygltf::
     ref.uv_set = integer_member(*transform, "texCoord", uv_set);
   }
   if (ref.uv_set < 0 || ref.uv_set > 1) {
-    document_.warnings.add(
-        fmt::format("texture coordinate set {} is not supported; set 0 takes its place", ref.uv_set));
+    document_.warnings.add(fmt::format("texture coordinate set {} is not supported; set 0 is used", ref.uv_set));
     ref.uv_set = 0;
   }
   return ref;
@@ -168,7 +167,7 @@ float MaterialImporter::limited(double value, double low, double high, const cha
   if (value >= low && value <= high) return static_cast<float>(value);
   const auto nearest = static_cast<float>(std::clamp(value, low, high));
   document_.warnings.add(
-      fmt::format("material '{}': {} {} is out of range; {} takes its place", material, what, value, nearest));
+      fmt::format("material '{}': {} {} is out of range; {} is used", material, what, value, nearest));
   return nearest;
 }
 

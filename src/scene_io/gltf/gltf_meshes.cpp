@@ -163,7 +163,7 @@ void MeshImporter::warn_of_lost_anisotropy() {
     if (!(m.anisotropy > 0.0f) || !(coordinates.uv_set == 0 ? mesh.uv0 : mesh.uv1).empty()) continue;
     document_.warnings.add(
         fmt::format("mesh '{}' has an anisotropic material but neither tangents nor texture coordinates {}; it is "
-                    "rendered without anisotropy, export either of them",
+                    "rendered without anisotropy, export one of them",
                     mesh.name, coordinates.uv_set));
   }
 }

@@ -25,7 +25,7 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
     if (ymag > 0)
       camera.aspect_ratio = usable_aspect_ratio(std::fabs(to_float(source.orthographic.xmag)) / ymag);
     else
-      document.warnings.add(fmt::format("camera '{}': ymag is 0; {} takes its place", camera.name, camera.half_height));
+      document.warnings.add(fmt::format("camera '{}': ymag is 0; {} is used", camera.name, camera.half_height));
     return camera;
   }
   camera.aspect_ratio = usable_aspect_ratio(to_float(source.perspective.aspectRatio));
@@ -34,7 +34,7 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
     camera.fov_y_rad = yfov;
   } else {
     document.warnings.add(
-        fmt::format("camera '{}': yfov {} is out of range; {} takes its place", camera.name, yfov, camera.fov_y_rad));
+        fmt::format("camera '{}': yfov {} is out of range; {} is used", camera.name, yfov, camera.fov_y_rad));
   }
   return camera;
 }
@@ -46,9 +46,8 @@ PunctualLight convert_light(Document& document, const tinygltf::Light& source, i
   light.intensity = glm::clamp(intensity, Vec3(0), Vec3(kMaxRadiance));
   if (intensity != light.intensity)
     document.warnings.add(
-        fmt::format("light '{}': its intensity is negative or above {:g}; the nearest possible takes "
-                    "its place",
-                    light.name, kMaxRadiance));
+        fmt::format("light '{}': its intensity is negative or above {:g}; the nearest valid value is used", light.name,
+                    kMaxRadiance));
   for (const LightType& type : light_types()) {
     if (source.type == type.name) light.type = type.type;
   }
@@ -59,11 +58,10 @@ PunctualLight convert_light(Document& document, const tinygltf::Light& source, i
     light.outer_cone_rad = clamp(outer, kNarrowest, kPi / 2);
     light.inner_cone_rad = clamp(to_float(source.spot.innerConeAngle), 0, light.outer_cone_rad);
     if (outer < kNarrowest || outer > light.outer_cone_rad + kNarrowest)
-      document.warnings.add(fmt::format("light '{}': its outer cone angle is out of range; {} takes its place",
-                                        light.name, light.outer_cone_rad));
+      document.warnings.add(fmt::format("light '{}': its outer cone angle is out of range; {} is used", light.name,
+                                        light.outer_cone_rad));
   }
-  if (source.range > 0)
-    document.warnings.add("the range of punctual lights is ignored; they reach as far as light does");
+  if (source.range > 0) document.warnings.add("the range of punctual lights is ignored; their light has no limit");
   return light;
 }
 

@@ -159,7 +159,7 @@ void import_skins(Document& document, const std::vector<Index>& node_of, Scene& 
     node.skin = entry->second;
     if (node.skin != kNone && !node.instances.empty()) {
       document.warnings.add(
-          fmt::format("node '{}' has a skin, so its instances would all be in one place; one is shown", node.name));
+          fmt::format("node '{}' has a skin, so its instances would coincide; one is kept", node.name));
       node.instances.clear();
     }
   }

@@ -114,7 +114,7 @@ TEST(Gltf, WarnsOfALaterVersion) {
   }
   for (const char* version : {"2.1", "3.0", "10"}) {
     file.doc["asset"]["minVersion"] = version;
-    EXPECT_TRUE(mentions(file.load().warnings, std::string("the file asks for glTF ") + version)) << version;
+    EXPECT_TRUE(mentions(file.load().warnings, std::string("the file requires glTF ") + version)) << version;
   }
 }
 

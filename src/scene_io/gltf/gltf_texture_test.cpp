@@ -64,7 +64,7 @@ TEST(GltfTexture, UnreadableImagesOfExtensionsFallBackToTheSource) {
     const Scene scene = load_texture({bytes, solid_png(5, 5, 1, 2, 3, 255)}, extensions, 1);
     EXPECT_EQ(scene.textures[0].width, 5) << extension;
     EXPECT_EQ(scene.warnings.size(), 1u) << extension;
-    EXPECT_TRUE(mentions(scene.warnings, "the texture's other image, image 1, is read")) << scene.warnings.front();
+    EXPECT_TRUE(mentions(scene.warnings, "the texture's other image, image 1, is used")) << scene.warnings.front();
     const Scene without = load_texture({bytes}, extensions, -1);
     EXPECT_EQ(without.textures[0].width, 1);
     EXPECT_TRUE(mentions(without.warnings, "one texel of a constant value replaces the texture"));
@@ -86,7 +86,7 @@ TEST(GltfTexture, ManySmallFilesOfLargeImagesExceedABudget) {
                          [&](const std::string& warning) { return warning.find(part) != warning.npos; });
   };
   EXPECT_EQ(count("damaged WebP image"), 32);
-  EXPECT_EQ(count("exceed what the images of a scene may decode to"), kCount - 32);
+  EXPECT_EQ(count("exceed the limit for the images of a scene"), kCount - 32);
   for (const Texture& texture : scene.textures) EXPECT_EQ(texture.width, 1);
 }
 

@@ -167,7 +167,7 @@ void TextureImporter::decode(const Request& request, std::span<const ImageFile> 
     try {
       const std::string name = files[i].bytes ? image_name(document_, request.images[i]) : "";
       decode(request, files[i], name, texture, warnings);
-      if (i > 0) warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem, name));
+      if (i > 0) warnings.add(fmt::format("{}; the texture's other image, {}, is used", problem, name));
       return;
     } catch (const std::exception& error) {
       problem = error.what();
@@ -184,8 +184,8 @@ void TextureImporter::limit(std::vector<std::vector<ImageFile>>& files) const {
       ImageFile& file = files[i][k];
       if (!file.bytes || budget.take(file.texels, file.bytes->size())) continue;
       file.problem = fmt::format(
-          "{}: {} texels exceed what the images of a scene may decode to, 2^29 texels and {} for each byte of their "
-          "files; scale it down",
+          "{}: {} texels exceed the limit for the images of a scene, 2^29 texels and {} per byte of their files; scale "
+          "it down",
           image_name(document_, requests_[i].images[k]), file.texels, DecodeBudget::kTexelsPerByte);
       file.bytes = nullptr;
     }

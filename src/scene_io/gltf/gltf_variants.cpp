@@ -47,7 +47,7 @@ std::vector<VariantMaterial> import_variants(Document& document, const tinygltf:
         result.push_back({index, material});
         continue;
       }
-      document.warnings.add(fmt::format("mesh '{}' has a material for variant {}, but the file has {}; it is left out",
+      document.warnings.add(fmt::format("mesh '{}' has a material for variant {}, but the file has {}; it is ignored",
                                         mesh, index, variant_count));
     }
   }

@@ -309,7 +309,7 @@ void NodeWriter::write_skins() {
   for (const Skin& skin : scene_.skins) {
     constexpr size_t kMostJoints = 65536;  // limit of JOINTS_n
     if (skin.joints.size() > kMostJoints)
-      throw Error(fmt::format("{}: skin '{}' has {} joints, of which glTF can number {}; split it", output_.place(),
+      throw Error(fmt::format("{}: skin '{}' has {} joints, but glTF can number {}; split it", output_.place(),
                               skin.name, skin.joints.size(), kMostJoints));
     OutputJson json = OutputJson::object();
     if (!skin.name.empty()) json["name"] = skin.name;

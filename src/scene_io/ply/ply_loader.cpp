@@ -97,7 +97,7 @@ void check_count(const NumberReader& reader, const ply::Element& element) {
   // An element takes at least one byte (in ASCII two with its separator, except the last).
   if (element.count > reader.bytes_left() || element.count > 0xffffffffu)
     reader.fail(
-        fmt::format("{} elements '{}' cannot be in {} bytes", element.count, element.name, reader.bytes_left()));
+        fmt::format("{} elements '{}' do not fit into {} bytes", element.count, element.name, reader.bytes_left()));
 }
 
 void skip(NumberReader& reader, const ply::Property& property) {
@@ -175,7 +175,8 @@ Scene scene_of(Mesh mesh, Warnings warnings, const std::string& place) {
   mesh.material = 0;
   repair_mesh(mesh, warnings);
   if (mesh.triangles.empty())
-    throw Error(fmt::format("{}: the file has no triangles; point clouds are not supported, make a mesh of it", place));
+    throw Error(
+        fmt::format("{}: the file has no triangles; point clouds are not supported, convert it to a mesh", place));
   if (mesh.normals.empty()) mesh.normals = smooth_normals(mesh);
   Material material;
   material.name = "default";

@@ -109,7 +109,7 @@ TEST(Ply, RefusesDamagedFiles) {
       error_of([&] {
         load(head +
              "element vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n");
-      }).find("cannot be in"),
+      }).find("do not fit into"),
       std::string::npos);
   EXPECT_NE(
       error_of([&] { load(head + "element vertex 1\nproperty float x\nend_header\n0 0 0\n"); }).find("no x, y and z"),

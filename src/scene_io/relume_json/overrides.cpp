@@ -28,7 +28,7 @@ Vec3 look_direction(const JsonObject& object) {
   object.require("target");
   const Vec3 direction = object.vec3("target", Vec3(0)) - object.vec3("eye", Vec3(0));
   if (!(glm::length(direction) > 0))
-    object.fail(fmt::format("{} is where the camera stands; move one of the two", object.path_of("target")));
+    object.fail(fmt::format("{} equals the position of the camera; move one of the two", object.path_of("target")));
   return direction;
 }
 
@@ -226,7 +226,7 @@ void override_node(const JsonObject& object, Index index, Scene& scene) {
 void apply_camera(const JsonObject& root, Scene& scene) {
   if (!root.has("camera") && !root.has("camera_keys")) return;
   const auto keys = root.objects("camera_keys", {"time", "eye", "target"});
-  if (root.has("camera_keys") && keys.empty()) root.fail("camera_keys is empty; give at least one key or leave it out");
+  if (root.has("camera_keys") && keys.empty()) root.fail("camera_keys is empty; give at least one key or remove it");
   Camera camera;
   Node node;
   if (root.has("camera")) {
@@ -259,7 +259,7 @@ void apply_lights(const JsonObject& root, Scene& scene) {
     node.light = static_cast<Index>(scene.lights.size());
     node.transform.translation = object.vec3("position", Vec3(0));
     const Vec3 direction = object.vec3("direction", Vec3(0, -1, 0));
-    if (!(glm::length(direction) > 0)) object.fail(fmt::format("{} has no length", object.path_of("direction")));
+    if (!(glm::length(direction) > 0)) object.fail(fmt::format("{} has length 0", object.path_of("direction")));
     node.transform.rotation = look_rotation(direction);
     scene.lights.push_back(std::move(light));
     scene.add_node(std::move(node));

@@ -22,7 +22,8 @@ Scene load_base_scene(const JsonObject& root, const std::filesystem::path& base_
   const std::filesystem::path file = resolve_uri(base_dir, reference, place);
   if (lower_extension(file) == ".json")
     root.fail("scene must not be another JSON file; name a model or a built-in scene");
-  if (!std::filesystem::exists(file)) root.fail(fmt::format("scene is {}, but there is no such file", file.string()));
+  if (!std::filesystem::exists(file))
+    root.fail(fmt::format("scene is {}, but this file does not exist", file.string()));
   return load_scene(file);
 }
 

@@ -206,7 +206,7 @@ TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
       {{{"camera", {{"eyee", {0, 0, 0}}}}}, "unknown key 'camera.eyee'; valid here are name, eye, target"},
       {{{"camera", {{"eye", {0, 0}}, {"target", {0, 0, 0}}}}}, "camera.eye must be a list of three numbers, not [0,0]"},
       {{{"camera", {{"eye", {0, 0, 0}}}}}, "camera.target is missing"},
-      {{{"camera", eye}}, "camera.target is where the camera stands"},
+      {{{"camera", eye}}, "camera.target equals the position of the camera"},
       {{{"camera", {{"eye", {0, 0, 0}}, {"target", {0, 0, 1}}, {"fov_y_deg", 200}}}},
        "camera.fov_y_deg is 200 but must lie in"},
       {{{"camera", {{"eye", {0, 0, 0}}, {"target", {0, 0, 1}}, {"projection", "fisheye"}}}},
