@@ -56,7 +56,7 @@ TEST(Animation, ACompiledScenePlaysWhatIsChosen) {
   EXPECT_EQ(compiled.notes().size(), 1u);  // there is no light
   const CompiledScene first(three_clips(), {.width = 4, .height = 4});
   ASSERT_EQ(first.notes().size(), 2u);
-  EXPECT_EQ(first.notes()[0], "using the animation 'walk'; --animation takes another ('run, fast', '2'), or all");
+  EXPECT_EQ(first.notes()[0], "using the animation 'walk'; --animation selects another ('run, fast', '2'), or all");
 }
 
 TEST(Animation, RangesHoldBetweenKeys) {

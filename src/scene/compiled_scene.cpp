@@ -83,7 +83,7 @@ void CompiledScene::note_clips(const std::string& choice) {
   for (size_t i = 1; i < std::min(count, kMostNames + 1); ++i) others += (i > 1 ? ", '" : "'") + source_.clips[i] + "'";
   if (count > kMostNames + 1) others += fmt::format(" and {} more", count - kMostNames - 1);
   notes_.push_back(
-      fmt::format("using the animation '{}'; --animation takes another ({}), or all", source_.clips.front(), others));
+      fmt::format("using the animation '{}'; --animation selects another ({}), or all", source_.clips.front(), others));
 }
 
 void CompiledScene::list_mesh_instances() {
@@ -212,8 +212,8 @@ void CompiledScene::note_collapsed_lights() {
     const PunctualLight& source = source_.lights[static_cast<size_t>(light)];
     if (type_of(source).has_direction)
       notes_.push_back(
-          fmt::format("light '{}' is dark, because a scale of 0 leaves it no direction; give its node and "
-                      "those above it another scale",
+          fmt::format("light '{}' is dark, because a scale of 0 leaves it without direction; change the scale of its "
+                      "node or its ancestors",
                       source.name));
   }
 }
@@ -239,7 +239,7 @@ bool CompiledScene::shines(bool emissive_surfaces) const {
 void CompiledScene::note_lighting() {
   if (in_studio_ && source_.environment.kind == EnvironmentKind::automatic) {
     notes_.push_back(fmt::format(
-        "{}: using the studio environment; --env FILE, sky or R,G,B gives another, --env none leaves it out",
+        "{}: using the studio environment; --env FILE, sky or R,G,B selects another, --env none removes it",
         !shines(true) ? "the scene has no light" : "emissive surfaces hardly light the surfaces that the camera sees"));
   }
   if (source_.environment.kind == EnvironmentKind::none && !shines(true) && !all_unlit())
@@ -294,9 +294,10 @@ Index find_camera(const Scene& scene, const std::string& name) {
   });
   if (name.empty()) return nodes.empty() ? kNone : nodes.front();
   if (nodes.empty()) {
-    throw Error(ErrorCode::not_found,
-                fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
-                            scene.name, name));
+    throw Error(
+        ErrorCode::not_found,
+        fmt::format("{}: there is no camera '{}', and no other either; leave --camera out to use a default view",
+                    scene.name, name));
   }
   size_t index = 0;
   const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);

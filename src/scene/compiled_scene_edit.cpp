@@ -49,8 +49,8 @@ Index CompiledScene::add_mesh(const Mesh& mesh) {
   validate(mesh, source_.name);
   if (!mesh.morph_targets.empty() || mesh.influences_per_vertex > 0) {
     throw Error(ErrorCode::not_supported,
-                fmt::format("{}: mesh '{}' has morph targets or joints, which meshes that are added later cannot have; "
-                            "leave them out, or build a session of a scene that has the mesh",
+                fmt::format("{}: mesh '{}' has morph targets or joints, which meshes added to a session cannot have; "
+                            "remove them, or start a session with a scene that has the mesh",
                             source_.name, mesh.name));
   }
   check_reference(mesh.material, source_.materials.size(), "material", source_.name);
@@ -79,16 +79,15 @@ Index CompiledScene::add_node(const Node& node) {
   check_reference(node.camera, source_.cameras.size(), "camera", source_.name);
   if (node.skin != kNone || !node.morph_weights.empty()) {
     throw Error(ErrorCode::not_supported,
-                fmt::format("{}: node '{}' has a skin or morph weights, which nodes that are added later cannot have; "
-                            "leave them out, or build a session of a scene that has the node",
+                fmt::format("{}: node '{}' has a skin or morph weights, which nodes added to a session cannot have; "
+                            "remove them, or start a session with a scene that has the node",
                             source_.name, node.name));
   }
   for (const Index mesh : node.meshes) {
     check_reference(mesh, source_.meshes.size(), "mesh", source_.name);
     if (mesh == kNone || shared_meshes_[static_cast<size_t>(mesh)] == kNoHit) {
       throw Error(
-          fmt::format("{}: mesh {} is placed once and does not move, so it has no copy for another node; add it "
-                      "as a mesh of its own",
+          fmt::format("{}: mesh {} has one static instance, so no other node can use it; add it as a separate mesh",
                       source_.name, mesh));
     }
   }

@@ -130,7 +130,7 @@ std::string notes_of(const Scene& scene) {
   return all;
 }
 
-constexpr const char* kCollapsed = "plate: camera 'eye' looks nowhere, because a scale of 0";
+constexpr const char* kCollapsed = "plate: camera 'eye' has no direction, because a scale of 0";
 
 TEST(CompiledScene, RefusesACollapsedCamera) {
   Scene scene = plate();

@@ -45,7 +45,8 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   if (camera) {
     validate(camera->camera, source_.name);
     if (!(max_component(abs(Vec3(camera->to_world[3]))) <= kMaxCoordinate))
-      throw Error(fmt::format("{}: the camera stands beyond {:g} m; move it nearer", source_.name, kMaxCoordinate));
+      throw Error(
+          fmt::format("{}: the camera is beyond {:g} m; move it closer to the origin", source_.name, kMaxCoordinate));
   }
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
   const CameraView before = std::exchange(camera_view_, now);
@@ -109,7 +110,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
   validate(value, source_.name);
   for (const TextureRef* ref : texture_refs(value)) {
     if (ref->texture != kNone && static_cast<size_t>(ref->texture) >= source_.textures.size())
-      throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; name another",
+      throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; use an existing one",
                               source_.name, value.name, ref->texture, source_.textures.size()));
   }
   end_parameter_animation(AnimatedPart::material, material);
@@ -214,8 +215,8 @@ CameraView CompiledScene::view_through(const CameraPose& placed) const {
   const std::optional<Mat3> axes = orientation(m);
   if (!axes)
     throw Error(
-        fmt::format("{}: camera '{}' looks nowhere, because a scale of 0 collapses its axes; give its node and "
-                    "those above it another scale",
+        fmt::format("{}: camera '{}' has no direction, because a scale of 0 collapses its axes; change the scale of "
+                    "its node or its ancestors",
                     source_.name, camera.name));
   const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
   CameraView c;

@@ -103,8 +103,8 @@ void check_joints(const Scene& scene, const JointMatrices& joints) {
       if (within_reach(joints[s][j])) continue;
       const Node& joint = scene.nodes[static_cast<size_t>(scene.skins[s].joints[j])];
       throw Error(
-          fmt::format("{}: joint '{}' is moved or scaled beyond {:g} m, or its matrix is not finite; correct "
-                      "the transforms of the node and of those above it",
+          fmt::format("{}: joint '{}' is moved or scaled beyond {:g} m, or its matrix is not finite; correct the "
+                      "transforms of the node and its ancestors",
                       scene.name, joint.name, kMaxCoordinate));
     }
   }

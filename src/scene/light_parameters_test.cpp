@@ -49,7 +49,7 @@ TEST(LightParameters, TheInnerConeIsLimitedByTheOuter) {
     validate(light, "a");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "a: light '': inner cone is 0.3 radians; give it one between 0 and 0.2");
+    EXPECT_STREQ(error.what(), "a: light '': inner cone is 0.3 radians; give it a value between 0 and 0.2");
   }
 }
 

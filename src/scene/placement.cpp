@@ -47,8 +47,8 @@ void check_placement(const Scene& scene, std::span<const Mat4> world, const std:
     const Node& node = scene.nodes[i];
     if (!holds_something(node) || node_within_reach(node, world[i])) continue;
     throw Error(
-        fmt::format("{}: node {} '{}' is moved or scaled beyond {:g} m, or by what is not a number; scale the scene "
-                    "down, or correct the transforms of the node and of those above it",
+        fmt::format("{}: node {} '{}' is moved or scaled beyond {:g} m, or its transform is not finite; scale the "
+                    "scene down, or correct the transforms of the node and its ancestors",
                     place, i, node.name, kMaxCoordinate));
   }
 }

@@ -112,7 +112,7 @@ class Validator {
     const Mesh& m = scene_.meshes[mesh];
     for (const std::vector<Vec3>* array : {&t.positions, &t.normals, &t.tangents}) {
       if (!array->empty() && array->size() != m.positions.size())
-        fail("mesh {} '{}' has a morph target '{}' of another number of vertices", mesh, m.name, t.name);
+        fail("mesh {} '{}' has a morph target '{}' with another number of vertices", mesh, m.name, t.name);
       for (const Vec3& displacement : *array) {
         if (!(max_component(abs(displacement)) <= kMaxCoordinate))
           fail("mesh {} '{}' has a morph target '{}' that is not finite or beyond {:g} m", mesh, m.name, t.name,
@@ -156,7 +156,7 @@ class Validator {
   }
 
   void check_skinned_node(const Node& n) const {
-    if (!n.instances.empty()) fail("node '{}' has a skin and instances, which would all stand in one place", n.name);
+    if (!n.instances.empty()) fail("node '{}' has a skin and instances, which would coincide", n.name);
     const size_t joints = scene_.skins[static_cast<size_t>(n.skin)].joints.size();
     for (const Index mesh : n.meshes) {
       const Mesh& m = scene_.meshes[static_cast<size_t>(mesh)];
@@ -219,12 +219,12 @@ class Validator {
     if (c.property == AnimatedProperty::morph_weight && !has_morph_target(c))
       fail("animation channel {} moves the missing morph target {} of node {}", i, c.morph_target, c.node);
     if (c.property == AnimatedProperty::visible && c.interpolation != Interpolation::step)
-      fail("animation channel {} hides and shows a node between keys; it must be a step", i);
+      fail("animation channel {} interpolates the visibility of a node; it must be a step", i);
     check_keys(i, c);
     if (c.property != AnimatedProperty::morph_weight) return;
     const ValueRange range = value_range(c);
     if (!(std::max(std::fabs(range.low), std::fabs(range.high)) <= kMaxCoordinate))
-      fail("animation channel {} takes the weight of a morph target beyond {:g}", i, kMaxCoordinate);
+      fail("animation channel {} sets the weight of a morph target above {:g}", i, kMaxCoordinate);
   }
 
   bool has_morph_target(const AnimationChannel& c) const {
@@ -257,18 +257,20 @@ class Validator {
 void validate(const Material& m, const std::string& place) {
   for_each_parameter(m, [&](const MaterialParameter& p, const auto& value) {
     if (!is_usable(value, p.range))
-      fail(place, "the {} of material '{}' is not finite; give it another", p.name, m.name);
+      fail(place, "the {} of material '{}' is not finite; give it another value", p.name, m.name);
   });
   if (!is_radiance(m.emission))
-    fail(place, "material '{}' has an emission that is negative or above {:g}; give it another", m.name, kMaxRadiance);
+    fail(place, "material '{}' has an emission that is negative or above {:g}; give it another value", m.name,
+         kMaxRadiance);
 }
 
 void validate(const PunctualLight& l, const std::string& place) {
   if (!is_radiance(l.intensity))
-    fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another", l.name, kMaxRadiance);
+    fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another value", l.name,
+         kMaxRadiance);
   for (const LightParameter& p : light_parameters()) {
     if (!in_range(l.*p.member, 0, upper_limit(p, l)))
-      fail(place, "light '{}': {} is {} radians; give it one between 0 and {}", l.name, p.name, l.*p.member,
+      fail(place, "light '{}': {} is {} radians; give it a value between 0 and {}", l.name, p.name, l.*p.member,
            upper_limit(p, l));
   }
 }
@@ -276,15 +278,15 @@ void validate(const PunctualLight& l, const std::string& place) {
 void validate(const Camera& c, const std::string& place) {
   constexpr float kSmallest = 1e-6f;
   if (!in_range(c.fov_y_rad, kSmallest, kPi - kSmallest))
-    fail(place, "camera '{}' has a field of view of {} radians; give it one between 0 and pi", c.name, c.fov_y_rad);
+    fail(place, "camera '{}' has a field of view of {} radians; give it a value between 0 and pi", c.name, c.fov_y_rad);
   if (!in_range(c.half_height, kSmallest, kMaxCoordinate))
-    fail(place, "camera '{}' has a half height of {} m; give it one between {:g} and {:g}", c.name, c.half_height,
+    fail(place, "camera '{}' has a half height of {} m; give it a value between {:g} and {:g}", c.name, c.half_height,
          kSmallest, kMaxCoordinate);
   if (c.aspect_ratio != 0 && !in_range(c.aspect_ratio, 0.01f, 100))
-    fail(place, "camera '{}' has an aspect ratio of {}; give it one between 0.01 and 100, or 0", c.name,
+    fail(place, "camera '{}' has an aspect ratio of {}; give it a value between 0.01 and 100, or 0", c.name,
          c.aspect_ratio);
   if (!in_range(c.lens_radius, 0, kMaxCoordinate) || !in_range(c.focus_distance, kSmallest, kMaxCoordinate))
-    fail(place, "camera '{}' has a lens radius of {} m and focuses at {} m; give it positive ones up to {:g}", c.name,
+    fail(place, "camera '{}' has a lens radius of {} m and focuses at {} m; give it positive values up to {:g}", c.name,
          c.lens_radius, c.focus_distance, kMaxCoordinate);
 }
 
@@ -297,17 +299,18 @@ void validate(const Environment& e, const std::string& place) {
   const SunSky& s = e.sun_sky;
   if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
-    fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another", kMaxRadiance);
+    fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another value",
+         kMaxRadiance);
   // Radiance of the sky below 1e4 kcd/m², of a disk of 128 klx by its solid angle; a sun without extent is not seen.
   const float half_sine = std::sin(0.25f * s.sun_angular_diameter_rad);
   const float disk = 2.0f * half_sine * half_sine;
   const float sun = 128.0f * s.sun_scale / (disk > 0.0f ? 2 * kPi * disk : 1.0f);
   const bool is_sky = e.kind == EnvironmentKind::sun_sky;
   if (is_sky && !(max(1e4f * s.sky_scale, sun) * max_component(e.color) <= kMaxRadiance))
-    fail(place, "the sun or the sky shines brighter than {:g}; give it a smaller scale", kMaxRadiance);
+    fail(place, "the sun or the sky is brighter than {:g}; give it a smaller scale", kMaxRadiance);
   if (!is_finite(e.rotation_rad) || !is_finite(s.sun_elevation_rad) || !is_finite(s.sun_azimuth_rad) ||
       !is_finite(s.turbidity) || !in_range(s.sun_angular_diameter_rad, 0, kPi))
-    fail(place, "the environment has an angle or turbidity out of range; give it another");
+    fail(place, "the environment has an angle or turbidity out of range; give it another value");
 }
 
 void validate(const Scene& scene, const std::string& place) { Validator(scene, place).run(); }
