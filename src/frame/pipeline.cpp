@@ -23,13 +23,13 @@ class DeclaredAccess final : public BufferAccess {
       read_.insert(read_.end(), list->begin(), list->end());
   }
   void check_read(const BufferId& buffer) const override {
-    if (!has(read_, buffer) && !has(written_, buffer)) fail(pass_, buffer, "it reads what it does not declare");
+    if (!has(read_, buffer) && !has(written_, buffer)) fail(pass_, buffer, "it reads the buffer without declaring it");
   }
   void check_write(const BufferId& buffer) const override {
-    if (!has(written_, buffer)) fail(pass_, buffer, "it writes what it does not declare");
+    if (!has(written_, buffer)) fail(pass_, buffer, "it writes the buffer without declaring it");
   }
   void check_move(const BufferId& buffer) const override {
-    if (!moves_surfaces_) fail(pass_, buffer, "it moves what it does not declare");
+    if (!moves_surfaces_) fail(pass_, buffer, "it moves the buffer without declaring it");
   }
 
  private:
@@ -71,14 +71,15 @@ void Pipeline::check() const {
   }
   for (const PassDeclaration& pass : list) {
     const auto check_type = [&](const BufferId& id, const BufferId& owned) {
-      if (id != owned) fail(pass.name, id, "its elements are of another type than the owner's");
+      if (id != owned) fail(pass.name, id, "its elements have another type than the owner's");
     };
     const auto read = [&](const BufferId& id, bool optional) {
       const auto buffer = find(id);
       if (buffer == known.end() && optional) return;
-      if (buffer == known.end()) fail(pass.name, id, "it reads what no pass owns");
+      if (buffer == known.end()) fail(pass.name, id, "it reads a buffer that no pass owns");
       check_type(id, buffer->id);
-      if (!buffer->lasting && !buffer->written) fail(pass.name, id, "it reads what no earlier pass has written");
+      if (!buffer->lasting && !buffer->written)
+        fail(pass.name, id, "it reads a buffer that no earlier pass has written");
     };
     const auto write = [&](const BufferId& id, bool optional) {
       const auto buffer = find(id);
@@ -86,7 +87,7 @@ void Pipeline::check() const {
         check_type(id, buffer->id);
         buffer->written = true;
       } else if (!optional) {
-        fail(pass.name, id, "it writes what no pass owns");
+        fail(pass.name, id, "it writes a buffer that no pass owns");
       }
     };
     for (const BufferId& id : pass.reads) read(id, false);

@@ -222,7 +222,7 @@ void check_crop(const RenderSettings& s) {
   const std::pair<bool, const char*> conflicts[] = {
       {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
       {s.lights == LightSelectionChoice::vlc,
-       "the visibility light cache, which other pixels fill; use --lights light-tree"},
+       "the visibility light cache, which learns from other pixels; use --lights light-tree"},
       {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
@@ -257,21 +257,21 @@ void check_combination(const RenderSettings& settings) {
   if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);
   if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {
     throw Error(
-        "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would have "
-        "nothing to show; use history 'accumulate' or 'reproject'");
+        "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would be "
+        "empty; use history 'accumulate' or 'reproject'");
   }
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   if (!settings.crop.empty()) check_crop(settings);
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
   if (from_both_ends && settings.cache != CacheChoice::none) {
     throw Error(
-        "estimators 'bdpt' and 'light' do not combine with a radiance cache: what light paths bring to a pixel has no "
-        "cell; use estimator 'path' or cache 'none'");
+        "estimators 'bdpt' and 'light' do not combine with a radiance cache: light paths add radiance to pixels, not "
+        "to cells; use estimator 'path' or cache 'none'");
   }
   if (from_both_ends && needs_first_vertices(settings)) {
     throw Error(
         "estimators 'bdpt' and 'light' do not combine with history 'reproject' by reproject.method 'forward', which "
-        "judges the directions of one path; use reproject.method 'backward' or history 'accumulate'");
+        "verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
   }
   if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
     throw Error(
@@ -280,8 +280,8 @@ void check_combination(const RenderSettings& settings) {
   }
   if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
     throw Error(
-        "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs "
-        "paths of the pixel's own; use reproject.method 'backward' or history 'accumulate'");
+        "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs the "
+        "paths of each pixel; use reproject.method 'backward' or history 'accumulate'");
   }
 }
 

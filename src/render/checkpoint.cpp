@@ -128,7 +128,7 @@ std::string first_difference(const std::string& then, const std::string& now) {
     if (before != after)
       return before.empty() ? "without " + after : before + ", now " + (after.empty() ? "absent" : after);
   }
-  return "in a way that has no name";
+  return "unnamed settings differ";
 }
 
 void check_header(Reader& reader, const std::filesystem::path& file, const CheckpointHeader& expected) {

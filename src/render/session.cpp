@@ -35,7 +35,7 @@ void check_size(const RenderSettings& settings) {
   const bool fits = crop.x >= 0 && crop.y >= 0 && crop.width >= 1 && crop.height >= 1 &&
                     crop.width <= settings.width - crop.x && crop.height <= settings.height - crop.y;
   if (!crop.empty() && !fits)
-    throw Error(fmt::format("--crop {},{},{},{} is no part of the image of {}x{} pixels; give X,Y,W,H within it",
+    throw Error(fmt::format("--crop {},{},{},{} is not within the image of {}x{} pixels; give X,Y,W,H within it",
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 

@@ -25,7 +25,8 @@ void write_pixel(const Rgb& radiance, std::byte* target, const ImageTarget& form
 void check_target(const ImageTarget& target, const BufferTable& buffers) {
   const auto width = static_cast<int>(buffers.width());
   const auto height = static_cast<int>(buffers.height());
-  if (target.pixels == nullptr) throw Error("reading an image needs memory; the target's pixels are null");
+  if (target.pixels == nullptr)
+    throw Error("the image cannot be read, because the target's pixels are null; give memory for them");
   if (target.width != width || target.height != height) {
     throw Error(fmt::format("the image has {}x{} pixels, but the target {}x{}; make them equal", width, height,
                             target.width, target.height));

@@ -166,10 +166,9 @@ struct Session::State {
   /// Throws Error if the scene no longer matches its hash, which a checkpoint would store.
   void check_unedited(const std::filesystem::path& file) const {
     if (!has_other_parts) return;
-    throw Error(ErrorCode::not_supported,
-                file.string() +
-                    ": parts were added to the scene or removed, which checkpoints do not hold; start a session "
-                    "with the changed scene");
+    throw Error(ErrorCode::not_supported, file.string() +
+                                              ": parts were added to the scene or removed, which checkpoints do not "
+                                              "store; start a session with the changed scene");
   }
   /// Rebuilds data affected by added or removed parts. Lights and instances are renumbered, so histories and caches are
   /// discarded.

@@ -30,7 +30,7 @@ void apply_image_settings(const SettingList& list, const std::string& file) {
   const auto attribute = exr.attributes.find("relume.settings");
   if (attribute == exr.attributes.end()) {
     throw Error(file +
-                ": the image has no attribute 'relume.settings'; only EXR files that relume wrote carry settings");
+                ": the image has no attribute 'relume.settings'; only EXR files that relume wrote have settings");
   }
   settings_from_json(list, attribute->second, file);
 }
