@@ -16,7 +16,7 @@ void check_errors(oidn::DeviceRef& device) {
   const char* message = nullptr;
   if (device.getError(message) == oidn::Error::None) return;
   throw Error(std::string("Open Image Denoise failed: ") + (message ? message : "it gives no reason") +
-              "; denoise bmfr or svgf do without it");
+              "; use denoise bmfr or svgf instead");
 }
 
 }  // namespace

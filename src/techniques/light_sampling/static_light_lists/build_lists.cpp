@@ -61,10 +61,10 @@ LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOption
   rays_ = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, kMostRays));
   const size_t parts = (rays_ + CellVisibilityKernel::kPartRays - 1) / CellVisibilityKernel::kPartRays;
   if (size_t{words_} * grid_.count() > kMostWords || parts * cells_.size() > UINT32_MAX) {
-    throw Error(fmt::format(
-        "static light lists of {} lights in {} cells would not fit; use a larger static-lists.cell-size, or "
-        "lights 'light-tree'",
-        lights_, grid_.count()));
+    throw Error(
+        fmt::format("static light lists of {} lights in {} cells exceed their size limit; use a larger "
+                    "static-lists.cell-size, or lights 'light-tree'",
+                    lights_, grid_.count()));
   }
   visible_.assign(size_t{words_} * grid_.count(), 0);
   done_.assign(cells_.size() * parts, 0);

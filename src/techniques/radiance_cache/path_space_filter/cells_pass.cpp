@@ -86,12 +86,12 @@ std::vector<std::string> CellsPass::warnings() const {
   }
   if (s.discarded > 0) {
     list.push_back(
-        fmt::format("{} cells were discarded because the table may not have more than {} slots between "
-                    "frames; raise psf.max-cells, or leave it at 0",
+        fmt::format("{} cells were discarded because the table is limited to {} slots between frames; raise "
+                    "psf.max-cells, or leave it at 0",
                     s.discarded, grid_.limit()));
   }
   if (s.nonfinite > 0)
-    list.push_back(fmt::format("{} samples for cells were not finite and were left out", s.nonfinite));
+    list.push_back(fmt::format("{} samples for cells were not finite and were ignored", s.nonfinite));
   return list;
 }
 

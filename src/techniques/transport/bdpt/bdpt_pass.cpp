@@ -86,10 +86,10 @@ bool BdptPass::run(const FrameContext& frame) {
 std::vector<std::string> BdptPass::warnings() const {
   std::vector<std::string> result;
   if (saturated_ > 0) {
-    result.push_back(fmt::format(
-        "{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
-        "too dark; make the scene's lights weaker and raise the exposure instead",
-        saturated_, kFixedPointMax));
+    result.push_back(
+        fmt::format("{} contributions of light paths were brighter than {} and were clamped to it, so some pixels are "
+                    "too dark; dim the scene's lights and raise the exposure instead",
+                    saturated_, kFixedPointMax));
   }
   if (nonfinite_ > 0) {
     result.push_back(fmt::format(
