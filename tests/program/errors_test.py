@@ -272,7 +272,7 @@ class Commands(RefusalTest):
             (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one image; leave --frames or --reference out"),
             (FAILED, "--reference nan.exr", r"nan\.exr: no pixel of this image is finite; check what made it"),
             (FAILED, "--image nan.exr", r"nan\.exr: no pixel of this image is finite; check what made it"),
-            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference takes an image .* --reference-settings .*; choose one"),
+            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference reads an image .* --reference-settings .*; choose one"),
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is the same for all that are compared; give it as --width"),
@@ -318,7 +318,7 @@ class Commands(RefusalTest):
         (self.folder / "faceless.ply").write_text(header + "element face 0\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n")
         for file in ("points.obj", "lines.obj", "vertices.obj", "points.ply", "faceless.ply"):
             with self.subTest(file=file):
-                self.refuse(FAILED, "render", file, "-o", "out.exr", *SMALL, matches=rf"{file}: the file has no triangles; (check that it is the right one|point clouds are not supported, make a mesh of it)")
+                self.refuse(FAILED, "render", file, "-o", "out.exr", *SMALL, matches=rf"{file}: the file has no triangles; (check that it is the right one|point clouds are not supported, convert it to a mesh)")
         for file in ("points.ply", "faceless.ply"):
             self.refuse(FAILED, "info", file, says=["has no triangles", "point clouds are not supported"])
 
