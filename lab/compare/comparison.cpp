@@ -37,7 +37,7 @@ uint64_t count_nonfinite(const Image& image) {
 
 void check_finite(const std::string& file, const Image& image) {
   if (count_nonfinite(image) < image.pixels.size()) return;
-  throw Error(fmt::format("{}: no pixel of this image is finite; check what made it", file));
+  throw Error(fmt::format("{}: the image has no finite pixel; check its source", file));
 }
 
 class Comparing {

@@ -80,14 +80,14 @@ std::string budget_text(const Comparison& c) {
     const double ms = 1000 * c.options.budget_s;
     return fmt::format("equal time, {}{}",
                        ms < 1000 ? fmt::format("{:.4g} ms", ms) : fmt::format("{:.4g} s", ms / 1000),
-                       animation ? " a frame" : "");
+                       animation ? " per frame" : "");
   }
-  return fmt::format("equal samples, {} a pixel{}", c.options.spp, animation ? " and frame" : "");
+  return fmt::format("equal samples, {} per pixel{}", c.options.spp, animation ? " and frame" : "");
 }
 
 /// The contenders closest to the reference, as far as the repetitions distinguish them. `first`: leaders() by relMSE.
 std::string closest_text(const Comparison& c, const std::vector<size_t>& first) {
-  if (first.empty()) return "Every contender has pixels that are not finite; none is called the closest.";
+  if (first.empty()) return "Every contender has pixels that are not finite, so none is ranked.";
   const auto name_of = [&](size_t i) { return c.contenders[i].name; };
   const auto value_of = [&](size_t i) { return short_number(median_of(c.contenders[i], &Repetition::rel_mse)); };
   if (std::count_if(c.contenders.begin(), c.contenders.end(), is_ranked) == 1)
@@ -97,15 +97,15 @@ std::string closest_text(const Comparison& c, const std::vector<size_t>& first) 
   std::vector<std::string> list;
   for (size_t i : first) list.push_back(fmt::format("{} (relMSE {})", name_of(i), value_of(i)));
   if (c.options.repetitions < 3) {
-    return fmt::format("{} cannot be told apart: below three repetitions a difference may be chance.", enumerate(list));
+    return fmt::format("{} are not ranked: with fewer than three repetitions a difference may be chance.",
+                       enumerate(list));
   }
-  return fmt::format("{} are closest to the reference, and cannot be told apart: their intervals overlap.",
-                     enumerate(list));
+  return fmt::format("{} are closest to the reference; their intervals overlap.", enumerate(list));
 }
 
 TextBlock summary(const Comparison& c) {
   const std::vector<size_t> first = leaders(c, &Repetition::rel_mse, true);
-  TextBlock block{.title = "In short", .text = closest_text(c, first), .points = c.notes};
+  TextBlock block{.title = "Summary", .text = closest_text(c, first), .points = c.notes};
   const double least = first.empty() ? 0 : median_of(c.contenders[first[0]], &Repetition::rel_mse);
   if (!(least > 0)) return block;
   std::vector<std::pair<double, std::string>> others;
@@ -117,7 +117,7 @@ TextBlock summary(const Comparison& c) {
   std::stable_sort(others.begin(), others.end());
   const std::string unit = first.size() == 1 ? "" : " as " + c.contenders[first[0]].name;
   for (size_t i = 0; i < others.size(); ++i) {
-    block.text += i == 0 ? " With the same measure " : "; ";
+    block.text += i == 0 ? " By the same measure, " : "; ";
     block.text += fmt::format("{} has {} times as much{}", others[i].second, short_number(others[i].first), unit);
   }
   if (!others.empty()) block.text += ".";
@@ -129,14 +129,14 @@ std::string reference_text(const Comparison& c) {
   if (r.spp == 0) return c.options.reference_file.string();
   const std::string own = settings_text(c.options.reference_settings);
   return fmt::format(
-      "{} samples a pixel, {}; the techniques of preset reference{}; expected MSE {} and relMSE {}, from two halves "
+      "{} samples per pixel, {}; the techniques of preset reference{}; expected MSE {} and relMSE {}, from two halves "
       "with independent seeds",
       r.spp, r.cached ? "from the cache" : fmt::format("rendered in {:.1f} s", r.render_s),
       own.empty() ? "" : " with " + own, short_number(c.reference_noise.mse), short_number(c.reference_noise.rel_mse));
 }
 
 DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
-  DetailsBlock block{.title = "How it was made", .text = {}, .pairs = machine, .parts = {}};
+  DetailsBlock block{.title = "Method", .text = {}, .pairs = machine, .parts = {}};
   const Reference& r = c.reference;
   const std::string common = settings_text(c.options.common.flags);
   const bool rendered = c.threads > 0;
@@ -144,7 +144,7 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
   block.pairs.emplace_back(
       "Scene", fmt::format("{}, {} triangles, hash {:016x}", c.options.scene_name, c.triangles, c.scene_hash));
   const std::string turns =
-      fmt::format("; median of {} repetitions with seeds of their own; the contenders take turns frame by frame",
+      fmt::format("; median of {} repetitions with separate seeds; the contenders take turns frame by frame",
                   c.options.repetitions);
   block.pairs.emplace_back("Comparison", budget_text(c) + (rendered ? turns : ""));
   block.pairs.emplace_back("Reference", reference_text(c));
@@ -153,7 +153,7 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
     block.pairs.emplace_back("Not for the reference", settings_text(c.reference_left_out));
   for (const ContenderResult& contender : c.contenders) {
     const std::string what = contender.is_image ? contender.settings : settings_text(contender.differences);
-    block.pairs.emplace_back(contender.name, what.empty() ? "nothing but the common settings" : what);
+    block.pairs.emplace_back(contender.name, what.empty() ? "only the common settings" : what);
     if (!contender.is_image) block.parts.emplace_back("All settings of " + contender.name, contender.settings);
   }
   AllSettings reference_settings = c.reference_settings;
@@ -187,14 +187,15 @@ ChartBlock comparison_curves(const Comparison& c) {
     return block;
   }
   block.charts.push_back(make_chart(c, "relMSE by time", "time, ms", "relMSE", time_ms, rel_mse, rel_noise));
-  block.charts.push_back(make_chart(c, "relMSE by samples", "samples a pixel", "relMSE", samples, rel_mse, rel_noise));
+  block.charts.push_back(
+      make_chart(c, "relMSE by samples", "samples per pixel", "relMSE", samples, rel_mse, rel_noise));
   block.charts.push_back(make_chart(c, "MSE by time", "time, ms", "MSE", time_ms, mse, noise));
-  block.charts.push_back(make_chart(c, "MSE by samples", "samples a pixel", "MSE", samples, mse, noise));
+  block.charts.push_back(make_chart(c, "MSE by samples", "samples per pixel", "MSE", samples, mse, noise));
   return block;
 }
 
 BarBlock comparison_frame_times(const Comparison& c) {
-  BarBlock block{.title = "Time of a frame by pass", .text = "Medians over the repetitions.", .unit = "ms", .bars = {}};
+  BarBlock block{.title = "Frame time by pass", .text = "Medians over the repetitions.", .unit = "ms", .bars = {}};
   for (const ContenderResult& contender : c.contenders) {
     if (contender.is_image) continue;
     Bar bar{contender.name, {}};

@@ -73,18 +73,18 @@ TEST(ComparisonPage, TheSplitOfAnAnimationIsOfItsLastFrame) {
 TEST(ComparisonPage, TheBestIsMarkedAndNamedWhereIntervalsLieApart) {
   const Comparison c = compared({contender("a", {1, 2, 3}), contender("b", {4, 5, 6})});
   EXPECT_EQ(comparison_table(c).columns.at(kRelMse).better, Better::lower);
-  EXPECT_EQ(in_short(c), "a is closest to the reference: relMSE 2. With the same measure b has 2.5 times as much.");
+  EXPECT_EQ(in_short(c), "a is closest to the reference: relMSE 2. By the same measure, b has 2.5 times as much.");
 }
 
 TEST(ComparisonPage, NobodyIsWhereTheyOverlap) {
   const Comparison c = compared({contender("a", {1, 2, 3}), contender("b", {2.5, 4, 6}), contender("c", {9, 10, 11})});
   EXPECT_EQ(comparison_table(c).columns.at(kRelMse).better, Better::none);
   EXPECT_EQ(in_short(c),
-            "a (relMSE 2) and b (relMSE 4) are closest to the reference, and cannot be told apart: their intervals "
-            "overlap. With the same measure c has 5 times as much as a.");
+            "a (relMSE 2) and b (relMSE 4) are closest to the reference; their intervals overlap. By the same measure, "
+            "c has 5 times as much as a.");
   const Comparison few = compared({contender("a", {1, 2}), contender("b", {5, 6})});
   EXPECT_EQ(comparison_table(few).columns.at(kRelMse).better, Better::none);
-  EXPECT_NE(in_short(few).find("below three repetitions"), std::string::npos);
+  EXPECT_NE(in_short(few).find("fewer than three repetitions"), std::string::npos);
 }
 
 TEST(ComparisonPage, WhatIsNotFiniteCannotBeTheBest) {

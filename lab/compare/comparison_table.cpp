@@ -20,11 +20,13 @@ std::vector<MedianColumn> error_columns(const Comparison& c) {
   const std::string of_frame = is_animation(c.options) ? " Of the last frame." : "";
   return {
       {{"MSE", "Mean squared error of linear radiance against the reference.", Better::lower}, &Repetition::mse},
-      {{"relMSE", "Squared error over the squared reference + 0.01, so that dark places count as much as bright ones.",
+      {{"relMSE", "Squared error over the squared reference + 0.01, so that dark regions count as much as bright ones.",
         Better::lower},
        &Repetition::rel_mse},
-      {{"MAPE", "Mean of the error's size over the reference + 0.01.", Better::lower}, &Repetition::mape},
-      {{"FLIP", "What a viewer sees who flips between image and reference, from 0 to 1 (Andersson 2020)." + of_frame,
+      {{"MAPE", "Absolute error over the reference + 0.01.", Better::lower}, &Repetition::mape},
+      {{"FLIP",
+        "Difference that a viewer sees when flipping between image and reference, from 0 to 1 (Andersson 2020)." +
+            of_frame,
         Better::lower},
        &Repetition::flip},
   };
@@ -34,10 +36,10 @@ std::vector<TableColumn> split_columns(const Comparison& c) {
   const std::string of_frame = is_animation(c.options) ? " Of the last frame, unlike the MSE." : "";
   return {
       {"bias²",
-       "Part of the MSE that repetitions have in common: what would stay if images of as many samples each were "
-       "averaged without end. Images of more samples may have less of it. The reference's own noise is subtracted. "
-       "Below it two standard errors, from the spread of the repetitions, which takes three of them; within these it "
-       "is 0 as far as one can tell." +
+       "Part of the MSE common to all repetitions: the error that remains in the mean of infinitely many such images. "
+       "Images with more samples may have less of it. The noise of the reference is subtracted. Below: two standard "
+       "errors, from the spread of at least three repetitions; a value within them is not significantly different from "
+       "0." +
            of_frame},
       {"variance", "Part of the MSE that differs between repetitions." + of_frame},
   };
@@ -47,17 +49,17 @@ std::vector<MedianColumn> cost_columns(const Comparison& c) {
   std::vector<MedianColumn> columns;
   if (is_animation(c.options)) {
     columns.push_back({{"temporal error",
-                        "Flicker: how much the relative error changes from frame to frame on each surface, squared. "
-                        "Motion and changes of the light do not count; noise of the references does.",
+                        "Flicker: squared change of the relative error from frame to frame on each surface. Motion and "
+                        "changes of the light do not count; noise of the references does.",
                         Better::lower},
                        &Repetition::temporal_error});
   }
-  columns.push_back({{"samples", fmt::format("Paths a pixel, on average{}. The camera rays that caches and denoisers "
-                                             "trace at the edges of lamps are not among them, but in rays and time.",
+  columns.push_back({{"samples", fmt::format("Mean number of paths per pixel{}. Camera rays that caches and denoisers "
+                                             "trace at the edges of lamps count only in rays and time.",
                                              is_animation(c.options) ? ", all frames together" : "")},
                      &Repetition::samples});
-  columns.push_back({{"time, s", "Inside frames; loading, building and measuring do not count."}, &Repetition::time_s});
-  columns.push_back({{"ms a frame", "Time over frames.", Better::lower}, frame_ms});
+  columns.push_back({{"time, s", "Time of the frames, without loading, building and measuring."}, &Repetition::time_s});
+  columns.push_back({{"ms per frame", "Time over frames.", Better::lower}, frame_ms});
   return columns;
 }
 
@@ -72,7 +74,7 @@ std::vector<TableColumn> table_columns(const Comparison& c) {
   add_medians(error_columns(c), true);
   for (TableColumn& column : split_columns(c)) columns.push_back(std::move(column));
   add_medians(cost_columns(c), false);
-  columns.push_back({"rays a pixel", "Path and shadow rays, and camera rays at the edges of lamps."});
+  columns.push_back({"rays per pixel", "Path and shadow rays, and camera rays at the edges of lamps."});
   return columns;
 }
 
@@ -138,15 +140,14 @@ TableRow reference_row(const Comparison& c, size_t columns) {
 
 /// Text above the table.
 std::string explanation(const Comparison& c) {
-  if (c.threads == 0) return "Figures of the images as they are. The best value of a column is marked.";
+  if (c.threads == 0) return "Values of single images. The best value of a column is marked.";
   const int repetitions = c.options.repetitions;
   std::string text = fmt::format("Medians of {} repetitions{}; ", repetitions,
                                  is_animation(c.options) ? " and means over the frames" : "");
-  text += repetitions > 1
-              ? "below them the interval of the median (95 %, or the whole range where there are fewer than six). "
-              : "without intervals, with one repetition. ";
-  text += repetitions > 2 ? "The best value of a column is marked where its interval lies apart from all others."
-                          : "Below three repetitions no best value is marked, for it may be chance.";
+  text += repetitions > 1 ? "below them the interval of the median (95 %, or the whole range with fewer than six). "
+                          : "without intervals, with one repetition. ";
+  text += repetitions > 2 ? "The best value of a column is marked if its interval overlaps no other."
+                          : "With fewer than three repetitions no best value is marked, because it may be chance.";
   return text;
 }
 

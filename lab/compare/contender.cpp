@@ -89,8 +89,7 @@ void check_names(const std::vector<T>& list, std::string_view place) {
   for (size_t i = 0; i < list.size(); ++i) {
     for (size_t k = 0; k < i; ++k) {
       if (list[i].name == list[k].name)
-        throw Error(
-            fmt::format("{}: there are two called '{}'; give one another name with NAME=…", place, list[i].name));
+        throw Error(fmt::format("{}: two contenders are called '{}'; rename one with NAME=…", place, list[i].name));
     }
   }
 }
@@ -99,7 +98,7 @@ void check_names(const std::vector<T>& list, std::string_view place) {
 void assign_all(const SettingList& list, const SettingTexts& settings, const std::string& place) {
   for (const auto& [name, text] : settings) {
     if (is_shared(name))
-      throw Error(fmt::format("{}: {} is the same for all that are compared; give it as --{}", place, name, name));
+      throw Error(fmt::format("{}: {} is common to all contenders; give it as --{}", place, name, name));
     assign(require_setting(list, name, place), text, place);
   }
 }

@@ -60,7 +60,7 @@ TEST(Contender, RefusesInOneSentence) {
   EXPECT_NE(error_of("").find("--techniques: there is nothing to compare"), std::string::npos);
   EXPECT_NE(error_of("prewiev").find("did you mean 'preview'"), std::string::npos);
   EXPECT_NE(error_of("lights:uniform").find("needs a name before it"), std::string::npos);
-  EXPECT_NE(error_of("preview,preview").find("two called 'preview'"), std::string::npos);
+  EXPECT_NE(error_of("preview,preview").find("two contenders are called 'preview'"), std::string::npos);
   EXPECT_NE(error_of("a=").find("is not NAME="), std::string::npos);
   EXPECT_NE(error_of("a=lights:").find("is not KEY:VALUE"), std::string::npos);
 }
@@ -94,7 +94,7 @@ TEST(Contender, UnknownAndSharedSettingsAreRefused) {
     resolve_contender(shared[0], {});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "a: width is the same for all that are compared; give it as --width");
+    EXPECT_STREQ(error.what(), "a: width is common to all contenders; give it as --width");
   }
 }
 
@@ -162,7 +162,7 @@ TEST(ReferenceSettings, WhatIsNamedForThemAloneWins) {
     resolve_reference(common, {}, {{"width", "4"}});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "--reference-settings: width is the same for all that are compared; give it as --width");
+    EXPECT_STREQ(error.what(), "--reference-settings: width is common to all contenders; give it as --width");
   }
 }
 

@@ -22,13 +22,13 @@ void note_times(const Comparison& c, std::vector<std::string>& notes) {
   if (*high <= kLargestRatio * *low) return;
   notes.push_back(fmt::format("The contenders' times differ by {:.0f} %{}.", 100 * (*high / *low - 1),
                               c.budget_spread > 0.03
-                                  ? ", because the budget holds too few whole frames; a larger one is fairer"
+                                  ? ", because the budget fits only a few whole frames; use a larger one"
                                   : "; other programs may have been busy"));
 }
 
 void note_nonfinite(const Comparison& c, std::vector<std::string>& notes) {
   if (c.reference_nonfinite > 0) {
-    notes.push_back(fmt::format("The reference has pixels that are not finite ({}); they count in nobody's errors.",
+    notes.push_back(fmt::format("The reference has pixels that are not finite ({}); all errors leave them out.",
                                 c.reference_nonfinite));
   }
   for (const ContenderResult& contender : c.contenders) {
@@ -72,13 +72,13 @@ std::vector<std::string> limits_of(const Comparison& c) {
   if (c.options.budget_s > 0) note_times(c, notes);
   note_nonfinite(c, notes);
   if (c.reference.spp == 0) {
-    notes.emplace_back("The reference is a file; its own error is not known and part of every figure.");
+    notes.emplace_back("The reference is a file; every value includes its unknown error.");
     return notes;
   }
   for (const ContenderResult& contender : c.contenders) {
     const std::vector<std::string> shares = large_shares(c, contender);
     if (shares.empty()) continue;
-    notes.push_back(fmt::format("The reference's own noise is {} of {}; a larger --reference-spp gives more room.",
+    notes.push_back(fmt::format("The reference's own noise is {} of {}; raise --reference-spp to lower it.",
                                 enumerate(shares), contender.name));
   }
   return notes;

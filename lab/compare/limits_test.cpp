@@ -21,11 +21,11 @@ TEST(Limits, NoiseOfTheReferenceIsTooMuchInAnyFigure) {
   c.reference_noise.rel_mse = 0.2;
   ASSERT_EQ(limits_of(c).size(), 1u);
   EXPECT_EQ(limits_of(c).front(),
-            "The reference's own noise is 40 % of the relMSE of it; a larger --reference-spp gives more room.");
+            "The reference's own noise is 40 % of the relMSE of it; raise --reference-spp to lower it.");
   c.reference_noise.mse = 0.1;
-  EXPECT_EQ(limits_of(c).front(),
-            "The reference's own noise is 10 % of the MSE and 40 % of the relMSE of it; a larger --reference-spp gives "
-            "more room.");
+  EXPECT_EQ(
+      limits_of(c).front(),
+      "The reference's own noise is 10 % of the MSE and 40 % of the relMSE of it; raise --reference-spp to lower it.");
 }
 
 TEST(Limits, AnimationsAreWarnedOfToo) {
@@ -34,15 +34,15 @@ TEST(Limits, AnimationsAreWarnedOfToo) {
   c.reference_noise = {.mse = 0.2, .rel_mse = 0.01, .temporal_error = 0.1};
   ASSERT_EQ(limits_of(c).size(), 1u);
   EXPECT_EQ(limits_of(c).front(),
-            "The reference's own noise is 20 % of the MSE and 20 % of the temporal error of it; a larger "
-            "--reference-spp gives more room.");
+            "The reference's own noise is 20 % of the MSE and 20 % of the temporal error of it; raise --reference-spp "
+            "to lower it.");
 }
 
 TEST(Limits, AFileHasNoKnownError) {
   Comparison c = compared({.mse = 1, .rel_mse = 1});
   c.reference.spp = 0;
   ASSERT_EQ(limits_of(c).size(), 1u);
-  EXPECT_NE(limits_of(c).front().find("its own error is not known"), std::string::npos);
+  EXPECT_NE(limits_of(c).front().find("includes its unknown error"), std::string::npos);
 }
 
 TEST(Limits, PixelsThatAreNotFinite) {

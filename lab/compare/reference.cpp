@@ -52,7 +52,7 @@ const std::vector<float>& plane(const std::vector<ExrChannel>& channels, std::st
   for (const ExrChannel& channel : channels) {
     if (channel.name == name) return channel.values;
   }
-  throw Error(fmt::format("{}: there is no channel {}; delete the file, so that it is made again", place, name));
+  throw Error(fmt::format("{}: there is no channel {}; delete the file to render it again", place, name));
 }
 
 SurfaceMotion surface_from(const std::vector<ExrChannel>& channels, const std::string& place) {
@@ -111,7 +111,7 @@ ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& s
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
   if (failure) {
-    throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another", folder_.string(),
+    throw Error(fmt::format("{}: the folder for references cannot be created ({}); choose another", folder_.string(),
                             failure.message()));
   }
   const PendingFile probe(folder_ / "reference.exr");  // fails now rather than after hours
@@ -176,9 +176,8 @@ std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_
   if (std::filesystem::exists(target)) {
     const ExrFile exr = read_exr(target);
     if (exr.width != settings_.width || exr.height != settings_.height) {
-      throw Error(
-          fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file, so that it is made again",
-                      target.string(), exr.width, exr.height, settings_.width, settings_.height));
+      throw Error(fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file to render it again",
+                              target.string(), exr.width, exr.height, settings_.width, settings_.height));
     }
     estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);
     reference.surface = surface_from(exr.channels, target.string());

@@ -56,7 +56,7 @@ ErrorSplit Ensemble::split(const Image& reference, double reference_mse) const {
       result.bias2 += double(difference[c]) * difference[c] - variance / n;
     }
   }
-  if (result.pixels == 0) throw Error("no pixel is finite in all images; check what made them");
+  if (result.pixels == 0) throw Error("no pixel is finite in all images; check their source");
   const double values = 3.0 * static_cast<double>(result.pixels);
   result.bias2 = result.bias2 / values - reference_mse;
   result.variance /= values;

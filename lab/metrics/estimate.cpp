@@ -42,7 +42,8 @@ Estimate scaled(Estimate estimate, double factor) {
 }
 
 Estimate difference(const Estimate& a, const Estimate& b) {
-  if (a.without.size() != b.without.size()) throw Error("only estimates of equally many repetitions can be compared");
+  if (a.without.size() != b.without.size())
+    throw Error("only estimates with the same number of repetitions can be compared");
   Estimate result{a.value - b.value, a.without};
   for (size_t i = 0; i < b.without.size(); ++i) result.without[i] -= b.without[i];
   return result;
@@ -73,7 +74,7 @@ Estimate squared_bias(const std::vector<Image>& repetitions, const Image& refere
       without[k] += sum_of(rest * rest - (squares - d * d));
     }
   }
-  if (pixels == 0) throw Error("no pixel is finite in all images; check what made them");
+  if (pixels == 0) throw Error("no pixel is finite in all images; check their source");
   const auto count = static_cast<double>(n);
   const double values = 3.0 * static_cast<double>(pixels);
   Estimate result{all / (values * count * (count - 1)) - reference_mse, {}};

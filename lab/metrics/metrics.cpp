@@ -71,7 +71,7 @@ double mean(const std::vector<float>& values) {
 }
 
 [[noreturn]] void fail_nothing_finite() {
-  throw Error("the images have no pixel that is finite in both; check what made them");
+  throw Error("the images have no pixel that is finite in both; check their source");
 }
 
 }  // namespace
