@@ -121,8 +121,8 @@ TableBlock table(const std::string& title, const std::string& when, const std::v
                  const std::function<Window(const SceneResult&)>& window_of) {
   TableBlock block{title,
                    "Variance of the distance to the reference over that of path tracing, mean over the times " + when +
-                       "; below 1 is better. The last column is the same number of samples everywhere, with "
-                       "independent random numbers, as adaptive sampling has them here.",
+                       "; below 1 is better. The last column is uniform sampling with independent random numbers, "
+                       "which adaptive sampling uses here, too.",
                    "scene",
                    {},
                    {}};
@@ -170,7 +170,7 @@ void claim_best(const SceneResult* scene, const Window& window, const std::strin
 void claim_gain(const SceneResult* scene, const Window& window, const std::string& id, const std::string& name,
                 const std::string& bounds, std::vector<Claim>& claims) {
   const std::string text = fmt::format(
-      "On {} the spread of the distance to the reference falls faster than with path tracing at equal time.", name);
+      "On {} the variance of the distance to the reference falls faster than with path tracing at equal time.", name);
   const std::string threshold = "ratio to path tracing at most 1";
   if (!scene) {
     claims.push_back(unmeasured(id, kPaper, text, threshold, kNoSponza));
@@ -232,29 +232,27 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
                 result.claims);
   result.blocks.emplace_back(
       table("Against path tracing at equal time, in the paper's first moments",
-            "from half to twice the one that the paper names: 3.75 to 15 frames of path tracing, "
-            "in Sponza 12.5 to 50",
+            "from half to twice the one named in the paper: 3.75 to 15 frames of path tracing, in Sponza 12.5 to 50",
             results, [&](const SceneResult& scene) { return &scene == sponza_hall ? kPaperSponza : kPaperBox; }));
-  result.blocks.emplace_back(table("Later", "from 24 to 128 frames, after the threshold has come down", results,
+  result.blocks.emplace_back(table("Later", "from 24 to 128 frames, after the threshold has fallen", results,
                                    [](const SceneResult&) { return kLate; }));
   std::vector<ImageSet> images;
   for (SceneResult& scene : results) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(trace_viewer(
-      "Images", "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
-      std::move(images)));
+      "Images", "At the time of 32 frames of path tracing. Maps: final probability of a sample.", std::move(images)));
   for (const SceneResult& scene : results) result.blocks.emplace_back(charts(scene));
-  result.setup = {common_setup(context).front(),
-                  {"Reference", fmt::format("{} samples a pixel, as in the paper in full", reference_spp(context))},
-                  {"Measure", "variance over the pixels of the distance to the reference's colour, both cut off at 1"},
-                  {"Repetitions", "three sequences (one in a quick run); contenders take turns frame by frame"}};
+  result.setup = {
+      common_setup(context).front(),
+      {"Reference", fmt::format("{} samples per pixel, as in the paper in a full run", reference_spp(context))},
+      {"Measure", "variance over the pixels of the distance to the reference's colour, both clamped at 1"},
+      {"Repetitions", "three sequences (one in a quick run); contenders take turns frame by frame"}};
   return result;
 }
 
 }  // namespace
 
 Experiment adaptive_sampling_experiment() {
-  return {"adaptive-sampling", kPaper, "samples where the noise is, against the same number everywhere",
-          run_adaptive_sampling};
+  return {"adaptive-sampling", kPaper, "adaptive sampling against uniform sampling", run_adaptive_sampling};
 }
 
 }  // namespace relume

@@ -114,8 +114,8 @@ Claim claim_arrival(const Arrival& graph) {
   const Ratio ratio = error_ratio(graph.first_share, graph.later_share);
   return judged_within(
       "arrival", kPaper,
-      "Light takes some frames to come forward from cell to cell: the first frames are too dark. (Here a "
-      "vertex whose next cell is unknown waits for what its path finds, so they should not be.)",
+      "Light propagates from cell to cell over several frames, so the first frames are too dark. (Here, a vertex with "
+      "an unknown next cell waits for its path, so they should not be.)",
       fmt::format("{:.2f} of the reference's light in the first four frames, {:.2f} in the second half: {}",
                   mean(graph.first_share), mean(graph.later_share), share_text(ratio)),
       "first frames at most 0.8 of the later ones", {ratio}, 0, 0.8);
@@ -123,7 +123,7 @@ Claim claim_arrival(const Arrival& graph) {
 
 Claim claim_error(const Arrival& path, const Arrival& graph) {
   const Ratio ratio = error_ratio(graph.later_mse, path.later_mse);
-  return judged_within("error", kPaper, "Once the light is there, apg+apsf has less error than path tracing.",
+  return judged_within("error", kPaper, "Once the light has propagated, apg+apsf has less error than path tracing.",
                        fmt::format("{:.3g} ({:.2g} to {:.2g}) of path tracing's MSE", ratio.value, ratio.interval.low,
                                    ratio.interval.high),
                        "at most 1", {ratio}, 0, 1);
@@ -134,8 +134,8 @@ ChartBlock depth_chart(const std::vector<FrameAverages>& list) {
   for (size_t i = 0; i < list.size(); ++i)
     curve.points.push_back({.x = std::max(1e-2, static_cast<double>(kConstants[i])), .y = list[i].termination.value});
   return {"Depth at which paths end",
-          "Mean over pixels and frames of the bounce, from 1, at which a path ceases to count. The leftmost point is "
-          "that of the constant 0. Jitter is off.",
+          "Mean over pixels and frames of the bounce, from 1, after which a path no longer contributes. The leftmost "
+          "point is the constant 0. Jitter is off.",
           {{"by constant", "variance constant", "bounce", true, false, {curve}}}};
 }
 
@@ -150,8 +150,9 @@ ChartBlock arrival_chart(const std::vector<Arrival>& list) {
     for (size_t k = 0; k < curve.points.size(); ++k) curve.points[k].y = std::max(1e-9, list[i].mse[k]);
     error.curves.push_back(std::move(curve));
   }
-  return {
-      "Frame by frame", "One sample a pixel, no history but that of the cells.", {std::move(share), std::move(error)}};
+  return {"Frame by frame",
+          "One sample per pixel, without a history except the cells'.",
+          {std::move(share), std::move(error)}};
 }
 
 ViewerBlock images(const std::vector<Arrival>& list, const Image& reference) {
@@ -186,7 +187,7 @@ ExperimentResult run_apg_depth(const ExperimentContext& context) {
 }  // namespace
 
 Experiment apg_depth_experiment() {
-  return {"apg-depth", kPaper, "where cells end paths, in a corridor with a distant lamp", run_apg_depth};
+  return {"apg-depth", kPaper, "depth at which cells end paths, in a corridor with a distant lamp", run_apg_depth};
 }
 
 }  // namespace relume

@@ -62,13 +62,13 @@ Case measure(const ExperimentContext& context, ExperimentScene scene, int bounce
 double bound_of(const Case& c) { return 0.5 * c.bounces + 1.5; }
 
 TableBlock table(const std::vector<Case>& cases) {
-  TableBlock block{"Rays a sample, and time",
-                   "D bounces. Most paths leave the open scenes before that.",
+  TableBlock block{"Rays per sample, and time",
+                   "D bounces. Most paths leave the open scenes earlier.",
                    "scene, D",
                    {{"path tracing", "Rays, with Russian roulette."},
                     {"bdpt", "Rays, with Russian roulette on paths and connections."},
                     {"bdpt, all", "Rays without any roulette."},
-                    {"at most", "2D + 1 + D(D + 3) / 2: no path lost, each test counted once."},
+                    {"at most", "2D + 1 + D(D + 3) / 2: no path ends early, each test is counted once."},
                     {"paper", "D² + 3D."},
                     {"time, bdpt over path"},
                     {"0.5 D + 1.5", "The paper's ratio."}},
@@ -89,7 +89,7 @@ TableBlock table(const std::vector<Case>& cases) {
 }
 
 ChartBlock charts(const std::vector<Case>& cases) {
-  ChartBlock block{"Time of a frame against that of path tracing", "Dashed: 0.5 D + 1.5.", {}};
+  ChartBlock block{"Frame time over that of path tracing", "Dashed: 0.5 D + 1.5.", {}};
   Chart chart{.label = "ratio", .x_label = "bounces", .y_label = "bdpt over path", .curves = {}};
   Curve bound{.name = "paper", .color = kNeutralColor, .dashed = true, .points = {}};
   for (const Case& c : cases) {
@@ -129,13 +129,13 @@ void claim_rays(const std::vector<Case>& cases, std::vector<Claim>& claims) {
   std::vector<Case> one_bounce;
   std::vector<Case> more_bounces;
   for (const Case& c : cases) (c.bounces == 1 ? one_bounce : more_bounces).push_back(c);
-  claims.push_back(
-      claim_below_paper("rays", "A sample takes D² + 3D rays (we: fewer, of two bounces or more).", more_bounces));
+  claims.push_back(claim_below_paper("rays", "A sample takes D² + 3D rays (relume: fewer, with two or more bounces).",
+                                     more_bounces));
   claims.push_back(claim_below_paper("rays-one-bounce", "The same with one bounce.", one_bounce));
   const bool below_exact =
       std::all_of(cases.begin(), cases.end(), [](const Case& c) { return c.all_rays <= exact_rays(c.bounces); });
   claims.push_back(judged("rays-exact", kPaper, "Each test counted once, it takes at most 2D + 1 + D(D + 3) / 2.",
-                          most_rays_text(cases, exact_rays), "not above in any scene", below_exact));
+                          most_rays_text(cases, exact_rays), "not exceeded in any scene", below_exact));
 }
 
 Claim claim_time(const std::vector<Case>& cases) {
@@ -151,7 +151,7 @@ Claim claim_time(const std::vector<Case>& cases) {
     measured += fmt::format("{}D = {}: {} of {:.1f} in {}", measured.empty() ? "" : ", ", bounces, share_text(c->time),
                             bound_of(*c), c->scene);
   }
-  return with_verdict("time", kPaper, "A frame takes 0.5 D + 1.5 times as long as one of path tracing.",
+  return with_verdict("time", kPaper, "A frame takes 0.5 D + 1.5 times as long as with path tracing.",
                       "nearest to it: " + measured, "at most that in every scene, by the interval",
                       verdict_of_all(verdicts));
 }
@@ -180,7 +180,7 @@ ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   result.blocks.emplace_back(charts(cases));
   result.setup = {{"Size", square_text(context, kSide)},
                   {"Time", fmt::format("5 × {} frames, in turns", context.choose(8, 4))},
-                  {"Settings", "the defaults of each, but for \"all\": neither kind of roulette"}};
+                  {"Settings", "the defaults of each; \"all\" has neither kind of roulette"}};
   return result;
 }
 

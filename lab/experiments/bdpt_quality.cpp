@@ -88,7 +88,7 @@ double light_missed(const Case& c) {
 TableBlock table_of_own_lights(const std::vector<Case>& cases) {
   TableBlock block{"The paper's own lights: path tracing over bidirectional path tracing",
                    fmt::format("{} bounces, one point or directional light. Noise is the variance between repetitions; "
-                               "the MSE also holds what path tracing cannot find.",
+                               "the MSE also contains light that path tracing cannot find.",
                                kPaperBounces),
                    "scene",
                    {{"region"},
@@ -96,7 +96,7 @@ TableBlock table_of_own_lights(const std::vector<Case>& cases) {
                     {"noise, equal time"},
                     {"MSE, equal samples"},
                     {"MSE, equal time"},
-                    {"light that path tracing lacks"}},
+                    {"light missing in path tracing"}},
                    {}};
   const auto cell = [](const Ratio& r) { return TableCell{to_text(r), r.value}; };
   for (const Case& c : cases) {
@@ -218,8 +218,8 @@ Claim claim_reference(const ExperimentContext& context, const std::vector<Case>&
     measured += fmt::format("{}{}: {:+.2f} % ({:+.2f} to {:+.2f})", measured.empty() ? "" : ", ", scene,
                             100 * mean(differences), 100 * interval.low, 100 * interval.high);
   }
-  return with_verdict("reference", kPaper, "Light tracing finds the caustics as bright as the reference has them.",
-                      measured, "within 1 %, by the interval", verdict_of_all(verdicts));
+  return with_verdict("reference", kPaper, "Light tracing renders caustics as bright as the reference.", measured,
+                      "within 1 %, by the interval", verdict_of_all(verdicts));
 }
 
 ExperimentResult run_bdpt_quality(const ExperimentContext& context) {

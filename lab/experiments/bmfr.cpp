@@ -160,7 +160,7 @@ Claim claim_time(const std::vector<double>& fit, const std::vector<double>& feat
   const Interval of_fit = median_interval(fit);
   const Interval of_all = median_interval(all);
   return with_verdict(
-      "time", kOurs, "Denoising is fast enough for images as they are looked at.",
+      "time", kOurs, "Denoising is fast enough for interactive images.",
       fmt::format("regression {:.0f} ms ({:.0f} to {:.0f}), all of bmfr {:.0f} ms ({:.0f} to {:.0f}), {:.0f} of them "
                   "for features",
                   median(fit), of_fit.low, of_fit.high, median(all), of_all.low, of_all.high, median(features)),
@@ -173,7 +173,7 @@ Claim claim_time(const std::vector<double>& fit, const std::vector<double>& feat
 BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& claims) {
   const int width = context.choose(1280, 160);
   const int height = context.choose(720, 90);
-  BarBlock block{fmt::format("Time of a frame at {} × {}", width, height),
+  BarBlock block{fmt::format("Frame time at {} × {}", width, height),
                  "cornell-closed, one bounce, two threads; after the first frame, without tracing.",
                  "ms",
                  {}};
@@ -240,10 +240,11 @@ void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims
     }
     std::string id = fmt::format("{}-{}", std::string_view(f.scene).substr(8), f.region.name);
     std::replace(id.begin(), id.end(), ' ', '-');
-    claims.push_back(with_verdict(
-        std::move(id), kPaper, fmt::format("{}: the {} is kept.", f.scene, f.region.name), measured,
-        "bmfr keeps 90 % of the contrast (our bound), with a lower MSE than its samples' mean, by the interval",
-        verdict));
+    claims.push_back(with_verdict(std::move(id), kPaper, fmt::format("{}: the {} is kept.", f.scene, f.region.name),
+                                  measured,
+                                  "bmfr keeps 90 % of the contrast (relume's bound), with a lower MSE than the mean of "
+                                  "its samples, by the interval",
+                                  verdict));
   }
 }
 
@@ -266,7 +267,7 @@ Claim claim_error(const std::vector<Still>& stills) {
 /// Cloth and stone in Sponza.
 const Rectangle kTextures[] = {
     {"left curtain", 0.0, 0.38, 0.17, 0.96}, {"right curtain", 0.82, 0.4, 1.0, 0.96}, {"floor", 0.35, 0.7, 0.65, 0.98}};
-constexpr const char* kTextureClaim = "Textures stay sharp: their detail is that of the reference.";
+constexpr const char* kTextureClaim = "Textures stay sharp: they have the detail of the reference.";
 
 /// Eight frames of one sample per pixel with a static camera.
 Comparison claim_textures(const ExperimentContext& context, const ExperimentScene& hall, std::vector<Claim>& claims) {
@@ -293,7 +294,7 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
 }
 
 void claim_walk(const Walk* walk, std::vector<Claim>& claims) {
-  const std::string still = "At one sample a frame, the MSE is a tenth of the noisy image's while nothing moves.";
+  const std::string still = "At one sample per frame, the MSE is a tenth of the noisy image's while nothing moves.";
   const std::string moving = "While the camera walks it is a fifth.";
   if (!walk) {
     claims.push_back(unmeasured("walk-still", kOurs, still, "10 ×", kNoSponza));
@@ -345,21 +346,19 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
   result.blocks.emplace_back(std::move(times));
   result.setup = {
       {kOfPaper,
-       "BMFR as [Koskela19] has it: bmfr.alpha 0.2, no details, and no mean of the samples; no claim is judged by it"},
+       "BMFR as in [Koskela19]: bmfr.alpha 0.2, no details, and no mean of the samples; no verdict depends on it"},
       {"Boxes", square_text(context, kSide) + ", 8 samples of bdpt"},
       {"Sponza",
-       "a sample a frame of path tracing; stands, then walks 5 cm and turns 0.5° a frame; the noise "
-       "of the reference (64 samples) is known and taken off every MSE"},
+       "one sample per frame of path tracing; the camera stands, then walks 5 cm and turns 0.5° per frame; the noise "
+       "of the reference (64 samples) is known and subtracted from every MSE"},
       {"Contrast",
-       "slope of the image's luminance over the reference's, both cut off at 1; of what another image of many "
-       "samples has"}};
+       "slope of the image's luminance over the reference's, both clamped at 1; relative to that of another image with "
+       "many samples"}};
   return result;
 }
 
 }  // namespace
 
-Experiment bmfr_experiment() {
-  return {"bmfr", kPaper, "what denoisers keep, and how much nearer they come", run_bmfr};
-}
+Experiment bmfr_experiment() { return {"bmfr", kPaper, "detail and error of denoised images", run_bmfr}; }
 
 }  // namespace relume

@@ -100,7 +100,7 @@ void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, s
   const Ratio after_many = many.over_plateau(0, frames);
   const Ratio ratio = quotient(after_many, after_one);
   claims.push_back(judged_within(
-      fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]", "Several migrations a frame readapt faster.",
+      fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]", "Several migrations per frame readapt faster.",
       fmt::format("after {:.0f}° {} of its plateau's MSE in the first {} frames with eight, {} with one: {} of it",
                   degrees, share_text(after_many), frames, share_text(after_one), share_text(ratio)),
       "below 1", {ratio}, 0, 1));
@@ -120,7 +120,7 @@ void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vec
   const Ratio peak = error_ratio(many.at(0), bsdf.plateaus(bsdf.runs.front().size()));
   claims.push_back(
       with_verdict("bounded", kPaper,
-                   "Right after 36° the error exceeds that of the BSDF's directions, which bound it by their share.",
+                   "Directly after 36° the error exceeds that of BSDF sampling, whose share of the samples bounds it.",
                    fmt::format("{} of the BSDF's MSE", to_text(peak)), "between 1 and 2.2, by the interval",
                    verdict_of(peak.interval, 1, 2.2)));
 }
@@ -174,8 +174,7 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
 }  // namespace
 
 Experiment cdq_adaptation_experiment() {
-  return {"cdq-adaptation", kPaper, "quadtrees of 32 to 128 bits after the light has moved at once",
-          run_cdq_adaptation};
+  return {"cdq-adaptation", kPaper, "quadtrees of 32 to 128 bits after a sudden move of the light", run_cdq_adaptation};
 }
 
 }  // namespace relume

@@ -39,7 +39,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene) {
   const Reference reference = make_reference(context, scene);
   const int samples = context.quick ? 8 : 64;
-  const std::vector<TraceContender> contenders{contender(context, scene, "start anew", 0, 0),
+  const std::vector<TraceContender> contenders{contender(context, scene, "restart", 0, 0),
                                                contender(context, scene, "reprojection", samples, 0),
                                                contender(context, scene, "combination, min/max 4/32", samples, 4),
                                                contender(context, scene, "combination, min/max 2/32", samples, 2)};
@@ -68,7 +68,7 @@ void claim_box(const SceneResult& scene, std::vector<Claim>& claims) {
 void claim_sponza(const SceneResult* scene, std::vector<Claim>& claims) {
   constexpr double kPaperFrames = 27;  // 700 ms in the paper, at 26 ms per frame
   const std::string wins =
-      "On Sponza the combination is better than reprojection for the first 700 ms, some 27 frames.";
+      "On Sponza the combination is better than reprojection for the first 700 ms, about 27 frames.";
   const std::string order = "On Sponza min/max 4/32 is better than 2/32.";
   const std::string threshold = "ratio at most 1";
   if (!scene) {
@@ -95,19 +95,18 @@ ExperimentResult run_combination(const ExperimentContext& context) {
   claim_sponza(hall ? &results[1] : nullptr, result.claims);
   std::vector<ImageSet> images;
   for (SceneResult& scene : results) images.push_back(std::move(scene.images));
-  result.blocks.emplace_back(trace_viewer(
-      "Images",
-      "After the last step, and as much time as eight frames of restarted accumulation take. Maps: the probability "
-      "of a sample, at the end.",
-      std::move(images)));
+  result.blocks.emplace_back(trace_viewer("Images",
+                                          "After the last step, at the time of eight frames of restarted accumulation. "
+                                          "Maps: final probability of a sample.",
+                                          std::move(images)));
   for (const SceneResult& scene : results) {
     result.blocks.emplace_back(trace_charts(scene.name, "Error after the last step of a turn of 100°.", scene.traces,
                                             &TracePoint::mse, "MSE"));
   }
   result.setup = common_setup(context);
   result.setup.insert(result.setup.end(),
-                      {{"Turn", context.quick ? "100° in steps of 20°, 8 samples a step, one stored"
-                                              : "100° in steps of 5°, 64 samples a step, one stored"},
+                      {{"Turn", context.quick ? "100° in steps of 20°, 8 samples per step, one stored"
+                                              : "100° in steps of 5°, 64 samples per step, one stored"},
                        {"Repetitions", "three sequences (one in a quick run); contenders take turns frame by frame"}});
   return result;
 }
@@ -115,7 +114,7 @@ ExperimentResult run_combination(const ExperimentContext& context) {
 }  // namespace
 
 Experiment combination_experiment() {
-  return {"combination", kPaper, "adaptive sampling of what reprojection leaves open", run_combination};
+  return {"combination", kPaper, "adaptive sampling with reprojection", run_combination};
 }
 
 }  // namespace relume

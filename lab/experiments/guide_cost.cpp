@@ -64,7 +64,7 @@ double preparation_share(const AdaptedError& e) {
 }
 
 BarBlock bars(const SceneResult& scene) {
-  BarBlock block{scene.name, "Mean time of a frame by pass, adapted.", "ms", {}};
+  BarBlock block{scene.name, "Mean frame time by pass, adapted.", "ms", {}};
   for (const AdaptedError& e : scene.errors) {
     Bar bar{fmt::format("{}, {:.1f} ms", e.name, 1000 * e.median_s()), {}};
     for (const auto& [pass, seconds] : e.pass_s) bar.parts.emplace_back(pass, 1000 * seconds);
@@ -74,7 +74,7 @@ BarBlock bars(const SceneResult& scene) {
 }
 
 TableBlock memory_table(const std::vector<SceneResult>& scenes) {
-  TableBlock block{"Octree", "What passes reported after the last frame with `vlc` and `cdq`.", "scene", {}, {}};
+  TableBlock block{"Octree", "Statistics of the passes after the last frame with `vlc` and `cdq`.", "scene", {}, {}};
   for (const SceneResult& scene : scenes) {
     TableRow row{scene.name, kNeutralColor, {}};
     for (const PassStatistic& figure : scene.errors[kGuided].figures) {
@@ -94,14 +94,13 @@ Claim claim_memory(const SceneResult& scene, const std::string& id) {
   const double slots = figure(e, "octree.leaf-slots");
   const double counted =
       (figure(e, "octree.place-bytes") + figure(e, "vlc.cache-bytes") + figure(e, "cdq.quadtree-bytes")) / slots;
-  return judged(
-      id + "-memory", "[Dittebrandt20 §6.1]",
-      scene.name + ": a leaf has 48 bytes: its quadtree and where its buckets and samples stand.",
-      fmt::format("{:.1f} bytes; tree and links, which the paper does not count, {:.1f}; known lights {:.1f}, "
-                  "what lasting quadtrees remember {:.0f}",
-                  counted, figure(e, "octree.tree-bytes") / slots, figure(e, "vlc.entry-bytes") / slots,
-                  figure(scene.errors[kGuided], "cdq.memory-bytes") / slots),
-      "at most 48", counted <= 48);
+  return judged(id + "-memory", "[Dittebrandt20 §6.1]",
+                scene.name + ": a leaf has 48 bytes, for its quadtree and the positions of its buckets and samples.",
+                fmt::format("{:.1f} bytes; tree and links, which the paper does not count, {:.1f}; cached lights "
+                            "{:.1f}, memory of lasting quadtrees {:.0f}",
+                            counted, figure(e, "octree.tree-bytes") / slots, figure(e, "vlc.entry-bytes") / slots,
+                            figure(scene.errors[kGuided], "cdq.memory-bytes") / slots),
+                "at most 48", counted <= 48);
 }
 
 /// Adds claims for the paper's settings, or for relume's if `own`.
@@ -152,7 +151,7 @@ ExperimentResult run_guide_cost(const ExperimentContext& context) {
 }  // namespace
 
 Experiment guide_cost_experiment() {
-  return {"guide-cost", kPaper, "what light selection and guiding add to a frame", run_guide_cost};
+  return {"guide-cost", kPaper, "cost of light sampling and guiding per frame", run_guide_cost};
 }
 
 }  // namespace relume

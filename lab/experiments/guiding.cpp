@@ -97,13 +97,12 @@ Ratio gain(const SceneResult& scene, const Guided& guided, size_t region) {
 }
 
 TableBlock table(const SceneResult& scene) {
-  TableBlock block{
-      scene.name,
-      "How many times lower the mean squared error of single frames is than with the BSDF's directions, by "
-      "region of the image, at equal samples, with 95 % intervals.",
-      "directions",
-      {{"ms a frame", "", Better::lower}},
-      {}};
+  TableBlock block{scene.name,
+                   "Factor by which the mean squared error of single frames is lower than with BSDF sampling, by "
+                   "region of the image, at equal samples, with 95 % intervals.",
+                   "directions",
+                   {{"ms per frame", "", Better::lower}},
+                   {}};
   for (const PixelMask& region : scene.regions)
     block.columns.push_back(
         {fmt::format("{} ({:.0f} %)", region.name,
@@ -135,12 +134,13 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
   claims.push_back(
       judged_ratios(fmt::format("mine-orders{}", guided.suffix), guided.source,
                     fmt::format("Where the sun and its spot light the mine, guiding ({}) has two to three orders of "
-                                "magnitude less error; next event estimation knows no environment.",
+                                "magnitude less error; next event estimation excludes the environment.",
                                 guided.name),
                     measured, {sun, spot}, 100));
-  claims.push_back(judged_ratios(fmt::format("mine-sun{}", guided.suffix), kOurs,
-                                 fmt::format("There guiding ({}) has at least 30 times less error.", guided.name),
-                                 measured, {sun, spot}, 30));
+  claims.push_back(
+      judged_ratios(fmt::format("mine-sun{}", guided.suffix), kOurs,
+                    fmt::format("In these regions guiding ({}) has at least 30 times less error.", guided.name),
+                    measured, {sun, spot}, 30));
   const Ratio indirect = gain(sampled, guided, 2);
   claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), kOurs,
                                  fmt::format("With the environment sampled, guiding ({}) still helps where the spot "
@@ -151,7 +151,7 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
   const Ratio time_sampled = equal_time_ratio(sampled.errors[0], sampled.errors[guided.contender]);
   claims.push_back(
       judged_ratios(fmt::format("mine-equal-time{}", guided.suffix), kOurs,
-                    fmt::format("On `mine` guiding ({}) wins by MSE times the time of a frame.", guided.name),
+                    fmt::format("On `mine` guiding ({}) has the lower product of MSE and frame time.", guided.name),
                     fmt::format("{} in the paper's setting, {} with the environment sampled", to_text(time_paper),
                                 to_text(time_sampled)),
                     {time_paper, time_sampled}, 1));
@@ -244,7 +244,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   std::vector<ImageSet> images{paper_result.images, sampled_result.images, departures.images};
   for (const SceneResult& scene : others) images.push_back(scene.images);
   result.blocks.emplace_back(
-      ViewerBlock{"Images", "One frame of one sample a pixel, adapted.", image_layer_kinds(), std::move(images)});
+      ViewerBlock{"Images", "One frame of one sample per pixel, adapted.", image_layer_kinds(), std::move(images)});
   result.blocks.emplace_back(table(paper_result));
   result.blocks.emplace_back(table(sampled_result));
   result.blocks.emplace_back(table(departures));
@@ -253,19 +253,16 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   result.setup = adapted_setup(context);
   if (!context.quick) {
     result.setup.emplace_back(
-        "Mine", fmt::format("{} times as large along each edge, but for departures and smaller suns", kMineScale));
+        "Mine", fmt::format("{} times as large along each edge, except for departures and smaller suns", kMineScale));
   }
   result.setup.emplace_back("Regions",
                             "sun: direct light above a tenth of its 99.5th percentile; spot: more than half of the "
-                            "light is indirect; told from references");
+                            "light is indirect; both from references");
   return result;
 }
 
 }  // namespace
 
-Experiment guiding_experiment() {
-  return {"guiding", kPaper, "directions from which light came in earlier frames, against those of the BSDF",
-          run_guiding};
-}
+Experiment guiding_experiment() { return {"guiding", kPaper, "guided directions against BSDF sampling", run_guiding}; }
 
 }  // namespace relume

@@ -111,14 +111,13 @@ std::vector<double> distances_to_best(const std::vector<MovingErrors>& scenes) {
 }
 
 TableBlock table(const std::vector<MovingErrors>& scenes) {
-  TableBlock block{
-      "Combinations",
-      "MSE of what is shown while the camera turns, at equal time, with FLIP, the frames that fitted in, and how much "
-      "of the time they took: frames are whole, so a slow technique has up to a half more or less. "
-      "The first column is the geometric mean of the MSE over the least in each scene.",
-      "techniques",
-      {{"over the best", "", Better::lower}},
-      {}};
+  TableBlock block{"Combinations",
+                   "MSE of the displayed image while the camera turns, at equal time, with FLIP, the number of frames "
+                   "and their share of the time: only whole frames count, so a slow technique has up to a half more or "
+                   "less. The first column is the geometric mean of the MSE over the lowest in each scene.",
+                   "techniques",
+                   {{"over the best", "", Better::lower}},
+                   {}};
   for (const MovingErrors& scene : scenes) block.columns.push_back({scene.scene, "", Better::lower});
   const std::vector<double> distances = distances_to_best(scenes);
   for (size_t i = 0; i < distances.size(); ++i) {
@@ -178,10 +177,10 @@ Claim claim_choice(const std::vector<MovingErrors>& scenes) {
   const size_t best = static_cast<size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin());
   measured += fmt::format(" of its MSE; the least of the table has {}, {:.2f} against {:.2f}",
                           scenes.front().contenders[best].name, distances[best], distances.front());
-  return judged_ratios("best-choice", kOurs,
-                       "No combination that led in earlier runs has a tenth less error than `interactive`, over all "
-                       "scenes.",
-                       measured, ratios, 0.9);
+  return judged_ratios(
+      "best-choice", kOurs,
+      "No combination that led in earlier runs has 10 % less error than `interactive`, over all scenes.", measured,
+      ratios, 0.9);
 }
 
 ImageSet images(const MovingErrors& scene) {
@@ -217,21 +216,19 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   for (const MovingErrors& scene : scenes) sets.push_back(images(scene));
   result.blocks.emplace_back(table(scenes));
   result.blocks.emplace_back(ViewerBlock{"Images",
-                                         "What is shown at the last view, while the camera turns; with the mean MSE "
+                                         "Displayed image at the last view, while the camera turns; with the mean MSE "
                                          "over both views and all repetitions.",
                                          image_layer_kinds(), std::move(sets)});
   result.setup = {
-      {"Camera",
-       fmt::format(
-           "turns by 10° from view to view; two views are measured, in each of {} repetitions ({} of presets and of "
-           "what led in earlier runs)",
-           options.repetitions, context.choose(kManyRepetitions, 2))},
+      {"Camera", fmt::format("turns by 10° from view to view; two views are measured, in each of {} repetitions ({} of "
+                             "presets and of the best combinations of earlier runs)",
+                             options.repetitions, context.choose(kManyRepetitions, 2))},
       {"Time", fmt::format("that of {} frames of `interactive` between views; a slow technique has fewer frames",
                            options.frames)},
       {"Bounces", "6; 2 in `warehouse` and `mine`"},
       {"Size", size_text(context)},
-      {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "
-                                "and taken off MSE, not FLIP",
+      {"Reference", fmt::format("{} samples per pixel by path tracing with the light tree; its own noise is known and "
+                                "subtracted from MSE, not from FLIP",
                                 options.reference_spp)}};
   return result;
 }
@@ -239,8 +236,7 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
 }  // namespace
 
 Experiment interactive_experiment() {
-  return {kInteractive, kOurs, "what to show while the camera turns: combinations and presets at equal time",
-          run_interactive};
+  return {kInteractive, kOurs, "combinations and presets at equal time, while the camera turns", run_interactive};
 }
 
 }  // namespace relume

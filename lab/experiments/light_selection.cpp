@@ -94,13 +94,12 @@ const AdaptedError& best_lists(const SceneResult& scene, const Cost& cost) {
 TableBlock table(const SceneResult& scene) {
   TableBlock block{
       scene.name,
-      fmt::format(
-          "Mean squared error of single frames where no lamp is seen, against the light tree's, at equal samples "
-          "and times the time of a frame, with 95 % intervals. The reference's own ({:.1e}) is taken off.",
-          scene.noise),
+      fmt::format("Mean squared error of single frames where no lamp is visible, against the light tree's, at equal "
+                  "samples and times the frame time, with 95 % intervals. The reference's own ({:.1e}) is subtracted.",
+                  scene.noise),
       "lights",
       {{"MSE", "", Better::lower},
-       {"ms a frame", "", Better::lower},
+       {"ms per frame", "", Better::lower},
        {"times lower than the light tree", "", Better::higher},
        {"times time", "", Better::higher}},
       {}};
@@ -152,10 +151,10 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
     ratios.push_back(equal_time_ratio(*other, ours));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", other->name, to_text(ratios.back()));
   }
-  claims.push_back(
-      judged_ratios("warehouse-equal-time" + suffix, "[relume]",
-                    fmt::format("On `warehouse` the cache ({}) wins by MSE times the time of a frame, too.", cache),
-                    measured, ratios, 1));
+  claims.push_back(judged_ratios(
+      "warehouse-equal-time" + suffix, "[relume]",
+      fmt::format("On `warehouse` the cache ({}) has the lower product of MSE and frame time, too.", cache), measured,
+      ratios, 1));
 }
 
 /// Claims about all scenes except `warehouse`, which has its own.
@@ -176,10 +175,10 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
 
 void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
   const Ratio ratio = against(named(field.errors, "power"), named(field.errors, kTree));
-  claims.push_back(judged_ratios("tree-is-tuned", "[relume]",
-                                 "The baseline is no straw man: where nothing is hidden, the light "
-                                 "tree beats choosing by power.",
-                                 to_text(ratio) + " lower MSE on 256 lamps over a plain", {ratio}, 1));
+  claims.push_back(judged_ratios(
+      "tree-is-tuned", "[relume]",
+      "The baseline is strong: where nothing is hidden, the light tree has less error than sampling by power.",
+      to_text(ratio) + " lower MSE on 256 lamps over a plain", {ratio}, 1));
 }
 
 ExperimentResult run_light_selection(const ExperimentContext& context) {
@@ -208,24 +207,22 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
   std::vector<ImageSet> images;
   for (SceneResult& scene : scenes) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(
-      ViewerBlock{"Images", "One frame of one sample a pixel, adapted.", image_layer_kinds(), std::move(images)});
+      ViewerBlock{"Images", "One frame of one sample per pixel, adapted.", image_layer_kinds(), std::move(images)});
   for (const SceneResult& scene : scenes) result.blocks.emplace_back(table(scene));
   result.setup = adapted_setup(context);
   if (!context.quick)
     result.setup.emplace_back("Warehouse", fmt::format("{} times as large along each edge", kWarehouseScale));
-  result.setup.emplace_back(
-      "vlc, as in the paper",
-      "explores with one table, takes all buckets of a region alike and remembers nothing; `vlc` has "
-      "our extensions: a table for each cell of a coarse grid over the lights, buckets by what "
-      "their lights may send, and a memory of four frames");
+  result.setup.emplace_back("vlc, as in the paper",
+                            "explores with one table, chooses the buckets of a region uniformly and has no memory; "
+                            "`vlc` has relume's extensions: a table for each cell of a coarse grid over the lights, "
+                            "buckets weighted by the power and distance of their lights, and a memory of four frames");
   return result;
 }
 
 }  // namespace
 
 Experiment light_selection_experiment() {
-  return {"light-selection", kPaper,
-          "the lights that were visible nearby in the last frame, against a light tree and static lists",
+  return {"light-selection", kPaper, "the visibility light cache against a light tree and static lists",
           run_light_selection};
 }
 

@@ -144,8 +144,8 @@ Claim claim_gain(const SceneResult& result, std::string id, const char* place, d
   const Ratio mse = ratio(result, kPooled, &TracePoint::mse);
   return judged_within(
       std::move(id), kOurs,
-      fmt::format("In {} samples in proportion to the standard deviation have the lower MSE at equal time.", place),
-      fmt::format("{} of path tracing's MSE, {} of that with independent samples; of what a display shows {}",
+      fmt::format("In {} sampling in proportion to the standard deviation has the lower MSE at equal time.", place),
+      fmt::format("{} of path tracing's MSE, {} of that with independent samples; of display values {}",
                   share_text(mse), share_text(ratio(result, kPooled, &TracePoint::mse, kIndependent)),
                   share_text(ratio(result, kPooledDisplay, &TracePoint::display_mse))),
       fmt::format("at most {} of path tracing's", most), {mse}, 0, most);
@@ -156,7 +156,7 @@ Claim claim_never_worse(const std::vector<SceneResult>& results) {
   for (const SceneResult& result : results) ratios.push_back(ratio(result, kPooled, &TracePoint::mse));
   const auto largest =
       std::max_element(ratios.begin(), ratios.end(), [](const Ratio& a, const Ratio& b) { return a.value < b.value; });
-  return judged_within("never-worse", kOurs, "In no built-in scene do they have a higher MSE at equal time.",
+  return judged_within("never-worse", kOurs, "In no built-in scene does it have a higher MSE at equal time.",
                        fmt::format("the largest is {}, in {}", share_text(*largest),
                                    results[static_cast<size_t>(largest - ratios.begin())].name),
                        "at most 1.02 of path tracing's in each", ratios, 0, 1.02);
@@ -168,29 +168,27 @@ ExperimentResult run_proportional_sampling(const ExperimentContext& context) {
   ExperimentResult result;
   result.claims.push_back(claim_gain(methods.front(), "gain-box", "the closed box", 0.9));
   if (methods.size() > 1) result.claims.push_back(claim_gain(methods.back(), "gain-sponza", "Sponza", 0.65));
-  claim_without_sponza(context, kOurs,
-                       {{"gain-sponza",
-                         "In Sponza samples in proportion to the standard deviation have the lower MSE "
-                         "at equal time.",
-                         "at most 0.65 of path tracing's"}},
-                       result.claims);
+  claim_without_sponza(
+      context, kOurs,
+      {{"gain-sponza", "In Sponza sampling in proportion to the standard deviation has the lower MSE at equal time.",
+        "at most 0.65 of path tracing's"}},
+      result.claims);
   result.claims.push_back(claim_never_worse(built_in_scenes));
   result.blocks.emplace_back(table("MSE", "MSE", methods, &TracePoint::mse));
   result.blocks.emplace_back(
-      table("What a display shows", "MSE of sRGB values, cut off at 1,", methods, &TracePoint::display_mse));
+      table("Display values", "MSE of sRGB values, clamped at 1,", methods, &TracePoint::display_mse));
   result.blocks.emplace_back(table("MSE in built-in scenes", "MSE", built_in_scenes, &TracePoint::mse));
   std::vector<ImageSet> images;
   for (SceneResult& scene : methods) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(trace_viewer(
-      "Images", "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
-      std::move(images)));
+      "Images", "At the time of 32 frames of path tracing. Maps: final probability of a sample.", std::move(images)));
   for (const SceneResult& scene : methods)
     result.blocks.emplace_back(trace_charts(scene.name, "", scene.traces, &TracePoint::mse, "MSE"));
   result.setup = {{"Size", context.quick ? size_text(context)
                                          : size_text(context) + ", three times along each edge; built-in scenes twice"},
-                  {"Reference", fmt::format("{} samples a pixel, built-in scenes {}", method_reference_spp(context),
+                  {"Reference", fmt::format("{} samples per pixel, built-in scenes {}", method_reference_spp(context),
                                             built_in_reference_spp(context))},
-                  {"Measure", "MSE of linear values, and of sRGB values that are cut off at 1"},
+                  {"Measure", "MSE of linear values, and of sRGB values that are clamped at 1"},
                   {"Repetitions",
                    "five sequences, built-in scenes three (one in a quick run); contenders take turns "
                    "frame by frame"}};
@@ -200,7 +198,7 @@ ExperimentResult run_proportional_sampling(const ExperimentContext& context) {
 }  // namespace
 
 Experiment proportional_sampling_experiment() {
-  return {"proportional-sampling", kOurs, "samples in proportion to the standard deviation, against other allocations",
+  return {"proportional-sampling", kOurs, "sampling in proportion to the standard deviation, against other allocations",
           run_proportional_sampling};
 }
 

@@ -80,8 +80,6 @@ ExperimentResult run_psf_bias(const ExperimentContext& context) {
 
 }  // namespace
 
-Experiment psf_bias_experiment() {
-  return {"psf-bias", kPaper, "the bias of the average frame of caches", run_psf_bias};
-}
+Experiment psf_bias_experiment() { return {"psf-bias", kPaper, "bias of radiance caches", run_psf_bias}; }
 
 }  // namespace relume

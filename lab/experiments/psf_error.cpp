@@ -55,12 +55,12 @@ const Ratio& largest(const std::vector<Ratio>& list) {
 }
 
 std::string first_frame_text(const std::string& scene) {
-  return scene + ": one sample a pixel and no history, psf at least halves the MSE of path tracing.";
+  return scene + ": at one sample per pixel and without a history, psf at least halves the MSE of path tracing.";
 }
 std::string filter_text(const std::string& scene) {
   return scene +
-         ": away from lamps, where it traces no camera rays of its own, psf at least halves the MSE of path "
-         "tracing too.";
+         ": away from lamps, where it traces no additional camera rays, psf at least halves the MSE of path tracing, "
+         "too.";
 }
 std::string accumulation_text(const std::string& scene) {
   return scene +
@@ -130,10 +130,11 @@ void claim_filter_alone(const ExperimentContext& context, const ExperimentScene&
 void claim_accumulation(const Comparison& c, std::vector<Claim>& claims) {
   const std::vector<Ratio> cells = first_ratios(c, "psf", "accumulated");
   const std::vector<Ratio> both = first_ratios(c, "psf-accumulated", "accumulated");
-  claims.push_back(judged_within("first-frames-" + c.options.scene_name, kOurs, accumulation_text(c.options.scene_name),
-                                 fmt::format("at most {} of accumulation's MSE ({} with no history but the cells')",
-                                             share_text(largest(both)), share_text(largest(cells))),
-                                 kBelow, both, 0, 1));
+  claims.push_back(
+      judged_within("first-frames-" + c.options.scene_name, kOurs, accumulation_text(c.options.scene_name),
+                    fmt::format("at most {} of accumulation's MSE ({} without a history except the cells')",
+                                share_text(largest(both)), share_text(largest(cells))),
+                    kBelow, both, 0, 1));
 }
 
 void claim_similar(const Comparison& c, std::vector<Claim>& claims) {
@@ -200,7 +201,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
       result.claims);
   measure_walk(context, "corridor", 10, result);
   result.setup = {common_setup(context).front(),
-                  {"Samples", "1 a pixel and frame"},
+                  {"Samples", "1 per pixel and frame"},
                   {"Bounces", "6; corridor: 10"},
                   {"Settings", "the defaults of each technique"},
                   {"Repetitions", fmt::format("{}; of the walk, 3", repetitions)}};
@@ -210,7 +211,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
 }  // namespace
 
 Experiment psf_error_experiment() {
-  return {"psf-error", kPaper, "one sample a pixel: what filters in path space do to the error", run_psf_error};
+  return {"psf-error", kPaper, "error of path space filtering at one sample per pixel", run_psf_error};
 }
 
 }  // namespace relume

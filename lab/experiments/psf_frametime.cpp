@@ -125,7 +125,7 @@ std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, con
 TableBlock table(const std::vector<Timing>& timings) {
   TableBlock block{
       "Times",
-      "Median milliseconds of processor time a frame, all threads together; techniques take turns frame by frame.",
+      "Median milliseconds of processor time per frame, over all threads; techniques take turns frame by frame.",
       "scene, bounces",
       {},
       {}};
@@ -147,7 +147,7 @@ TableBlock cost_table(const Timing& t) {
                    "technique",
                    {{"time over path tracing's", "", Better::lower},
                     {"ms", "", Better::lower},
-                    {"rays a pixel", "", Better::lower},
+                    {"rays per pixel", "", Better::lower},
                     {"cells"},
                     {"table", "MB"},
                     {"probes"}},
@@ -163,7 +163,7 @@ TableBlock cost_table(const Timing& t) {
 }
 
 BarBlock bars(const Timing& t) {
-  BarBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces), "Mean by pass, by a clock on the wall.", "ms", {}};
+  BarBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces), "Mean wall-clock time by pass.", "ms", {}};
   for (const FrameFigures& f : t.list) block.bars.push_back({f.name, f.passes});
   return block;
 }
@@ -211,7 +211,7 @@ Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& ma
     measured += fmt::format("{}{}: {:.1f} ± {:.1f} and {:.1f} ± {:.1f} ms", measured.empty() ? "" : ", ", few[i].scene,
                             before.ms, before.noise_ms, after.ms, after.noise_ms);
   }
-  return with_verdict("graph-bounces", kPaper, "What apg costs beyond path tracing grows with the number of bounces.",
+  return with_verdict("graph-bounces", kPaper, "The cost of apg beyond path tracing grows with the number of bounces.",
                       measured + " beyond path tracing's with 2 and with 10 bounces",
                       "more with 10 in every scene, by the interval", verdict_of_all(verdicts));
 }
@@ -248,14 +248,13 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   all.insert(all.end(), many.begin(), many.end());
   result.claims.push_back(claim_ratio("primary-faster", "apsf is faster than path tracing.", all, "apsf", "path", 0, 1,
                                       "ratio below 1 everywhere"));
-  result.claims.push_back(claim_ratio("filter-cost",
-                                      "psf takes a little longer than path tracing: filling, eviction and filtering "
-                                      "add at most 20 %.",
-                                      all, "psf", "path", 0, 1.2, "ratio at most 1.2 everywhere"));
+  result.claims.push_back(claim_ratio(
+      "filter-cost", "psf takes slightly longer than path tracing: filling, eviction and filtering add at most 20 %.",
+      all, "psf", "path", 0, 1.2, "ratio at most 1.2 everywhere"));
   result.claims.push_back(
       claim_ratio("graph-slowest", "apg is slower than psf.", all, "apg", "psf", 1, 1e9, "ratio above 1 everywhere"));
-  result.claims.push_back(claim_ratio("graph-with-primary", "apg is faster together with apsf.", all, "apg+apsf", "apg",
-                                      0, 1, "ratio below 1 everywhere"));
+  result.claims.push_back(claim_ratio("graph-with-primary", "apg is faster when combined with apsf.", all, "apg+apsf",
+                                      "apg", 0, 1, "ratio below 1 everywhere"));
   result.claims.push_back(claim_growth(few, many));
   result.blocks.insert(result.blocks.begin(), table(all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
@@ -268,7 +267,7 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
 }  // namespace
 
 Experiment psf_frametime_experiment() {
-  return {"psf-frametime", kPaper, "what frames of caches cost", run_psf_frametime};
+  return {"psf-frametime", kPaper, "frame times of radiance caches", run_psf_frametime};
 }
 
 }  // namespace relume

@@ -47,12 +47,12 @@ void claim_monotone(const SceneAverages& scene, std::vector<Claim>& claims) {
       measured += fmt::format("{}{}: {}", measured.empty() ? "" : ", ", a.name.substr(a.name.rfind(' ') + 1),
                               with_noise(a.*figure));
     }
-    claims.push_back(
-        {id + scene.name, kPaper, fmt::format("{}: the larger the variance constant of apg, the {}.", scene.name, text),
-         "by constant: " + measured,
-         "every step from one constant to the next goes that way by more than its noise (95 % each); fails "
-         "if one goes the other way by as much",
-         verdict_on_steps(scene.graphs, figure, falls)});
+    claims.push_back({id + scene.name, kPaper,
+                      fmt::format("{}: the larger the variance constant of apg, the {}.", scene.name, text),
+                      "by constant: " + measured,
+                      "every step from one constant to the next changes in this direction by more than its noise (95 % "
+                      "each); fails if one changes in the other direction by as much",
+                      verdict_on_steps(scene.graphs, figure, falls)});
   };
   add("monotone-bias-", "less bias", &FrameAverages::bias2, true);
   add("monotone-variance-", "more variance", &FrameAverages::variance, false);
@@ -81,7 +81,7 @@ ExperimentResult run_psf_variance(const ExperimentContext& context) {
 }  // namespace
 
 Experiment psf_variance_experiment() {
-  return {"psf-variance", kPaper, "how far frames of caches stray, and the variance constant of path graphs",
+  return {"psf-variance", kPaper, "variance of radiance caches, and the variance constant of path graphs",
           run_psf_variance};
 }
 

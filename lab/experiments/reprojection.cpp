@@ -48,16 +48,15 @@ struct Overhead {
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, int samples_per_step,
                          StoredSampleChoice stored, float error) {
-  TraceContender result{.name = samples_per_step == 0 ? "start anew" : "",
-                        .settings = scene.settings,
-                        .samples_per_step = samples_per_step};
+  TraceContender result{
+      .name = samples_per_step == 0 ? "restart" : "", .settings = scene.settings, .samples_per_step = samples_per_step};
   set_size(context, result.settings);
   if (samples_per_step == 0) return result;
   result.settings.history = HistoryChoice::reproject;
   result.settings.reproject.stored = stored;
   result.settings.reproject.fill = false;  // not part of the paper
   result.settings.reproject.error = error;
-  result.name = fmt::format("{} stored, {} a step", stored == StoredSampleChoice::four ? 4 : 1, samples_per_step);
+  result.name = fmt::format("{} stored, {} per step", stored == StoredSampleChoice::four ? 4 : 1, samples_per_step);
   if (error != kSmallestError) result.name += fmt::format(", ε {}/256", std::lround(error * 256));
   return result;
 }
@@ -127,7 +126,7 @@ Overhead measure_overhead(const ExperimentContext& context, const ExperimentScen
           turned_aside(scene, -0.4f * static_cast<float>(frame), moving ? aside_at(frame) : 0.0f));
       session->render_frame();
     }
-    context.report(scene.name + (moving ? ", overhead of a moving eye" : ", overhead"), (frame + 1.0) / frames);
+    context.report(scene.name + (moving ? ", overhead of a moving camera" : ", overhead"), (frame + 1.0) / frames);
   }
   const auto usual_s = [](const TimedSession& session) {
     return std::vector<double>(session.frame_s().begin() + 4, session.frame_s().end());
@@ -155,12 +154,11 @@ Overhead measure_overhead(const ExperimentContext& context, const ExperimentScen
 TableBlock overhead_table(const std::vector<Overhead>& list) {
   TableBlock block{
       "Overhead",
-      "Median time of a frame of one sample while the camera turns by 0.4° a frame; \"moving\": and moves by 1 cm, "
-      "without which eq. 15 is zero and nothing is evaluated. The share is that of the new frame, as in the paper. "
-      "Memory is what a pixel needs more; the paper's needs 144 bytes with "
-      "one stored sample (133 MB).",
+      "Median time of a frame of one sample while the camera turns by 0.4° per frame; \"moving\": it also moves by 1 "
+      "cm, without which eq. 15 is zero and not evaluated. The share is that of the new frame, as in the paper. Memory "
+      "is the addition per pixel; the paper's is 144 bytes with one stored sample (133 MB).",
       "scene",
-      {{"start anew, ms"}, {"1 stored, ms"}, {"share"}, {"bytes"}, {"4 stored, ms"}, {"share"}, {"bytes"}},
+      {{"restart, ms"}, {"1 stored, ms"}, {"share"}, {"bytes"}, {"4 stored, ms"}, {"share"}, {"bytes"}},
       {}};
   const auto share = [](const Ratio& frame) {
     const double value = 1 - 1 / frame.value;
@@ -199,8 +197,8 @@ void claim_overhead(const std::vector<Overhead>& list, bool moving, std::vector<
   }
   claims.push_back(judged_within(
       moving ? "overhead-moving" : "overhead", moving ? kOurs : kPaper,
-      fmt::format("Reprojection takes 15 to 26 % of the new frame, with one stored sample as with four{}.",
-                  moving ? ", while the camera moves as well as turns" : ""),
+      fmt::format("Reprojection takes 15 to 26 % of the new frame, both with one stored sample and with four{}.",
+                  moving ? ", while the camera moves and turns" : ""),
       measured + " (1 and 4 stored)", "at most 26 %", ratios, 0, 1 / (1 - kMostShare)));
 }
 
@@ -240,7 +238,7 @@ void claim_more_samples(const SceneResult& scene, std::vector<Claim>& claims) {
   const Case& c = scene.cases.front();
   if (c.traces.size() < 5) return;
   const Ratio ratio = early_ratio(c, 4, 2);
-  claims.push_back(judged_within("more-samples", kPaper, "64 samples a step leave less error than 32.",
+  claims.push_back(judged_within("more-samples", kPaper, "64 samples per step leave less error than 32.",
                                  share_text(ratio) + " of the MSE with 32 (4 stored)", kBelowOne, {ratio}, 0, 1));
 }
 
@@ -256,15 +254,15 @@ Claim claim_error_bound(const ExperimentContext& context, const ExperimentScene&
   const Case c = measure(context, scene, reference, step_deg, list, kEyeStep_m * 100 / step_deg);
   blocks.emplace_back(trace_charts(
       "Bound of the view dependency",
-      fmt::format("The box, one stored sample; the eye moves by {:.0f} cm a step besides.", 100 * kEyeStep_m), c.traces,
-      &TracePoint::mse, "MSE"));
+      fmt::format("The box, one stored sample; the camera also moves by {:.0f} cm per step.", 100 * kEyeStep_m),
+      c.traces, &TracePoint::mse, "MSE"));
   const Ratio four = early_ratio(c, 2, 1);
   const Ratio eight = early_ratio(c, 3, 1);
-  return judged_within("error-bound", kPaper, "Bounds of 1/256, 4/256 and 8/256 give the same error.",
-                       fmt::format("4/256: {}, 8/256: {} of the MSE with 1/256; the eye moves by {:.0f} cm a step of "
-                                   "{:.0f}°",
-                                   share_text(four), share_text(eight), 100 * kEyeStep_m, step_deg),
-                       "within 10 %", {four, eight}, 1 / 1.1, 1.1);
+  return judged_within(
+      "error-bound", kPaper, "Bounds of 1/256, 4/256 and 8/256 give the same error.",
+      fmt::format("4/256: {}, 8/256: {} of the MSE with 1/256; the camera moves by {:.0f} cm per step of {:.0f}°",
+                  share_text(four), share_text(eight), 100 * kEyeStep_m, step_deg),
+      "within 10 %", {four, eight}, 1 / 1.1, 1.1);
 }
 
 Ratio ratio_named(const std::vector<SceneResult>& results, std::string_view name) {
@@ -298,7 +296,7 @@ Claim claim_materials(const ExperimentContext& context, const std::vector<SceneR
     ratios.push_back(quotient(ratio, plain));
     measured += fmt::format(", {}: {}", name, share_text(ratio));
   }
-  return judged_within("materials", kPaper, "Highly reflective and refractive materials make it help less.",
+  return judged_within("materials", kPaper, "Reprojection helps less with highly reflective and refractive materials.",
                        measured + " of restarted accumulation", "ratios above the box's", ratios, 1);
 }
 
@@ -307,9 +305,9 @@ std::vector<Block> shown(std::vector<SceneResult>& results, const std::vector<Ov
   std::vector<Block> blocks{overhead_table(overheads)};
   std::vector<ImageSet> images;
   for (SceneResult& scene : results) images.push_back(std::move(scene.cases.front().images));
-  blocks.emplace_back(trace_viewer(
-      "Images", "After the last step of a turn, and as much time as four frames of restarted accumulation take.",
-      std::move(images)));
+  blocks.emplace_back(
+      trace_viewer("Images", "After the last step of a turn, at the time of four frames of restarted accumulation.",
+                   std::move(images)));
   for (const SceneResult& scene : results) {
     for (const Case& c : scene.cases) {
       blocks.emplace_back(trace_charts(fmt::format("{}, steps of {:.0f}°", scene.name, c.step_deg),
@@ -361,7 +359,7 @@ ExperimentResult run_reprojection(const ExperimentContext& context) {
   result.blocks.insert(result.blocks.end(), bound_blocks.begin(), bound_blocks.end());
   result.setup = common_setup(context);
   result.setup.insert(result.setup.end(),
-                      {{"Turn", "100° in steps; the last view is the same whatever the step"},
+                      {{"Turn", "100° in steps; the last view is the same for all steps"},
                        {"First frames", "from the end of the first to the eighth frame of restarted accumulation"},
                        {"Repetitions", "three sequences (one in a quick run); contenders take turns frame by frame"}});
   return result;

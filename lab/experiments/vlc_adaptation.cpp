@@ -19,7 +19,7 @@ void add_claims(const Adaptation& cache, const Adaptation& tree, const std::stri
   const Ratio second = error_ratio(cache.at(0), cache.at(1));
   const Ratio better = error_ratio(tree.plateaus(tree.runs.front().size()), cache.at(1));
   claims.push_back(judged_ratios("second-frame" + suffix, source,
-                                 cache.name + ": already the second frame has a better image than the first.",
+                                 cache.name + ": the second frame already has less error than the first.",
                                  fmt::format("{} lower MSE than the first frame's, {} lower than the light tree's",
                                              to_text(second), to_text(better)),
                                  {second}, 1.5));
@@ -52,12 +52,12 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   ExperimentResult result;
   add_claims(paper, tree, "", kPaper, result.claims);
   add_claims(cache, tree, "-own", kOurs, result.claims);
-  result.blocks.emplace_back(adaptation_chart(
-      "Warehouse",
-      "Error of single frames from an empty cache; bands are 95 % intervals of the mean over the runs. "
-      "`vlc` has our extensions: exploration with a table for each cell of a grid, weighted buckets, "
-      "and a memory of four frames.",
-      {cache, paper, tree}, 1));
+  result.blocks.emplace_back(
+      adaptation_chart("Warehouse",
+                       "Error of single frames from an empty cache; bands are 95 % intervals of the mean over the "
+                       "runs. `vlc` has relume's extensions: exploration with a table for each cell of a grid, "
+                       "weighted buckets, and a memory of four frames.",
+                       {cache, paper, tree}, 1));
   result.setup = learning_setup(context);
   result.setup.emplace_back("Runs", fmt::format("{} seeds, {} frames each from an empty cache; {} with the light tree",
                                                 runs, frames, context.choose(8, 4)));

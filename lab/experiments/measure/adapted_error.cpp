@@ -146,8 +146,8 @@ AdaptedOptions adapted_options(const ExperimentContext& context) {
 std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context) {
   const AdaptedOptions o = adapted_options(context);
   std::vector<std::pair<std::string, std::string>> setup = learning_setup(context);
-  setup.emplace_back("Frames", fmt::format("{} sessions with seeds of their own, {} frames to adapt and {} measured in "
-                                           "each; what neither learns nor prepares anything goes on in one session",
+  setup.emplace_back("Frames", fmt::format("{} sessions with separate seeds, {} frames to adapt and {} measured in "
+                                           "each; techniques that do not adapt use one session",
                                            o.sessions, o.warm_up, o.frames));
   setup.emplace_back("Intervals",
                      fmt::format("95 %, from the means of {} blocks of {} frames; of static lists from {} sessions",

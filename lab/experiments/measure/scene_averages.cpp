@@ -28,8 +28,8 @@ TableCell cell(const Estimate& e) { return {short_number(e.value), e.value, "± 
 TableBlock table(const SceneAverages& scene) {
   TableBlock block{
       scene.name,
-      "Bias²: mean square difference of the average frame from the reference, without what noise adds to it "
-      "(noise can make it negative). Variance: of a frame, over independent sessions. ±: 95 %, from these.",
+      "Bias²: mean squared difference between the average frame and the reference, minus the part due to noise (noise "
+      "can make it negative). Variance: of a frame, over independent sessions. ±: 95 %, from these.",
       "technique",
       {{"bias²", "", Better::lower}, {"variance", "", Better::lower}, {"bias² + variance", "", Better::lower}},
       {}};
@@ -55,12 +55,12 @@ ChartBlock curves(const SceneAverages& scene) {
     variance.points.push_back({.x = x, .y = scene.graphs[i].variance.value});
   }
   return {scene.name + ": the variance constant",
-          "Bias and variance of apg. The leftmost points are those of the constant 0.",
+          "Bias and variance of apg. The leftmost points are the constant 0.",
           {{"by constant", "variance constant", "bias², variance", true, true, {bias, variance}}}};
 }
 
 ViewerBlock images(const std::vector<SceneAverages>& scenes) {
-  ViewerBlock block{"Average frames", "What remains when the noise is gone.", image_layer_kinds(), {}};
+  ViewerBlock block{"Average frames", "The mean of many frames, which shows the bias.", image_layer_kinds(), {}};
   for (const SceneAverages& scene : scenes) {
     std::vector<MeasuredImage> images;
     for (size_t i = 1; i < scene.caches.size(); ++i)
@@ -99,7 +99,7 @@ void show_averages(const ExperimentContext& context, const std::vector<SceneAver
   result.blocks.emplace_back(images(scenes));
   const FramePlanOfAverages plan = plan_of(context);
   result.setup = {common_setup(context).front(),
-                  {"Frames", fmt::format("{} of one sample a pixel after {} others, {} times with other seeds",
+                  {"Frames", fmt::format("{} of one sample per pixel after {} others, {} times with other seeds",
                                          plan.count, plan.skip, plan.repetitions)},
                   {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};
 }

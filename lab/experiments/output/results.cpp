@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kQuickNote =
-    "A quick run: small images, few settings, much noise. It shows that everything works; the verdicts mean little.";
+    "A quick run: small images, few settings, much noise. It shows that everything runs; its verdicts mean little.";
 
 std::string count_text(const std::vector<Claim>& claims) {
   const auto count = [&](std::string_view verdict) {
@@ -114,12 +114,12 @@ std::string to_json(const Experiment& experiment, const ExperimentResult& result
 
 Page experiment_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run) {
   Page page{std::string(experiment.name), fmt::format("{}: {}", experiment.paper, experiment.summary), {}};
-  TextBlock lead{"In short", count_text(result.claims) + ".", {}};
+  TextBlock lead{"Summary", count_text(result.claims) + ".", {}};
   if (run.quick) lead.points.emplace_back(kQuickNote);
   page.blocks.emplace_back(lead);
-  page.blocks.emplace_back(ClaimBlock{"Claims", "What does not hold here is a result too.", result.claims});
+  page.blocks.emplace_back(ClaimBlock{"Claims", "A claim that does not hold is a result, too.", result.claims});
   for (const Block& block : result.blocks) page.blocks.push_back(block);
-  DetailsBlock made{"How it was made", "", run.machine, {}};
+  DetailsBlock made{"Method", "", run.machine, {}};
   made.pairs.emplace_back("Duration", duration_text(run.seconds));
   made.pairs.insert(made.pairs.end(), result.setup.begin(), result.setup.end());
   page.blocks.emplace_back(made);
@@ -148,11 +148,11 @@ ExperimentSummary read_summary(std::string_view text, const std::string& place) 
 }
 
 Page index_page(const std::vector<ExperimentSummary>& experiments) {
-  Page page{"Experiments", "What papers claim beside what was measured here", {}};
+  Page page{"Experiments", "Claims of papers, and relume's measurements", {}};
   LinkBlock links{"Experiments", "", {}};
   std::vector<Claim> all;
   bool quick = false;
-  DetailsBlock made{"How it was made", "", {}, {}};
+  DetailsBlock made{"Method", "", {}, {}};
   for (const ExperimentSummary& e : experiments) {
     all.insert(all.end(), e.claims.begin(), e.claims.end());
     quick = quick || e.run.quick;
@@ -161,7 +161,7 @@ Page index_page(const std::vector<ExperimentSummary>& experiments) {
     made.pairs.emplace_back(e.name,
                             (e.run.quick ? "quick run, " : "") + duration_text(e.run.seconds) + machine_text(e.run));
   }
-  TextBlock lead{"In short", count_text(all) + ".", {}};
+  TextBlock lead{"Summary", count_text(all) + ".", {}};
   if (quick) lead.points.emplace_back(kQuickNote);
   page.blocks = {lead, links};
   for (const ExperimentSummary& e : experiments)
@@ -185,7 +185,7 @@ std::string index_markdown(const std::vector<ExperimentSummary>& experiments) {
     }
   }
   const bool quick = std::any_of(experiments.begin(), experiments.end(), [](const auto& e) { return e.run.quick; });
-  return fmt::format("# Experiments\n\nWhat papers claim beside what was measured: {}.{}\n{}", count_text(all),
+  return fmt::format("# Experiments\n\nClaims of papers, and relume's measurements: {}.{}\n{}", count_text(all),
                      quick ? fmt::format(" {}", kQuickNote) : "", text);
 }
 

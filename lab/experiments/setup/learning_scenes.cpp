@@ -103,8 +103,9 @@ int learning_reference_spp(const ExperimentContext& context) { return context.ch
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
   return {{"Size", size_text(context)},
           {"Path", "two indirect rays, as in the paper"},
-          {"Reference", std::to_string(learning_reference_spp(context)) +
-                            " samples a pixel with the light tree; its own noise is known and taken off every MSE"}};
+          {"Reference",
+           std::to_string(learning_reference_spp(context)) +
+               " samples per pixel with the light tree; its own noise is known and subtracted from every MSE"}};
 }
 
 }  // namespace relume

@@ -38,11 +38,10 @@ Reference make_reference(const ExperimentContext& context, const ExperimentScene
 }
 
 std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context) {
-  return {
-      {"Size", size_text(context) + " (the paper: 1280 × 720)"},
-      {"Reference", fmt::format("{} samples a pixel, half as many for variations (the paper: 4096); its own noise is "
-                                "known and taken off every MSE",
-                                reference_spp(context))}};
+  return {{"Size", size_text(context) + " (the paper: 1280 × 720)"},
+          {"Reference", fmt::format("{} samples per pixel, half as many for variations (the paper: 4096); its own "
+                                    "noise is known and subtracted from every MSE",
+                                    reference_spp(context))}};
 }
 
 }  // namespace relume

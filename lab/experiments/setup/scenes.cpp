@@ -144,7 +144,7 @@ std::optional<ExperimentScene> sponza(const ExperimentContext& context) {
   if (context.scene_folder.empty()) return std::nullopt;
   const std::filesystem::path file = context.scene_folder / "sponza" / "sponza.gltf";
   if (!std::filesystem::exists(file))
-    throw Error(file.string() + ": there is no such file; --scenes names its folder's folder");
+    throw Error(file.string() + ": the file does not exist; give the folder above its folder with --scenes");
   ExperimentScene result;
   result.name = "Sponza";
   result.scene = load_scene(file);

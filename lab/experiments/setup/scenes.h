@@ -59,7 +59,7 @@ std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees);
 /// Same, and moved to the right of the unturned view by `aside_m`. Without a camera, both must be 0.
 std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m);
 
-inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where sponza/sponza.gltf is";
+inline constexpr const char* kNoSponza = "needs Sponza: give the folder above sponza/sponza.gltf with --scenes";
 
 /// A claim about Sponza, which is not a built-in scene.
 struct SponzaClaim {
