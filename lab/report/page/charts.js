@@ -122,7 +122,7 @@ relume.blocks.chart = function (block) {
   const section = relume.section(block, "chart-block");
   const host = relume.make("div", { class: "chart" });
   const legend = relume.make("div", { class: "legend", role: "group", "aria-label": "Curves shown" });
-  const table = relume.make("details", { toggle: () => fillTable() }, relume.make("summary", { text: "The same as a table" }));
+  const table = relume.make("details", { toggle: () => fillTable() }, relume.make("summary", { text: "Values as a table" }));
   const hidden = new Set();
   let current = 0;
   const fillTable = () => {
@@ -196,7 +196,7 @@ relume.blocks.bars = function (block) {
   const head = relume.make("tr", {}, relume.make("th", { text: "" }), ...names.map((name) => relume.make("th", { text: name })));
   const rows = block.bars.map((bar) => relume.make("tr", {}, relume.make("th", { scope: "row", text: bar.name }),
     ...names.map((name) => relume.make("td", { class: "value", text: relume.format((bar.parts.find((part) => part[0] === name) || [])[1]) }))));
-  section.append(legend, host, relume.make("details", {}, relume.make("summary", { text: "The same as a table" }),
+  section.append(legend, host, relume.make("details", {}, relume.make("summary", { text: "Values as a table" }),
     relume.make("div", { class: "scroll" }, relume.make("table", {}, relume.make("thead", {}, head), relume.make("tbody", {}, ...rows)))));
   relume.whenSized(host, () => relume.drawBars(host, block, names));
   relume.drawBars(host, block, names);

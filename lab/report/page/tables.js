@@ -63,7 +63,7 @@ relume.blocks.claims = function (block) {
     relume.make("td", {}, ...relume.prose(claim.threshold)),
     relume.make("td", {}, relume.make("span", { class: `verdict ${kinds[claim.verdict] || "open"}`, text: claim.verdict }))));
   section.append(relume.make("div", { class: "scroll" }, relume.make("table", { class: "claims" },
-    relume.make("thead", {}, relume.make("tr", {}, ...["claim", "the paper says", "measured here", "counts as holding if", "verdict"].map((text) => relume.make("th", { scope: "col", text })))),
+    relume.make("thead", {}, relume.make("tr", {}, ...["claim", "statement", "measured", "holds if", "verdict"].map((text) => relume.make("th", { scope: "col", text })))),
     relume.make("tbody", {}, ...rows))));
   return section;
 };

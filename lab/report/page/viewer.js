@@ -20,7 +20,7 @@ relume.Viewer = class {
   build() {
     const { make, choice } = relume;
     this.layoutChoice = choice("Layout", ["Side by side", "In place"], 0, (i) => this.setLayout(i === 0 ? "grid" : "single"));
-    this.layerChoice = choice("What is shown", this.block.layers.map((l) => l.label), 0, (i) => this.setLayer(i));
+    this.layerChoice = choice("Layer", this.block.layers.map((l) => l.label), 0, (i) => this.setLayer(i));
     this.imageBar = make("span", { class: "bar", style: "margin: 0", role: "group", "aria-label": "Image shown in place" });
     const zoomButton = (text, label, action) => make("button", { type: "button", text, "aria-label": label, "data-action": label, click: action });
     const zoomBar = make("span", { class: "group", role: "group", "aria-label": "Zoom" },
@@ -30,16 +30,16 @@ relume.Viewer = class {
     const bar = make("div", { class: "bar" });
     if (this.block.views.length > 1) {
       const select = make("select", { "data-action": "view", change: () => this.showView(select.selectedIndex) }, ...this.block.views.map((view) => make("option", { text: view.label })));
-      bar.append(make("label", {}, "Shown ", select));
+      bar.append(make("label", {}, "View ", select));
     }
     bar.append(this.layoutChoice, this.layerChoice, zoomBar, this.zoomText);
     this.ramp = make("span", { class: "ramp" });
     this.panes = make("div", { class: "panes" });
-    this.frame = make("div", { class: "viewer", tabindex: "0", role: "group", "aria-label": "Images. Keys: 1 to 9 choose an image, G side by side, M next map, arrows move, plus and minus zoom, F fits." }, this.panes);
+    this.frame = make("div", { class: "viewer", tabindex: "0", role: "group", "aria-label": "Images. Keys: 1 to 9 choose an image, G side by side, M next layer, arrows move, plus and minus zoom, F fits." }, this.panes);
     this.status = make("p", { class: "visually-hidden", role: "status" });
     this.inspector = make("div", { class: "inspector" });
     this.crops = make("div", { class: "crops" });
-    const cropButton = make("button", { type: "button", text: "Add what is shown", "data-action": "Add crop", click: () => this.addCrop() });
+    const cropButton = make("button", { type: "button", text: "Add the visible part", "data-action": "Add crop", click: () => this.addCrop() });
     this.section.append(bar, make("div", { class: "bar" }, this.imageBar, this.ramp), this.frame, this.status,
       make("div", { class: "under" },
         make("div", {}, make("h3", { text: "Values" }), this.inspector),
@@ -260,7 +260,7 @@ relume.Viewer = class {
   inspect() {
     const { make, format } = relume;
     if (!this.pixel) {
-      this.inspector.replaceChildren(make("p", { class: "subtitle", text: "Point at an image to read linear radiance; click to hold a pixel, double-click to let go. Enter holds the pixel in the middle." }));
+      this.inspector.replaceChildren(make("p", { class: "subtitle", text: "Point at an image to read linear radiance; click to pin a pixel, double-click to release it. Enter pins the pixel in the centre." }));
       return;
     }
     const [x, y] = this.pixel;
@@ -338,7 +338,7 @@ relume.Viewer = class {
 
 relume.keyHelp = function () {
   const { make } = relume;
-  const keys = [["1 … 9", "that image, in place"], ["Space", "the one before"], ["G", "side by side"], ["M", "next map"], ["+ −", "zoom"], ["F", "fit"], ["O", "one to one"], ["← ↑ → ↓", "move"], ["Enter", "hold a pixel"], ["wheel, drag", "zoom, move"]];
+  const keys = [["1 … 9", "image, in place"], ["Space", "previous image"], ["G", "side by side"], ["M", "next layer"], ["+ −", "zoom"], ["F", "fit"], ["O", "one to one"], ["← ↑ → ↓", "move"], ["Enter", "pin a pixel"], ["wheel, drag", "zoom, move"]];
   return make("details", {}, make("summary", { text: "Keys and mouse" }), make("ul", { class: "keys" }, ...keys.map(([key, text]) => make("li", {}, make("kbd", { text: key }), ` ${text}`))));
 };
 
