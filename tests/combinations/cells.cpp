@@ -128,20 +128,16 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
     return bias_of(a, b) > 0 ? "◐" : "●";
   };
   std::string text =
-      "# What combines with what\n\n"
-      "Every choice of every slot with every choice of every other, all else at its default. "
-      "`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` renders each "
-      "cell,\nan open Cornell box with three lamps under a sky, the "
-      "camera moving once, compares its mean with path tracing's, and writes this file.\n\n"
-      "● right in the mean · ◐ right but for a bias · ✗ wrong · ◌ needs a library that Debian 12 does not have · – "
-      "refused "
-      "at start, for the\nreasons below\n\n"
-      "How far the mean may be off with a bias (two biased choices: the sum): " +
+      "# What combines with what\n\nEach cell is one pair of choices of two slots, with all other settings at their "
+      "defaults.\n`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` "
+      "renders\nthe cells in an open Cornell box with three lamps under a sky, while the camera moves once. "
+      "It\ncompares their means with that of path tracing, and writes this page.\n\n● unbiased · ◐ biased within the "
+      "stated bound · ✗ wrong · ◌ needs a library that Debian 12 does not\nhave · – refused with an error for the "
+      "reasons below\n\nBounds of the bias (two biased choices: the sum): " +
       bias_list() +
-      ". A cell passes if\nits luminance, red, green and blue are each off by no more than that and 4.5 of their "
-      "standard errors, which are 0.5 % "
-      "of the luminance at most,\n0.25 % in the slow test: what was measured, and how surely, stands "
-      "[below](#measured).\n\n";
+      ".\n\nA cell passes if the errors of luminance, red, green and blue are each below the bound plus 4.5\nstandard "
+      "errors. The standard error is at most 0.5 % of the luminance, or 0.25 % in the slow test. The\n[measured "
+      "errors](#measured) are at the end.\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {
     std::string& cell = symbols[row * choices.size() + column];
@@ -161,9 +157,8 @@ std::string deviation_table(const std::function<Deviation(const Choice& a, const
   const std::vector<Choice>& choices = all_choices();
   std::string text = kDeviationsTitle;
   text +=
-      "\nBy how many percent the mean luminance of the images was off, and in brackets the standard error. Seeds are "
-      "fixed, but compilers and\nvector units round in ways of their own, so that another machine may show other last "
-      "digits.\n\n";
+      "\nThe error of the mean luminance in percent, with its standard error in brackets. Seeds are fixed,\nbut "
+      "compilers and vector units round differently, so the last digits may differ on another machine.\n\n";
   return text + matrix([&](size_t row, size_t column) -> std::string {
            const Choice& a = choices[row];
            const Choice& b = choices[column];
