@@ -82,7 +82,7 @@ void draw_path(State& state) {
   PathTools& tools = state.path;
   ImGui::Text("%zu key frames, %.1f s", tools.path.keys().size(), static_cast<double>(tools.path.duration_s()));
   if (ImGui::Button(tools.recording ? "Stop recording" : "Record")) toggle_recording(state);
-  tooltip("Ten key frames a second of how you fly [R]");
+  tooltip("Records ten key frames per second while you fly [R]");
   ImGui::SameLine();
   if (ImGui::Button("Add key")) add_path_key(state);
   tooltip("This view, at an even distance in time after the last key [K]");
