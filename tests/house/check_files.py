@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Files: each technique has its page, which says when to use it, test and benchmark; every test is built; nothing is
-larger than 1 MiB; links in the docs lead somewhere."""
+larger than 1 MiB; links in the docs lead somewhere, and a page shows each of their images."""
 
 import re
 
@@ -11,6 +11,7 @@ TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "be
 WHEN = "| When to use it |"
 TEST_FOLDERS = ("src", "lab", "apps", "tests")
 TEST = re.compile(r"[\w./-]+_test\.cpp\b")
+IMAGE_SUFFIXES = (".jpg", ".png", ".svg", ".webp")
 
 LINK = re.compile(r"(?<!\\)\[(?:[^\[\]]|\[[^\]]*\])*\]\(<?([^()\s>]+(?:\([^()]*\))?)>?(?:\s+\"[^\"]*\")?\)|(?:src|href)=\"([^\"]+)\"")
 CODE = re.compile(r"^```.*?^```[ \t]*$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
@@ -73,8 +74,17 @@ def check_links(root):
     return problems
 
 
+def check_images(root):
+    """Scripts make images, so those that no page shows any longer are made for nothing."""
+    shown = set()
+    for page in (p for p in house.files(root) if p.suffix == ".md"):
+        shown.update((page.parent / (match[1] or match[2]).partition("#")[0]).resolve() for match in LINK.finditer(page.read_text(encoding="utf-8")))
+    images = [p for p in house.files(root) if p.is_relative_to(root / "docs/images") and p.suffix in IMAGE_SUFFIXES]
+    return [f"{path.relative_to(root)}: no page shows this image" for path in images if path.resolve() not in shown]
+
+
 def check(root):
-    return check_techniques(root) + check_tests(root) + check_sizes(root) + check_links(root)
+    return check_techniques(root) + check_tests(root) + check_sizes(root) + check_links(root) + check_images(root)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import sys
 
 import house
 
-# Phrase -> what to write instead.
+# Phrase -> what to write instead. Where a phrase has a legitimate use, the pattern leaves that out.
 CALQUES = {
     r"but for": "except",
     r"anew": "again",
@@ -18,8 +18,37 @@ CALQUES = {
     r"that (?:is|are) there": "existing",
     r"what (?:is|was) there": "a noun",
     r"mend(?:s|ed|ing)?": "repair",
+    r"what there (?:is|was)": "a noun",
+    r"what (?:is|are|was|were) left": "the rest, the remainder",
+    r"what (?:comes?|came) out": "the result",
+    r"what (?:it|they) (?:know|knows|knew)": "its samples, its state",
+    r"as \w+ as ever": "as before",
+    r"put(?:s|ting)? together": "combine",
+    r"(?:right|true|agrees?|same|not) in the mean": "in expectation, unbiased",
+    r"(?:finds?|finding|found) out": "determine, detect",
+    r"(?:gives?|gave|giving) way": "yields to, is replaced by",
+    r"ha(?:s|ve|d) no say": "does not affect",
+    r"the way there": "the path to it",
+    r"looks? away(?! from)": "does nothing",
+    r"nobody(?:'s)?": "no caller, no pass, unused",
+    r"whoever": "the caller, the code that",
+    r"(?:(?<=[.:;|]\s)|(?<=\())who(?! (?:is|are|was)\b)": "the subject",
+    r"(?:all|says|judges?|tells?|than) who": "those that",
+    r"(?:samples?|paths?|rays|bytes|bits|times|ms|seconds|milliseconds|frames?) an? (?:pixel|frame|path|second|cell|texel)": "per",
+    r"by a hair|a hair (?:wider|narrower|above|below|more|less)": "slightly",
+    r"(?:each|all|both|counts?|treated|chosen|take) alike": "equally, the same way",
+    r"in turns": "alternately",
+    r"nothing (?:runs )?beside": "an otherwise idle machine",
+    r"a right (?:image|value|result|answer|mean)": "correct",
+    r"pictures?": "image",
+    r"kn(?:ows?|ew) nothing of": "ignores",
+    r"speaks? of": "names, refers to",
+    # Things do not think; no pattern finds them all.
+    r"(?:pass|kernel|light|lamp|path|subpath|pixel|texel|cell|region|cache|filter|denoiser|surface|image|frame)(?:e?s)? (?:knows?|knew|wants?|asks?|thinks?|believes?)":
+        "the part that acts and what it does: reads, stores, requires",
 }
-PATTERN = re.compile("|".join(rf"(?P<c{i}>\b{calque}(?!\w))" for i, calque in enumerate(CALQUES)), re.IGNORECASE | re.MULTILINE)
+# Phrases may be wrapped.
+PATTERN = re.compile("|".join(rf"(?P<c{i}>\b(?:{calque})(?!\w))".replace(" ", r"\s+") for i, calque in enumerate(CALQUES)), re.IGNORECASE | re.MULTILINE)
 
 # The pages of experiments quote stored results; they are worded with those.
 NOT_MESSAGES = ("lab/experiments/",)
@@ -28,7 +57,7 @@ NOT_MESSAGES = ("lab/experiments/",)
 def calques(text):
     """(offset, sentence) of every calque."""
     replacements = list(CALQUES.values())
-    return [(m.start(), f"'{m[0]}' is a calque; write: {replacements[int(m.lastgroup[1:])]}") for m in PATTERN.finditer(text)]
+    return [(m.start(), f"'{' '.join(m[0].split())}' is a calque; write: {replacements[int(m.lastgroup[1:])]}") for m in PATTERN.finditer(text)]
 
 
 def literals(text):

@@ -57,6 +57,22 @@ def comments(text):
     return [(text.count("\n", 0, m.start()) + 1, m["comment"]) for m in LITERAL_OR_COMMENT.finditer(text) if m["comment"]]
 
 
+def comment_blocks(text):
+    """(line number, text) of every comment, without slashes; comments on neighbouring lines are one."""
+    blocks = []
+    end = None
+    for match in LITERAL_OR_COMMENT.finditer(text):
+        if match["comment"] is None:
+            continue
+        words = re.sub(r"^//+<?|^/\*+|\*/$", "", match["comment"])
+        if end is not None and re.fullmatch(r"[ \t]*\n[ \t]*", text[end:match.start()]):
+            blocks[-1] = (blocks[-1][0], f"{blocks[-1][1]}\n{words}")
+        else:
+            blocks.append((text.count("\n", 0, match.start()) + 1, words))
+        end = match.end()
+    return blocks
+
+
 def is_test_or_benchmark(path):
     return path.stem.endswith(("_test", "_bench"))
 

@@ -1,15 +1,22 @@
 #!/usr/bin/env python3
 """The checks of the house find what they are there to find."""
 
+import contextlib
+import importlib.machinery
+import importlib.util
+import io
 import pathlib
 import re
 import shutil
+import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import check_files
 import check_layers
 import check_places
+import check_prose
 import check_sources
 import check_spelling
 import check_wording
@@ -114,10 +121,12 @@ class Repository(unittest.TestCase):
         self.write("src/techniques/CMakeLists.txt", "relume_add_tests(a denoise/mute/mute_test.cpp transport/path/path_test.cpp)  # transport/path/lost_test.cpp\n")
         self.write("out/large.bin", "x" * (1 << 21))
         self.write("docs/large.bin", "x" * ((1 << 20) + 1))
-        self.write("README.md", "# Two words\n[a](docs) [b](#two-words) [c](https://x.y) `[d](e)`\n[f](lost.md) [g](#lost)\n")
+        self.write("docs/images/shown.jpg", "")
+        self.write("docs/images/unused.webp", "")
+        self.write("README.md", "# Two words\n[a](docs) [b](#two-words) [c](https://x.y) `[d](e)`\n[f](lost.md) [g](#lost)\n![h](docs/images/shown.jpg)\n")
         self.assert_finds(
             check_files.check, "mute/README.md: has no row that says when", "no benchmark", "lost_test.cpp: no CMakeLists.txt", "at most", "README.md:3: the link to lost.md",
-            "no heading 'lost'")
+            "no heading 'lost'", "unused.webp: no page shows")
 
     @unittest.skipUnless(shutil.which("codespell"), "no codespell")
     def test_spelling(self):
@@ -134,6 +143,48 @@ class Repository(unittest.TestCase):
         self.write("src/core/a_test.cpp", 'f("anew");\n')
         self.write("src/core/b.cpp", 'f("standard, butter, amended, it stands in the corner");\n')
         self.assert_finds(check_wording.check, "a.cpp:1: 'but for'", "a.cpp:4: 'goes on'", "a.cpp:4: 'stands in'", "a.cpp:4: 'mended'")
+
+    def test_wrapped_and_legitimate_phrases(self):
+        found = [sentence.split("'")[1] for _, sentence in check_wording.calques(
+            "One sample a\npixel; (who has no say). All count alike, a hair wider: nobody looks away. The cache knows what is\nleft.")]
+        self.assertEqual(found, ["sample a pixel", "who", "has no say", "count alike", "a hair wider", "nobody", "looks away", "cache knows", "what is left"])
+        self.assertEqual(check_wording.calques(
+            "Users who look alike in the mean of a picturesque frame. A profile looks away from a hair: the samples. A pixel, the users: who is it?"), [])
+
+    def test_prose(self):
+        wide = "word " * 21
+        self.write("README.md", f"# {wide}\n\n{wide}\n\n    {wide}\n\n```text\n{wide} anew\n```\n\n| {wide} |\n\n- item\n  {wide}\n\n`anew` anew.\n")
+        self.write("docs/long.md", "\n".join(["all the " + "odd " * 18] * 2) + "odd ones.\n\nShort here now. " + "Five words are in this. " * 3 + "\n")
+        self.write("docs/guarantees.md", "One sample a pixel.\n")
+        self.assert_finds(
+            check_prose.check, "README.md:1: 107 columns", "README.md:3: 105 columns", "README.md:14: 107 columns", "README.md:16: 'anew'",
+            "docs/long.md:1: a sentence of 42 words")
+
+    def test_median_of_sentences(self):
+        self.write("README.md", ("Word " * 16 + "word.\n\n") * 3)
+        self.assert_finds(check_prose.check, "the median sentence has 17 words")
+
+    def test_prose_of_comments(self):
+        self.write("src/core/a.h", 'int a;  ///< one sample a\n        ///< pixel\nf("anew");\n\n// `anew`\n/* by\n   itself */\n')
+        self.write("src/core/b.h", "// " + "word " * 30 + "\n// " + "word " * 11 + "\n")
+        self.assert_finds(check_prose.check_comments, "a.h:1: 'sample a pixel'", "a.h:6: 'by itself'", "b.h:1: a sentence of 41 words")
+
+    def test_diagrams(self):
+        loader = importlib.machinery.SourceFileLoader("technique_diagrams", str(house.ROOT / "tools/technique_diagrams"))
+        tool = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+        loader.exec_module(tool)
+        drawing = self.root / "diagram.svg"
+        printed = io.StringIO()
+        with mock.patch.multiple(tool, ROOT=self.root, pages=lambda: [("hash_grid", drawing)]), contextlib.redirect_stdout(printed):
+            with mock.patch.object(sys, "argv", ["technique_diagrams", "--check"]):
+                self.assertEqual(tool.main(), 1)
+            with mock.patch.object(sys, "argv", ["technique_diagrams"]):
+                self.assertEqual(tool.main(), 0)
+            with mock.patch.object(sys, "argv", ["technique_diagrams", "--check"]):
+                self.assertEqual(tool.main(), 0)
+                drawing.write_text(drawing.read_text(encoding="utf-8") + " ", encoding="utf-8")
+                self.assertEqual(tool.main(), 1)
+        self.assertEqual(printed.getvalue().count("diagram.svg differs from its drawing"), 2)
 
     def test_comments_keep_line_numbers(self):
         text = 'a /* 1\n2 */ b "// no" // c\nd R"(\n)" 1\'000\n'

@@ -3,6 +3,7 @@
 import re
 
 FENCE = re.compile(r"^```.*?^```[ \t]*$", re.MULTILINE | re.DOTALL)
+INDENTED_CODE = re.compile(r"^    .*$", re.MULTILINE)
 INLINE_CODE = re.compile(r"`[^`\n]*`")
 IMAGE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
 LINK = re.compile(r"(?<!\\)\[((?:[^\[\]]|\[[^\]]*\])*)\]\([^)]*\)")
@@ -11,6 +12,11 @@ FORMULA = re.compile(r"\S+(?: (?:[=+·≈≤≥<>←×/−-]|∈) \S+)+")
 SENTENCE_END = re.compile(r"(?<=[.!?:])[\"')\]]*\s+(?=[\"'(\[]?[A-Z0-9`§α-ωΑ-Ω-])|\n\s*\n|\s*;\s+")
 ABBREVIATION = re.compile(r"\b(?:e\.g|i\.e|eq|fig|sec|ch|vs|approx|resp|al|cf|no)\.\s", re.IGNORECASE)
 WORD = re.compile(r"[A-Za-zÀ-ž][\w'’-]*|\d[\d.,×%–-]*")
+
+
+def without_code(markdown):
+    """A page with its code blocks, fenced and indented, emptied; line numbers stay."""
+    return INDENTED_CODE.sub("", FENCE.sub(lambda m: "\n" * m[0].count("\n"), markdown))
 
 
 def without_markup(text):
@@ -24,7 +30,7 @@ def without_markup(text):
 
 def blocks(markdown):
     """(line number, text) of every paragraph, list item, heading and line of a table cell of a page."""
-    lines = FENCE.sub(lambda m: "\n" * m[0].count("\n"), markdown).split("\n")
+    lines = without_code(markdown).split("\n")
     found = []
     start, current = 0, []
 
@@ -38,7 +44,7 @@ def blocks(markdown):
         if stripped.startswith("|"):
             close()
             found += [(number, without_markup(part)) for part in re.split(r"\||<br>", stripped.strip("|")) if re.search("[A-Za-z]", part)]
-        elif not stripped or stripped.startswith("#") or line.startswith("    "):
+        elif not stripped or stripped.startswith("#"):
             close()
             if stripped.startswith("#"):
                 found.append((number, without_markup(stripped.lstrip("# "))))
