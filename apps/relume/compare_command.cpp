@@ -272,7 +272,7 @@ std::vector<Option> declare(CompareOptions& o) {
        true},
       {{"timing",
         &o.timed_frames,
-        "Only time this many frames of each contender, in turns, after a quarter as many warm-up frames; prints "
+        "Only time this many frames of each contender, alternately, after a quarter as many warm-up frames; prints "
         "milliseconds and the ratio to the first contender, with 95 % intervals",
         {.min = 0, .max = 1 << 20}},
        "FRAMES"},

@@ -45,6 +45,18 @@ std::string matrix(const std::function<std::string(size_t row, size_t column)>& 
 
 bool needs_library(const Choice& a, const Choice& b) { return a.value == "oidn" || b.value == "oidn"; }
 
+/// `text` broken at blanks into lines of at most 100 bytes, of which all but the first begin with `indent`.
+std::string wrapped(std::string text, std::string_view indent = "") {
+  constexpr size_t kColumns = 100;
+  size_t begin = 0;
+  while (text.size() - begin > kColumns) {
+    const size_t blank = text.rfind(' ', begin + kColumns);
+    text.replace(blank, 1, fmt::format("\n{}", indent));
+    begin = blank + 1;
+  }
+  return text;
+}
+
 std::string bias_list() {
   std::string text;
   for (const Choice& choice : all_choices()) {
@@ -133,9 +145,9 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "renders\nthe cells in an open Cornell box with three lamps under a sky, while the camera moves once. "
       "It\ncompares their means with that of path tracing, and writes this page.\n\n● unbiased · ◐ biased within the "
       "stated bound · ✗ wrong · ◌ needs a library that Debian 12 does not\nhave · – refused with an error for the "
-      "reasons below\n\nBounds of the bias (two biased choices: the sum): " +
-      bias_list() +
-      ".\n\nA cell passes if the errors of luminance, red, green and blue are each below the bound plus 4.5\nstandard "
+      "reasons below\n\n" +
+      wrapped("Bounds of the bias (two biased choices: the sum): " + bias_list() + ".") +
+      "\n\nA cell passes if the errors of luminance, red, green and blue are each below the bound plus 4.5\nstandard "
       "errors. The standard error is at most 0.5 % of the luminance, or 0.25 % in the slow test. The\n[measured "
       "errors](#measured) are at the end.\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
@@ -149,7 +161,7 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
     return cell;
   });
   text += "\n## Refused\n\n";
-  for (const std::string& reason : reasons) text += fmt::format("- {}\n", reason);
+  for (const std::string& reason : reasons) text += wrapped("- " + reason, "  ") + "\n";
   return text;
 }
 
