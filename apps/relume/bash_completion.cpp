@@ -7,7 +7,7 @@ namespace {
 
 std::string words(const std::string& list) { return fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$cur\"))", list); }
 
-/// Bash that fills COMPREPLY. `mapfile` keeps names with spaces whole.
+/// Bash that fills COMPREPLY. `mapfile` keeps names with spaces intact.
 std::string offer_script(const Offer& offer) {
   const std::string list = fmt::format("{}", fmt::join(offer.words, " "));
   if (!offer.files) return offer.words.empty() ? "COMPREPLY=()" : words(list);

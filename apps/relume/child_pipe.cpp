@@ -20,7 +20,7 @@ extern char** environ;
 namespace relume::cli {
 namespace {
 
-constexpr int kUnknownExit = 255;  // nobody could say how it ended
+constexpr int kUnknownExit = 255;  // the exit status could not be determined
 
 }  // namespace
 
@@ -33,7 +33,7 @@ ChildPipe::ChildPipe(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  // An interrupt is for us: the child ends when its input does.
+  // Only the parent handles interrupts; the child ends when its input does.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

@@ -1,4 +1,4 @@
-// Another program that reads what this one writes.
+// A child program that reads from a pipe.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,14 @@ namespace relume::cli {
 
 class ChildPipe {
  public:
-  /// Starts `arguments[0]`, found in PATH, with a pipe as its standard input. Throws Error if it cannot be started.
+  /// Starts `arguments[0]`, found in PATH, with a pipe as its standard input. Throws Error if the start fails.
   explicit ChildPipe(const std::vector<std::string>& arguments);
-  /// Ends the program if finish() was not called.
+  /// Terminates the program if finish() was not called.
   ~ChildPipe();
   ChildPipe(const ChildPipe&) = delete;
   ChildPipe& operator=(const ChildPipe&) = delete;
 
-  /// False if the program has stopped reading.
+  /// Returns false if the program has stopped reading.
   bool write(const void* data, size_t bytes);
 
   /// Closes the pipe, waits, and returns the exit code (or 128 + signal).

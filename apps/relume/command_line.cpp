@@ -41,7 +41,7 @@ std::vector<std::string> option_names(const Command& command) {
   return names;
 }
 
-/// One sentence for what CLI11 could not place.
+/// Reports arguments that CLI11 could not assign, in one sentence.
 [[noreturn]] void refuse_extras(const Command& command, const std::vector<std::string>& extras) {
   for (const std::string& extra : extras) {
     if (!extra.starts_with("-")) continue;
@@ -55,13 +55,13 @@ std::vector<std::string> option_names(const Command& command) {
       fmt::format("{}: unexpected argument '{}'; see relume {} --help", command.name, extras.front(), command.name));
 }
 
-/// The setting with the name under which the user knows it.
+/// The setting under the name of its flag.
 Setting as_flag(Setting setting) {
   setting.name.insert(0, "--");
   return setting;
 }
 
-/// Parsed options of CLI11 and what they belong to.
+/// Options parsed by CLI11, with their declarations.
 struct Declared {
   std::vector<std::pair<CLI::Option*, const Argument*>> arguments;
   std::vector<std::pair<CLI::Option*, const Option*>> options;
@@ -141,7 +141,7 @@ Request parse_arguments(const Command& command, const std::vector<std::string>& 
   Declared declared;
   for (const Argument& argument : command.arguments) {
     CLI::Option* option = app.add_option(std::string(argument.name));
-    // Without extra arguments CLI11 2.1 gives a positional that may be absent nothing at all.
+    // CLI11 2.1 passes nothing to an optional positional that does not allow extra arguments.
     argument.repeats ? option->expected(0, CLI::detail::expected_max_vector_size)->allow_extra_args()
                      : option->expected(1);
     declared.arguments.emplace_back(option, &argument);
@@ -154,7 +154,7 @@ Request parse_arguments(const Command& command, const std::vector<std::string>& 
   }
   app.allow_extras();
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them in reverse
   } catch (const CLI::CallForHelp&) {
     return Request::help;
   } catch (const CLI::CallForAllHelp&) {

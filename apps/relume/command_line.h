@@ -1,4 +1,4 @@
-// From argv to a command that runs.
+// Parses argv and runs a command.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace relume::cli {
 
-/// Runs what the arguments (without the program's name) ask for and returns the exit code. Problems become one sentence
-/// on standard error; results go to standard output, and a failure to write there is a failure.
+/// Runs the command in the arguments (without the program's name) and returns the exit code. Problems are reported as
+/// one sentence on standard error. Results go to standard output; a write error there is a failure.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& arguments);
 
 enum class Request { run, help, help_all };
 
-/// Assigns the arguments (without the command's name) to the command's variables, unless they ask for help. Throws
+/// Assigns the arguments (without the command's name) to the command's variables, unless they request help. Throws
 /// UsageError.
 Request parse_arguments(const Command& command, const std::vector<std::string>& arguments);
 
@@ -26,7 +26,7 @@ inline constexpr std::string_view kProgramDescription =
     "gives the same bits with any number of threads.";
 const std::vector<Example>& overview_examples();
 
-/// The value in help and manual pages: "N", "X", "a|b", "TEXT"; empty for booleans. `given` comes first.
+/// The value in help and manual pages: "N", "X", "a|b", "TEXT"; empty for booleans. `given` has priority.
 std::string value_name(const Setting& setting, std::string_view given);
 
 /// `relume COMMAND --help`: examples first, then the essentials.

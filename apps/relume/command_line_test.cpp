@@ -9,7 +9,7 @@
 namespace relume::cli {
 namespace {
 
-/// A command with one of everything.
+/// A command with one option of each kind.
 struct Fixture {
   std::string input;
   std::string output;

@@ -42,7 +42,7 @@ struct CompareOptions {
   std::vector<std::pair<std::string, std::string>> flags;
 };
 
-/// Makes a folder, and takes it away again if nothing was written into it.
+/// Makes a folder, and removes it if nothing was written into it.
 class NewFolder {
  public:
   explicit NewFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
@@ -68,7 +68,7 @@ struct OutputFiles {
   std::filesystem::path page;
   std::filesystem::path json;
   std::filesystem::path csv;
-  std::unique_ptr<NewFolder> folder;  ///< none if a page was named
+  std::unique_ptr<NewFolder> folder;  ///< nullptr if a page was named
 };
 
 OutputFiles output_files(const CompareOptions& o) {
@@ -84,7 +84,7 @@ OutputFiles output_files(const CompareOptions& o) {
   return files;
 }
 
-/// Throws UsageError where results would replace what they are made from.
+/// Throws UsageError if results would overwrite their inputs.
 void check_roles(const OutputFiles& files, const CompareOptions& o, const ComparisonOptions& options,
                  const Scene& scene) {
   FileRoles roles;
@@ -97,10 +97,10 @@ void check_roles(const OutputFiles& files, const CompareOptions& o, const Compar
   for (const std::filesystem::path& output : {files.page, files.json, files.csv}) roles.writes("-o", output);
 }
 
-/// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
+/// The default contenders: plain path tracing and the best techniques for a moving camera.
 constexpr const char* kUsualTechniques = "default,interactive";
 
-/// What the options say, before the scene is there.
+/// Comparison options, before the scene is loaded.
 ComparisonOptions comparison_options(const CompareOptions& o) {
   ComparisonOptions options;
   options.scene_name = std::filesystem::path(o.scene).stem().string();
@@ -145,7 +145,7 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
   return times;
 }
 
-/// What times alone have no use for.
+/// Rejects options that timing alone does not use.
 void check_timing(const CompareOptions& o) {
   const std::pair<const char*, bool> others[] = {
       {"--output", !o.output.empty()},       {"--image", !o.images.empty()},
@@ -156,7 +156,7 @@ void check_timing(const CompareOptions& o) {
   }
 }
 
-/// Shows on a terminal what is built and measured. std::nullopt: interrupted.
+/// Shows on a terminal the current step. Returns std::nullopt if interrupted.
 std::optional<Comparison> compare_with_progress(const Scene& scene, const ComparisonOptions& options,
                                                 const std::stop_token& stop, const Verbosity& verbosity) {
   ProgressPrinter printer(!verbosity.quiet);
@@ -184,7 +184,7 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
   return kExitDone;
 }
 
-/// The scene as the contenders see it; `options` takes what it says of itself.
+/// The scene as the contenders render it; adds the scene's own settings to `options`.
 Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, const Verbosity& verbosity) {
   Scene scene = open_scene(o.scene, !verbosity.quiet);
   warn_all(verbosity, scene);
@@ -197,7 +197,7 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   options.common.flags.emplace_back("width", std::to_string(fitted.render.width));
   options.common.flags.emplace_back("height", std::to_string(fitted.render.height));
   options.times_s = frame_times(o, common.render.time_s);
-  // What the scene's own settings leave possible, before a reference is rendered, which may take long.
+  // Checks the combination with the scene's own settings before the reference is rendered, which may be slow.
   for (const Contender& contender : options.contenders)
     check_combination(resolve_contender(contender, options.common).render);
   check_combination(resolve_reference(options.common, {}, options.reference_settings).settings.render);
@@ -209,7 +209,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   ComparisonOptions options = comparison_options(o);
   const Scene scene = open_compared_scene(o, options, verbosity);
   if (o.timed_frames > 0) return run_timing(o, options, scene, verbosity);
-  const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
+  const OutputFiles files = output_files(o);  // a missing scene leaves no folder
   check_roles(files, o, options, scene);
 
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));

@@ -5,7 +5,7 @@
 namespace relume::cli {
 namespace {
 
-/// The options that commands collect rather than assign may be files too: --env.
+/// Options that commands collect rather than assign may also be files: --env.
 Completion completion_of(const Setting& setting) {
   return std::holds_alternative<std::string*>(setting.value) && setting.name == "env" ? Completion::file
                                                                                       : Completion::none;

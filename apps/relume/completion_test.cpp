@@ -29,7 +29,7 @@ std::string script() {
   return bash_completion({cook}, {.scenes = {"cornell", "city"}, .presets = {"quick", "slow"}, .experiments = {}});
 }
 
-/// What bash offers at the end of `words` (shell syntax); sorted, with spaces between.
+/// Bash's completions at the end of `words` (shell syntax); sorted, separated by spaces.
 std::string complete(const std::string& words) {
   const auto file =
       std::filesystem::path(testing::TempDir()) /

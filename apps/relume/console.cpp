@@ -10,7 +10,7 @@
 namespace relume::cli {
 namespace {
 
-/// "FILE: ", if the sentence begins with one of `files`; the longest counts.
+/// "FILE: ", if the sentence begins with one of `files`; the longest match wins.
 std::string place_of(const std::string& sentence, const std::vector<std::filesystem::path>& files) {
   std::string place;
   for (const std::filesystem::path& file : files) {

@@ -1,4 +1,4 @@
-// What the program says on standard error.
+// Messages on standard error.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +17,25 @@ namespace relume::cli {
 
 /// Printed unless --quiet.
 void log_info(const Verbosity& verbosity, std::string_view text);
-/// Printed with --verbose only.
+/// Printed only with --verbose.
 void tell_more(const Verbosity& verbosity, std::string_view text);
-/// For InterruptGuard: that work stops once `unit` is complete; empty if quiet.
+/// Message for InterruptGuard that work stops once `unit` is complete; empty if quiet.
 std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit);
 
-/// `text` on one line: control characters, which names in damaged files may have, become \n, \t or \x1b.
+/// `text` on one line: control characters, as in names from damaged files, become \n, \t or \x1b.
 std::string printable(std::string_view text);
-/// The first `columns` characters of UTF-8 text, which is never cut within one; 0 or less: all of it. Wide characters
-/// count as one.
+/// The first `columns` characters of UTF-8 text, never cut within one; 0 or less: the whole text. Wide characters count
+/// as one.
 std::string_view first_characters(std::string_view text, int columns);
-/// Always printed, on one line with "warning: " before it.
+/// Always printed, on one line with the prefix "warning: ".
 void warn(std::string_view text);
-/// The first ten, and how many more there are; all with --verbose. Names each of `files` once, as name_files_once()
-/// does.
+/// Prints the first ten warnings and the number of the others; with --verbose all. Names each of `files` once, like
+/// name_files_once().
 void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings,
               const std::vector<std::filesystem::path>& files);
-/// The scene's warnings, and with --verbose its notes.
+/// Prints the scene's warnings, and with --verbose its notes.
 void warn_all(const Verbosity& verbosity, const Scene& scene);
-/// Sentences that begin with the name of one of `files`, as those of loaders do: without it if the sentence before
-/// names the same file.
+/// Removes the name of one of `files` from the start of a sentence if the sentence before names the same file.
 std::vector<std::string> name_files_once(const std::vector<std::string>& sentences,
                                          const std::vector<std::filesystem::path>& files);
 

@@ -10,7 +10,7 @@
 namespace relume::cli {
 namespace {
 
-/// The widest vector instructions that the processor has and relume or Embree may use.
+/// The widest vector instructions that the processor supports and relume or Embree may use.
 const char* vector_instructions() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f")) return "AVX-512";

@@ -25,7 +25,7 @@ namespace {
 
 struct ExperimentOptions {
   std::string action;
-  std::string names;  ///< with commas between
+  std::string names;  ///< comma-separated
   std::string output = "experiments";
   std::string scenes;
   std::string cache_folder;
@@ -63,7 +63,7 @@ std::filesystem::path make_output_folder(const std::string& output) {
   return output;
 }
 
-/// Throws UsageError for results that cannot be written, or would replace a scene.
+/// Throws UsageError for results that cannot be written or would replace a scene.
 void check_outputs(const ExperimentOptions& o, const std::vector<const Experiment*>& list,
                    const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files = {folder / "index.html", folder / "index.md"};
@@ -97,7 +97,7 @@ void print_claims(const Experiment& experiment, const ExperimentResult& result) 
   std::fflush(stdout);
 }
 
-/// What there is of an experiment in the folder; std::nullopt if it was not run.
+/// The experiment's summary in the folder; std::nullopt if it was not run.
 std::optional<ExperimentSummary> summary_in(const std::filesystem::path& folder, const Experiment& experiment) {
   const std::filesystem::path file = folder / (std::string(experiment.name) + ".json");
   if (!std::filesystem::exists(file)) return std::nullopt;
@@ -105,7 +105,7 @@ std::optional<ExperimentSummary> summary_in(const std::filesystem::path& folder,
   return read_summary({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
 }
 
-/// Everything in the folder, whichever run wrote it.
+/// All summaries in the folder, of any run.
 std::vector<ExperimentSummary> summaries_in(const std::filesystem::path& folder) {
   std::vector<ExperimentSummary> summaries;
   for (const Experiment& experiment : experiments()) {
@@ -120,8 +120,8 @@ void write_index(const std::filesystem::path& folder) {
   write_file(folder / "index.md", index_markdown(all));
 }
 
-/// The result that `--continue` finds in the folder; std::nullopt if it is to be measured, as when it is without scenes
-/// that there are now.
+/// The result that `--continue` keeps from the folder. Returns std::nullopt if it must be measured, also if it lacks
+/// scenes that are available now.
 std::optional<ExperimentSummary> result_that_stays(const ExperimentOptions& o, const std::filesystem::path& folder,
                                                    const Experiment& experiment) {
   if (!o.goes_on) return std::nullopt;
@@ -139,14 +139,14 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
                            : ", measured by another build of relume; run without --continue to measure it again"));
 }
 
-/// The machine, and how many of its threads were allowed.
+/// The machine, and the number of threads used.
 std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
   auto machine = machine_description();
   if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
   return machine;
 }
 
-/// Measures, and writes what came out beside what is in the folder already.
+/// Measures, and writes the result beside those already in the folder.
 void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
                     const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity) {
   const std::string name(experiment.name);
@@ -168,7 +168,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(o);
   const std::filesystem::path folder = make_output_folder(o.output);
   check_outputs(o, list, folder);
-  summaries_in(folder);  // a file that is something else is better found before hours of work than after
+  summaries_in(folder);  // reports a foreign file before hours of work, not after
   const ThreadLimit limit(o.threads);
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   ProgressPrinter printer(!verbosity.quiet);
@@ -191,11 +191,11 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
     } catch (const std::exception& error) {
       if (list.size() == 1) throw;
       printer.clear();
-      warn(fmt::format("{} failed: {}", name, error.what()));  // hours of others need not be lost
+      warn(fmt::format("{} failed: {}", name, error.what()));  // other experiments continue
       failed.push_back(name);
     }
   }
-  write_index(folder);  // also if all of them were there
+  write_index(folder);  // also if all of them existed
   if (!failed.empty())
     throw Error(fmt::format("{} of {} experiments failed: {}", failed.size(), list.size(), fmt::join(failed, ", ")));
   return kExitDone;

@@ -13,16 +13,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostNameBytes = 255;   // of every part of a path (NAME_MAX)
-constexpr size_t kMostPathBytes = 4095;  // PATH_MAX without the zero at its end
+constexpr size_t kMostNameBytes = 255;   // of every component of a path (NAME_MAX)
+constexpr size_t kMostPathBytes = 4095;  // PATH_MAX without the terminating zero
 
-/// A name that begins a sentence or stands in one; long ones are cut.
+/// A name for use in a sentence; long ones are cut.
 std::string shown(const fs::path& file) {
   constexpr size_t kMost = 80;
   const std::string name = file.string();
   if (name.size() <= kMost) return name;
   size_t end = kMost;
-  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a character of UTF-8
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a UTF-8 character
   return name.substr(0, end) + "…";
 }
 

@@ -29,7 +29,7 @@ class FileRolesTest : public ::testing::Test {
     write_file(folder_ / name, name);
     return folder_ / name;
   }
-  /// Why `file` may not be written beside what has a role already.
+  /// The reason why `file` may not be written beside the files that have a role.
   std::string refused(const fs::path& file) {
     return refusal_of([&] { FileRoles(roles_).writes("--stats", file); });
   }
@@ -116,7 +116,7 @@ TEST_F(FileRolesTest, OutputsThatCannotBeWrittenAreFound) {
 
 TEST_F(FileRolesTest, LongNamesAreCutBetweenCharacters) {
   std::string name;
-  for (int i = 0; i < 100; ++i) name += "\u20ac";  // three bytes in UTF-8, and 80 are shown at most
+  for (int i = 0; i < 100; ++i) name += "\u20ac";  // three bytes in UTF-8; at most 80 are shown
   const std::string problem = refusal_of([&] { check_output_file(name); });
   EXPECT_EQ(problem.find(name.substr(0, 78) + "…: "), 0u) << problem;
 }

@@ -5,7 +5,7 @@
 namespace relume::cli {
 namespace {
 
-/// Within single quotes.
+/// Quotes the text in single quotes.
 std::string shell_quoted(std::string_view text) {
   std::string result;
   for (const char c : text) {

@@ -12,7 +12,7 @@
 namespace relume::cli {
 namespace {
 
-/// The number that `text` begins with, which is then removed.
+/// Removes the leading number of `text` and returns it.
 std::optional<int> take_number(std::string_view& text) {
   int value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -71,7 +71,7 @@ FrameRange parse_frame_range(std::string_view text, std::string_view place) {
   if (*last < *first) {
     throw UsageError(fmt::format("{} is '{}', but the first frame must not come after the last", place, text));
   }
-  constexpr int kMostFrames = 1000000;  // more is a slip of the finger
+  constexpr int kMostFrames = 1000000;  // more is a typing error
   if (*last - *first >= kMostFrames) {
     throw UsageError(fmt::format("{} is '{}', but a sequence has at most {} frames", place, text, kMostFrames));
   }

@@ -1,4 +1,4 @@
-// Frames of an animation and the names of their files.
+// Frames of an animation and their file names.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@ namespace relume::cli {
 
 struct FrameRange {
   int first = 0;
-  int last = 0;  ///< included
+  int last = 0;  ///< inclusive
   int count() const { return last - first + 1; }
 };
 
-/// "0-99", "0..99" or a single "12". Throws UsageError that begins with `place`.
+/// Parses "0-99", "0..99" or a single "12". Throws UsageError that begins with `place`.
 FrameRange parse_frame_range(std::string_view text, std::string_view place);
 
-/// When a frame is shown, if frame 0 is at `scene_time_s`. Throws UsageError if that is later than animations go.
+/// Time of a frame, with frame 0 at `scene_time_s`. Throws UsageError beyond the latest animation time.
 float frame_time_s(int frame, float fps, float scene_time_s);
 
-/// The name of the file of each frame of a sequence.
+/// File name of each frame of a sequence.
 class FrameNames {
  public:
-  /// `pattern` holds "####" (zero-padded to as many digits), "%d" or "%04d" in its file name; otherwise the number
-  /// goes before the extension ("out.exr": "out.0007.exr"). Throws UsageError for any other or a second '%' or '#'.
+  /// The file name of `pattern` holds "####" (zero-padded to as many digits), "%d" or "%04d". Without one, the number
+  /// precedes the extension ("out.exr": "out.0007.exr"). Throws UsageError for any other or a second '%' or '#'.
   explicit FrameNames(const std::filesystem::path& pattern);
 
   std::filesystem::path operator()(int frame) const;

@@ -8,10 +8,10 @@
 namespace relume::cli {
 namespace {
 
-constexpr size_t kHelpWidth = 100;  // characters a line
-constexpr size_t kHelpColumn = 30;  // where explanations begin
+constexpr size_t kHelpWidth = 100;  // characters per line
+constexpr size_t kHelpColumn = 30;  // column of the explanations
 
-/// `text` broken between words; all lines but the first are indented to kHelpColumn.
+/// `text` wrapped at words; all lines except the first are indented to kHelpColumn.
 std::string wrap(std::string_view text) {
   std::string result;
   size_t column = kHelpColumn;
@@ -87,7 +87,7 @@ std::string value_name(const Setting& setting, std::string_view given) {
 
 namespace {
 
-/// All that precedes the options.
+/// The text before the options.
 std::string introduction(const Command& command) {
   std::string text = fmt::format("{}\n\nExamples:\n", command.summary);
   for (const Example& example : command.examples)
@@ -98,7 +98,7 @@ std::string introduction(const Command& command) {
   return text + "\nOptions:\n";
 }
 
-/// Of the option or setting with this name.
+/// The row of the option or setting with this name.
 std::string row_of(const Command& command, std::string_view name) {
   for (const Option& option : command.options) {
     if (option.setting.name == name) return option_row(option);

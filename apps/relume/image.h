@@ -1,4 +1,4 @@
-// Images as files: which formats there are, what goes into them, and how they say how they were made.
+// Image files: formats, layers and metadata.
 #pragma once
 
 #include <filesystem>
@@ -16,29 +16,29 @@ class Session;
 
 namespace relume::cli {
 
-/// check_output_file(), and throws UsageError unless the extension is one that images can be written to and the
-/// format can hold `aovs` if there are any.
+/// Runs check_output_file(), and throws UsageError unless images can be written with this extension and the format can
+/// hold `aovs`.
 void check_image_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
-/// Throws UsageError if layers are asked for in a file that has none.
+/// Throws UsageError if layers are requested for a file format without layers.
 void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 
-/// "albedo,normal" in parts. Throws UsageError, with the names that exist, for one that is not in `known`.
+/// Splits "albedo,normal". Throws UsageError, listing the existing names, for one that is not in `known`.
 std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known);
 
 /// String attributes of EXR files; names begin with "relume.".
 using Metadata = std::map<std::string, std::string>;
 
-/// How an image of the session was made: program, scene, settings, seed, samples a pixel and render
-/// seconds (those of Session::image_samples() and image_render_s()), and seconds of the stages before. Of
-/// `settings`, those of `render` are the session's own. `load_s`: what reading the scene took.
+/// Provenance of the session's image: program, scene, settings, seed, samples per pixel, render seconds (those of
+/// Session::image_samples() and image_render_s()), and seconds of the earlier stages. In `settings`, the session's own
+/// replace those of `render`. `load_s`: seconds to read the scene.
 Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
 /// The pixels of the window; all if it is empty.
 Image part_of(const Image& image, const PixelWindow& window);
-/// The session's image; with `--crop` the window that was rendered.
+/// The session's image; with `--crop` the rendered window.
 Image cropped_image(const Session& session);
 
-/// The same exposed and as a display shows it: through `view`, or the display's tone map if that is nullptr.
+/// The same, exposed and display-encoded through `view`, or the display's tone map if that is nullptr.
 Image displayed_image(const Session& session, const Display& display, const OcioView* view);
 
 /// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: displayed_image().

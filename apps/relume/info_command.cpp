@@ -38,7 +38,7 @@ ImageReport report_image(const std::string& file, const std::string& extension) 
   return report;
 }
 
-/// The lines of `text`, each without control characters.
+/// The lines of `text`, without control characters.
 std::string printable_lines(std::string_view text) {
   std::string lines;
   while (true) {

@@ -1,4 +1,4 @@
-// Where and when something was measured.
+// Description of the machine, for measurements.
 #pragma once
 
 #include <string>

@@ -36,7 +36,7 @@ std::string title(const std::string& name) {
       upper_case(name), RELUME_VERSION_DATE, kVersionLine);
 }
 
-/// Without the full stop, which the line under NAME does not have.
+/// The section NAME, whose line has no full stop.
 std::string name_section(const std::string& name, std::string_view summary) {
   if (summary.ends_with('.')) summary.remove_suffix(1);
   return ".SH NAME\n" + roff_prose(fmt::format("`{}` - {}", name, summary));
@@ -55,7 +55,7 @@ std::string usage(const Command& command) {
   return text + " [" + roff_italic("OPTIONS") + "]\n";
 }
 
-/// The help, and what it leaves open: range and default.
+/// The help, with the range and default that it omits.
 std::string explanation(const Setting& setting) {
   std::string text(setting.help);
   if (!text.ends_with('.')) text += '.';
@@ -108,7 +108,7 @@ std::string exit_section() {
   return text;
 }
 
-/// FILES and ENVIRONMENT; empty if the commands keep nothing.
+/// FILES and ENVIRONMENT; empty if the commands keep no files.
 std::string folders_section(const std::vector<UserFolder>& folders) {
   if (folders.empty()) return {};
   std::string files = ".SH FILES\n";

@@ -23,7 +23,8 @@ struct MetricsOptions {
   bool json = false;
   bool hdr_flip = false;
   std::string flip_map;
-  OutputSettings display{.exposure = 0, .tone_map = ToneMapChoice::none};  ///< as which FLIP sees the images
+  OutputSettings display{.exposure = 0,
+                         .tone_map = ToneMapChoice::none};  ///< transform to the images that FLIP compares
 };
 
 std::string to_text(const Metrics& m, bool with_hdr_flip) {
@@ -52,7 +53,7 @@ void write_flip_map(const MetricsOptions& options, const Image& a, const Image& 
   write_image(options.flip_map, color_map(map, a.width, a.height));
 }
 
-/// An image, and the window that its file stores: readers fill the rest of the image with 0.
+/// An image and its stored window: readers fill the remainder with 0.
 struct StoredImage {
   Image image;
   PixelWindow window;
@@ -68,7 +69,7 @@ std::string to_text(const PixelWindow& window) {
   return fmt::format("the window {},{},{},{}", window.x, window.y, window.width, window.height);
 }
 
-/// The windows of both images, which have to be the same.
+/// The windows of both images, which must be equal.
 std::pair<Image, Image> read_images(const MetricsOptions& options) {
   const StoredImage a = read_stored_image(options.a);
   const StoredImage b = read_stored_image(options.b);

@@ -1,4 +1,4 @@
-// The flag --ocio, which `relume render` and `relume view` share.
+// The flag --ocio of `relume render` and `relume view`.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ namespace relume::cli {
 /// The configuration file in "CONFIG:VIEW".
 std::string ocio_config(const std::string& option);
 
-/// The view that "CONFIG:VIEW" names; nullptr for an empty text. Throws UsageError if the text has another form or
-/// `flags` choose a tone map, and Error if the view cannot be used. Tone maps of files and presets give way.
+/// The view named by "CONFIG:VIEW"; nullptr for an empty text. Overrides tone maps of files and presets. Throws
+/// UsageError if the text has another form or `flags` choose a tone map, and Error if the view cannot be used.
 std::shared_ptr<const OcioView> make_ocio_view(const std::string& option,
                                                const std::vector<std::pair<std::string, std::string>>& flags);
 

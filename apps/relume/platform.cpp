@@ -19,7 +19,7 @@
 namespace relume::cli {
 namespace {
 
-// The handler's only ways out: a lock-free counter and a pipe. Globals, because a handler has no argument of ours.
+// The handler only uses a lock-free counter and a pipe. They are global because a handler takes no user argument.
 std::atomic<int> g_interrupts{0};
 int g_pipe[2] = {-1, -1};
 struct sigaction g_previous_int;
@@ -39,8 +39,8 @@ extern "C" void relume_on_interrupt(int signal_number) {
   write_byte('i');
 }
 
-/// The program's folder below the one that an environment variable names or, without it, below the home folder; empty
-/// if there is no home.
+/// The program's folder below the one named by an environment variable, else below the home folder; empty without a
+/// home folder.
 std::string folder_of_user(const char* variable, const char* below_home) {
   const auto value_of = [](const char* name) {
     const char* value = std::getenv(name);
@@ -64,7 +64,7 @@ int terminal_columns() {
 uint64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kibibytes
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;  // Linux reports kibibytes
 }
 
 std::string program_stamp() {
@@ -85,7 +85,7 @@ std::string processor_name() {
 
 void lower_thread_priority() {
   constexpr int kNice = 10;
-  // Linux keeps the priority for each thread, and threads inherit it. Failure costs smoothness only.
+  // Linux keeps the priority per thread, and threads inherit it. Failure only costs smoothness.
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
 }
 
@@ -111,8 +111,8 @@ std::optional<std::pair<uint64_t, uint64_t>> file_number(const std::string& file
 }
 
 void prepare_signals() {
-  std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it, and so would we: how children end would stay unknown
-  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit of file size then fails like writing to a full disk
+  std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it; inherited, that would hide the children's exit status
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding a file-size limit then fails like a full disk
   for (const int number : {SIGINT, SIGTERM}) {
     struct sigaction action {};
     sigaction(number, nullptr, &action);

@@ -1,5 +1,6 @@
-// What only the operating system knows. Of the program, platform.cpp and child_pipe.cpp assume POSIX; of the library,
-// core/memory.cpp, io/atomic_file.cpp, io/temporary_file.cpp, io/tev_client.cpp and io/assimp/trial_run.cpp.
+// Operating-system services. In the program, platform.cpp and child_pipe.cpp assume POSIX; in the library,
+// core/memory.cpp, files/atomic_file.cpp, files/temporary_file.cpp, image/tev_client.cpp and
+// scene_io/assimp/trial_run.cpp.
 #pragma once
 
 #include <cstdint>
@@ -13,47 +14,47 @@
 namespace relume::cli {
 
 bool is_terminal(std::FILE* stream);
-/// Width of the terminal on standard error; 80 if it is not known.
+/// Width of the terminal on standard error; 80 if unknown.
 int terminal_columns();
 
-/// The most memory that the process has held so far.
+/// Peak memory of the process so far, bytes.
 uint64_t peak_memory_bytes();
 
-/// "AMD EPYC 7B13"; "unknown" where the system does not tell.
+/// "AMD EPYC 7B13"; "unknown" if the system does not report it.
 std::string processor_name();
 
-/// Differs from one build of the program to the next; empty where the system does not tell.
+/// Differs between builds of the program; empty if unavailable.
 std::string program_stamp();
 
 /// Whether a file could be created in the folder (empty: the current one).
 bool folder_is_writable(const std::string& folder);
 
-/// Whether an existing file may be written.
+/// Whether an existing file is writable.
 bool is_writable(const std::string& file);
 
-/// Device and number of a file, the same for all names that it has; std::nullopt if there is none.
+/// Device and number of a file, the same for all its names; std::nullopt if it does not exist.
 std::optional<std::pair<uint64_t, uint64_t>> file_number(const std::string& file);
 
-/// Lets other threads go first: this one, and those that it starts from now on.
+/// Lowers the priority of this thread and of the threads that it starts later.
 void lower_thread_priority();
 
-/// Folder in which the program may keep what it remembers between runs ($XDG_STATE_HOME/relume, ~/.local/state/relume);
-/// empty if there is no home. It need not exist.
+/// Folder for the program's state between runs ($XDG_STATE_HOME/relume, ~/.local/state/relume); empty without a home
+/// folder. It need not exist.
 std::string state_folder();
 
 /// Folder for references: below `cache_folder` or, if that is empty, below $XDG_CACHE_HOME/relume or ~/.cache/relume.
-/// It need not exist. Throws UsageError if the environment tells of neither.
+/// It need not exist. Throws UsageError if the environment defines neither.
 std::string reference_folder(const std::string& cache_folder);
 
-/// Sets how the process takes signals: SIGINT and SIGTERM end it at once with kExitInterrupted and leave no temporary
-/// file; a limit of file size makes writing fail and kills nothing. Call it first.
+/// Installs the signal handling; call it first. SIGINT and SIGTERM end the process at once with kExitInterrupted and
+/// leave no temporary file. Exceeding a file-size limit fails the write instead of killing the process.
 void prepare_signals();
 
-/// While it lives, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
-/// kExitInterrupted. At most one at a time.
+/// During its lifetime, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
+/// kExitInterrupted. At most one may exist.
 class InterruptGuard {
  public:
-  /// `notice`: told on standard error at the first interrupt, unless it is empty.
+  /// `notice`: printed on standard error at the first interrupt, unless empty.
   explicit InterruptGuard(std::string notice);
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
@@ -64,7 +65,7 @@ class InterruptGuard {
  private:
   std::string notice_;
   std::stop_source source_;
-  std::thread waiter_;  ///< requests the stop, which a signal handler may not
+  std::thread waiter_;  ///< requests the stop, which is not allowed in a signal handler
 };
 
 }  // namespace relume::cli

@@ -30,7 +30,7 @@ void PreparationProgress::show(const std::stop_token& stop, double patience_s) {
     const std::string activity = printable(current_activity().value_or(""));
     const std::string line(first_characters(activity, terminal_columns() - 1));
     if (line != shown) {
-      // Column 0, the line, and nothing behind it.
+      // Column 0, the line, and clear the remainder.
       std::fputs(fmt::format("\r{}\x1b[K", line).c_str(), stderr);
       std::fflush(stderr);
       shown = line;

@@ -1,4 +1,4 @@
-// What takes time before the first sample, on standard error.
+// Progress of the work before the first sample, on standard error.
 #pragma once
 
 #include <condition_variable>
@@ -8,8 +8,8 @@
 
 namespace relume::cli {
 
-/// While it lives, shows on a terminal what is loaded and built, as soon as that takes longer than a moment. Elsewhere
-/// it shows nothing.
+/// During its lifetime, shows on a terminal the current loading or building step once it takes longer than
+/// `patience_s`. Shows nothing elsewhere.
 class PreparationProgress {
  public:
   static constexpr double kPatience_s = 1;

@@ -22,10 +22,10 @@ namespace {
 
 void let_pass(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
 
-/// Standard error as a terminal while it lives.
+/// Redirects standard error to a terminal during its lifetime.
 class Terminal {
  public:
-  /// `columns` 0: of unknown width.
+  /// `columns` 0: unknown width.
   explicit Terminal(unsigned short columns = 0) {
     const winsize size{.ws_row = 0, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
     EXPECT_EQ(openpty(&master_, &slave_, nullptr, nullptr, &size), 0);
@@ -38,7 +38,7 @@ class Terminal {
     close(master_);
   }
 
-  /// What was written; standard error is itself again.
+  /// Restores standard error and returns the text written.
   std::string text() {
     std::fputs("END", stderr);
     restore();

@@ -63,7 +63,7 @@ void ProgressPrinter::show(const Progress& progress, double now_s) {
   if (now_s < next_s_) return;
   next_s_ = now_s + (terminal_ ? kBarInterval_s : kLineInterval_s);
   if (terminal_) {
-    // Column 0, the bar, and nothing behind it.
+    // Column 0, the bar, and clear the remainder.
     std::fputs(fmt::format("\r{}\x1b[K", format_progress_bar(progress, terminal_columns() - 1)).c_str(), stderr);
     bar_shown_ = true;
   } else {

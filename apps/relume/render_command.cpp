@@ -55,7 +55,7 @@ std::vector<Option> declare(RenderOptions& o) {
 }  // namespace
 
 Command render_command(Verbosity& verbosity) {
-  // Both live as long as the command that refers to them.
+  // Both live as long as the command.
   const auto options = std::make_shared<RenderOptions>();
   const auto defaults = std::make_shared<AllSettings>();
   Command command{

@@ -33,7 +33,7 @@ namespace {
 
 constexpr double kDisplayInterval_s = 0.5;
 
-/// The image in a tev viewer, if one was asked for.
+/// Sends the image to a tev viewer, if requested.
 class TevDisplay {
  public:
   TevDisplay(const std::string& address, std::string name) : name_(std::move(name)) {
@@ -65,7 +65,7 @@ class RenderJob {
       : options_(options), verbosity_(verbosity), plan_(std::move(plan)), display_(options.display, options.scene) {}
 
   int run() {
-    load();  // which an interrupt ends at once: there is nothing to keep
+    load();  // an interrupt ends it at once: there is nothing to save
     const InterruptGuard interrupts(interrupt_notice(verbosity_, "this sample"));
     tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
                                       session_->statistics().threads));
@@ -76,7 +76,7 @@ class RenderJob {
         session_->begin_image();  // even if nothing has moved
       }
       reason = render_image(i, interrupts.token());
-      // An image that was complete when the interrupt came stays complete, and the next one does not begin.
+      // An image that was complete at the interrupt stays complete, and the next one does not start.
       const bool last = i + 1 == plan_.files.size();
       if (!last && interrupts.token().stop_requested()) reason = StopReason::interrupted;
     }
@@ -112,11 +112,11 @@ class RenderJob {
   AllSettings settings_;
   float scene_time_s_ = 0;  ///< of frame 0
   std::optional<Session> session_;
-  size_t first_image_ = 0;  ///< later than 0 if a sequence is resumed
+  size_t first_image_ = 0;  ///< greater than 0 if a sequence is resumed
   std::optional<VideoWriter> video_;
-  uint64_t resumed_rays_ = 0;  ///< that a checkpoint brought: times are of this run alone
+  uint64_t resumed_rays_ = 0;  ///< rays from the checkpoint: times cover only this run
   std::vector<std::string> written_;
-  std::optional<float> last_exposure_;  ///< of the image before, if exposures are automatic
+  std::optional<float> last_exposure_;  ///< of the previous image, if exposures are automatic
   double load_s_ = 0;
   double write_s_ = 0;
   double last_checkpoint_s_ = 0;
@@ -146,7 +146,7 @@ void RenderJob::load() {
 
   scene_time_s_ = settings_.render.time_s;
   settings_.render.time_s = time_of(0);
-  time_of(plan_.files.size() - 1);  // refused before anything is rendered
+  time_of(plan_.files.size() - 1);  // fails before rendering
   settings_.render.auxiliary = !plan_.aovs.empty();
   settings_.render.crop = plan_.crop;
   build(std::move(scene));
@@ -183,7 +183,7 @@ size_t RenderJob::image_of_checkpoint() const {
       options_.checkpoint, render_settings(*session_).time_s));
 }
 
-/// A checkpoint of another range would leave out what comes before it.
+/// A checkpoint of another range would omit the images before it.
 void RenderJob::check_earlier_images() const {
   for (size_t i = 0; i < first_image_; ++i) {
     if (std::filesystem::exists(plan_.files[i])) continue;
@@ -226,7 +226,7 @@ void RenderJob::frame_done(size_t index, const RenderProgress& state, const Rend
   if (display_.due()) display_.show(*session_);
 }
 
-/// Image and checkpoint may lie on different disks: one that is full costs only what lies on it.
+/// Image and checkpoint may lie on different disks: a full disk only affects the files on it.
 void RenderJob::keep(size_t index, StopReason reason) {
   std::exception_ptr problem;
   try {
@@ -245,7 +245,7 @@ void RenderJob::save_checkpoint() {
   last_checkpoint_s_ = now_s();
 }
 
-/// While an image is made: that its disk is full is no reason to give the image up.
+/// Saves a checkpoint during an image: a full disk must not abort the image.
 void RenderJob::try_checkpoint() {
   try {
     save_checkpoint();

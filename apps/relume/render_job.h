@@ -1,4 +1,4 @@
-// What `relume render` was asked to do, and the doing: images, checkpoints, statistics.
+// Options and execution of `relume render`: images, checkpoints, statistics.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct RenderOptions {
   std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
 };
 
-/// Returns the exit code. Throws Error, before anything is rendered wherever that can be known.
+/// Returns the exit code. Throws Error, before rendering wherever possible.
 int run_render(const RenderOptions& options, const Verbosity& verbosity);
 
 }  // namespace relume::cli

@@ -19,7 +19,7 @@
 namespace relume::cli {
 namespace {
 
-/// One a frame; a video's is the same for all.
+/// One per frame; the same for all frames of a video.
 std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& options, const FrameRange& frames) {
   const bool video = is_video_file(options.output);
   if (video && !options.checkpoint.empty())
@@ -31,7 +31,7 @@ std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& option
   return files;
 }
 
-/// Throws UsageError where a file has two of them, or an output cannot be written.
+/// Throws UsageError if a file has two roles or an output cannot be written.
 FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesystem::path>& files) {
   FileRoles roles;
   roles.reads("SCENE", options.scene);
@@ -48,7 +48,7 @@ FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesyst
   return roles;
 }
 
-/// Four numbers with commas between; an empty window for an empty text.
+/// Four comma-separated numbers; an empty window for an empty text.
 PixelWindow parse_window(std::string_view text, std::string_view place) {
   if (text.empty()) return {};
   std::vector<int> numbers;
@@ -63,7 +63,7 @@ PixelWindow parse_window(std::string_view text, std::string_view place) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-/// Throws UsageError if the output holds radiance, which no view changes.
+/// Throws UsageError if the output holds radiance, to which no view applies.
 void check_ocio_output(const RenderOptions& options) {
   const std::string extension = lower_extension(options.output);
   if (options.ocio.empty() || (extension != ".exr" && extension != ".hdr")) return;
@@ -93,7 +93,7 @@ RenderPlan make_plan(const RenderOptions& options) {
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;
-  // What a file says of techniques is known once it is loaded, and decides which layers there are.
+  // The layers depend on the techniques, which for a scene file are known only once it is loaded.
   if (find_builtin_scene(options.scene)) plan.aovs = wanted_aovs(options, settings);
   std::vector<std::string> layers;
   if (!options.aov.empty()) layers.push_back(options.aov);

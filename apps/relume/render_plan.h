@@ -1,4 +1,4 @@
-// What `relume render` is going to do, as far as that is known before the scene is loaded.
+// The plan of `relume render`, as far as known before the scene is loaded.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,11 @@
 
 namespace relume::cli {
 
-/// What is known before the scene is loaded; making it finds most of the mistakes that a user can make.
+/// The part of a render known before the scene is loaded. Making it detects most user errors.
 struct RenderPlan {
-  std::vector<std::string> aovs;  ///< of a scene file: once it is loaded
+  std::vector<std::string> aovs;  ///< for a scene file, known once it is loaded
   FrameRange frames;
-  std::vector<std::filesystem::path> files;  ///< one a frame
+  std::vector<std::filesystem::path> files;  ///< one per frame
   SettingSources sources;
   FileRoles roles;
   PixelWindow crop;
@@ -26,14 +26,13 @@ struct RenderPlan {
   int threads = 0;
 };
 
-/// Throws UsageError or Error for what cannot be done.
+/// Throws UsageError or Error for impossible requests.
 RenderPlan make_plan(const RenderOptions& options);
 
-/// Names of the layers that are asked for. Throws UsageError for a layer that there is not, and Error for techniques
-/// that do not combine.
+/// Names of the requested layers. Throws UsageError for an unknown layer, and Error for techniques that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
 
-/// Waiting for an error that never becomes known would not end, and a pilot alone is no image: throws UsageError.
+/// Throws UsageError for stop settings that never end (an error that stays unknown) or yield no image (a pilot alone).
 void check_stop_settings(const AllSettings& settings);
 
 }  // namespace relume::cli

@@ -1,4 +1,4 @@
-// What `render --stats`, `metrics --json` and `info --json` write, as JSON. Numbers that are not finite become null.
+// JSON output of `render --stats`, `metrics --json` and `info --json`. Non-finite numbers become null.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace relume::cli {
 
 struct SceneSummary;
 
-/// What a render did.
+/// Statistics of a render.
 struct RunReport {
   std::string version;
   std::string scene;
@@ -27,11 +27,11 @@ struct RunReport {
   double samples_per_pixel = 0;  ///< of the last image, mean over its pixels
   std::string stopped_by;        ///< "samples", "time", "error", "interrupted"
   double estimated_error = 0;    ///< of the last image; infinite below two samples
-  double load_s = 0;             ///< these times are of this run; counts below go on where a checkpoint left them
+  double load_s = 0;             ///< these times are of this run; counts below continue from a checkpoint
   double build_s = 0;
   double render_s = 0;
   double write_s = 0;
-  uint64_t samples = 0;  ///< all pixels and images
+  uint64_t samples = 0;  ///< over all pixels and images
   uint64_t paths = 0;
   uint64_t rays = 0;
   uint64_t nonfinite_samples = 0;
@@ -39,19 +39,19 @@ struct RunReport {
   uint64_t peak_memory_bytes = 0;
   uint64_t scene_bytes = 0;                             ///< of geometry, lights, textures, acceleration structure
   uint64_t buffer_bytes = 0;                            ///< of the per-pixel buffers
-  uint64_t technique_bytes = 0;                         ///< of what techniques hold besides
+  uint64_t technique_bytes = 0;                         ///< other memory of the techniques
   std::vector<std::string> files;                       ///< images written
   std::vector<std::pair<std::string, double>> passes;   ///< name and seconds
-  std::vector<std::pair<std::string, double>> figures;  ///< what techniques report of themselves
+  std::vector<std::pair<std::string, double>> figures;  ///< figures reported by techniques
 };
 
-/// What `info` says about an image.
+/// Report of `info` on an image.
 struct ImageReport {
   struct Channel {
     std::string name;
     float min = 0;
     float max = 0;
-    size_t nonfinite = 0;  ///< values that neither counts; min > max if there are no others
+    size_t nonfinite = 0;  ///< values counted in neither; min > max if there are no others
   };
   int width = 0;
   int height = 0;
@@ -59,10 +59,10 @@ struct ImageReport {
   std::vector<std::pair<std::string, std::string>> attributes;  ///< of an EXR: name and text
 };
 
-/// Extremes of what is finite, and how much is not.
+/// Extremes of the finite values, and the number of the others.
 ImageReport::Channel report_channel(const ExrChannel& channel);
 
-/// A mean number of samples a pixel: "64", or "12.25" where it is not whole.
+/// A mean number of samples per pixel: "64", or "12.25" if fractional.
 std::string format_samples(double samples);
 
 /// An object with the members' names.

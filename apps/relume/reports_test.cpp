@@ -31,7 +31,7 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   expect_in("\"rays\": 1152921504606846976", text);
   expect_in("\"estimated_error\": null", text);
   expect_in("\"crop\": null", text);
-  expect_in("\"scene\": \"a \\\"quoted\\\" \xef\xbf\xbd name\"", text);  // U+FFFD for what is not UTF-8
+  expect_in("\"scene\": \"a \\\"quoted\\\" \xef\xbf\xbd name\"", text);  // U+FFFD for invalid UTF-8
   expect_in("\"cells.occupancy\": 0.25", text);
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5", text);
 }

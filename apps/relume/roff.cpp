@@ -10,14 +10,14 @@ namespace {
 
 constexpr size_t kLineWidth = 78;
 
-/// Number of bytes of the UTF-8 sequence that begins with `lead`.
+/// Number of bytes of the UTF-8 sequence whose first byte is `lead`.
 size_t sequence_length(unsigned char lead) {
   if (lead >= 0xf0) return 4;
   if (lead >= 0xe0) return 3;
   return lead >= 0xc0 ? 2 : 1;
 }
 
-/// The character at `text[at]` as roff; advances `at` past it. A hyphen stays one.
+/// The character at `text[at]` as roff; advances `at` past it. A hyphen stays a hyphen.
 std::string next_character(std::string_view text, size_t& at) {
   const auto lead = static_cast<unsigned char>(text[at]);
   const size_t length = std::min(sequence_length(lead), text.size() - at);
@@ -40,16 +40,16 @@ std::string next_character(std::string_view text, size_t& at) {
   }
 }
 
-/// A line that begins with a dot would be a request. Apostrophes are escaped already.
+/// Escapes a leading dot, which would start a request. Apostrophes are escaped already.
 std::string guarded(const std::string& line) { return line.starts_with('.') ? "\\&" + line : line; }
 
-/// Flags, paths and numbers, whose hyphens are minus signs.
+/// Whether the word is a flag, path or number, whose hyphens are minus signs.
 bool is_literal(std::string_view word) {
   const size_t first = word.find_first_not_of("(`'\"");
   return first != word.npos && (word[first] == '-' || word.find('/') != word.npos || word.find("--") != word.npos);
 }
 
-/// `in_code` is whether the word begins inside backquotes; afterwards, whether the next one does.
+/// `in_code`: whether the word begins inside backquotes; updated for the next word.
 std::string prose_word(std::string_view word, bool& in_code) {
   const bool literal = is_literal(word);
   std::string result;

@@ -6,7 +6,7 @@
 
 namespace relume::cli {
 
-/// Text to be typed or copied: every hyphen is a minus sign.
+/// Literal text, to be typed or copied: every hyphen is a minus sign.
 std::string roff_literal(std::string_view text);
 
 std::string roff_bold(std::string_view literal);

@@ -1,4 +1,4 @@
-// Scenes by the name that the user gives.
+// Scenes by the user's name for them.
 #pragma once
 
 #include <string>
@@ -8,8 +8,7 @@
 
 namespace relume::cli {
 
-/// A built-in scene if there is one of that name, or else a file. Throws Error. `shows_progress`: as
-/// PreparationProgress does.
+/// The built-in scene of that name, else a file. Throws Error. `shows_progress`: see PreparationProgress.
 Scene open_scene(const std::string& name, bool shows_progress = false);
 
 /// apply(), which may load an environment map; `shows_progress` as above.

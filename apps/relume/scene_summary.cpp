@@ -24,7 +24,7 @@ uint64_t geometry_bytes(const Mesh& mesh) {
   return sum;
 }
 
-/// Counts what the nodes place, and where.
+/// Adds the placed meshes and their bounds.
 void add_placed(const Scene& scene, SceneSummary& summary) {
   const std::vector<Box> boxes = mesh_boxes(scene);
   const std::vector<Mat4> world = world_matrices(scene, 0);

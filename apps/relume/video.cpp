@@ -30,7 +30,7 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, floa
     : file_(std::move(file)), pending_(file_), bytes_(static_cast<size_t>(width) * static_cast<size_t>(height) * 3) {
   std::vector<std::string> command{"ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   command.insert(command.end(), {"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", fps), "-i", "-"});
-  // 4:2:0 needs even sizes: a black row or column makes up for it. Players take BT.709 for granted in high definition.
+  // 4:2:0 needs even sizes: padding adds a black row or column. Players assume BT.709 for high definition.
   command.insert(command.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"});
   command.insert(command.end(), {"-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709"});
   command.insert(command.end(), {"-color_trc", "iec61966-2-1", "-color_range", "tv"});

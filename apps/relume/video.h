@@ -1,4 +1,4 @@
-// Sequences as one video file, encoded by ffmpeg.
+// Image sequences as one video file, encoded by ffmpeg.
 #pragma once
 
 #include <filesystem>
@@ -15,20 +15,20 @@ namespace relume::cli {
 /// Whether the extension names a video: .mp4 or .y4m.
 bool is_video_file(const std::filesystem::path& file);
 
-/// Throws UsageError if ffmpeg is missing, the folder cannot be written to or `aovs` are asked for.
+/// Throws UsageError if ffmpeg is missing, the folder is not writable or `aovs` are requested.
 void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 
 class VideoWriter {
  public:
   /// Frames of width × height at `fps`. Throws Error.
   VideoWriter(std::filesystem::path file, int width, int height, float fps);
-  /// Without finish(), nothing is left behind.
+  /// Without finish(), no file remains.
   ~VideoWriter();
 
-  /// Appends a display-ready, still linear image. Throws Error if ffmpeg gave up.
+  /// Appends a display-ready, still linear image. Throws Error if ffmpeg failed.
   void add(const Image& image);
 
-  /// Completes the file and gives it its name. Throws Error.
+  /// Completes the file and gives it its final name. Throws Error.
   void finish();
 
  private:

@@ -48,7 +48,7 @@ int run([[maybe_unused]] const ViewOptions& options, [[maybe_unused]] const Verb
 }  // namespace
 
 Command view_command(Verbosity& verbosity) {
-  // Both live as long as the command that refers to them.
+  // Both live as long as the command.
   const auto options = std::make_shared<ViewOptions>();
   const auto defaults = std::make_shared<AllSettings>();
   Command command{

@@ -5,14 +5,14 @@
 namespace relume::cli {
 namespace {
 
-/// Within single quotes.
+/// Quotes the text in single quotes.
 std::string shell_quoted(std::string_view text) {
   std::string result;
   for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
   return "'" + result + "'";
 }
 
-/// With a backslash before each of `special`.
+/// Escapes each of `special` with a backslash.
 std::string escaped(std::string_view text, std::string_view special) {
   std::string result;
   for (const char c : text) {
@@ -22,7 +22,7 @@ std::string escaped(std::string_view text, std::string_view special) {
   return result;
 }
 
-/// The action of a specification of _arguments. A space: the value cannot be completed.
+/// The action of an _arguments specification. A space: the value has no completion.
 std::string action(const Offer& offer) {
   const std::string list = fmt::format("{}", fmt::join(offer.words, " "));
   if (!offer.files) return list.empty() ? " " : fmt::format("({})", list);
