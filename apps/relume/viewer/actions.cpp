@@ -23,7 +23,7 @@ namespace {
 constexpr double kRecordInterval_s = 0.1;
 constexpr const char* kNoCamera = "the camera is not known before the first image; wait for it";
 
-/// Depth along the viewing direction of what is selected; 0 without anything that has a place.
+/// Depth of the selection along the viewing direction; 0 if the selection has no position.
 float selection_depth(const State& state, const CameraPose& camera) {
   const Index node = selected_node(state);
   if (node == kNone) return 0;
@@ -33,7 +33,7 @@ float selection_depth(const State& state, const CameraPose& camera) {
   return depth_of(camera, point);
 }
 
-/// Brings a point into focus: by its depth, or by its distance where the camera looks all around.
+/// Focuses on a point: at its depth, or at its distance for a panoramic camera.
 void focus_at(State& state, const Vec3& point) {
   CameraPose placed = current_camera(state);
   const Vec3 to_point = point - Vec3(placed.to_world[3]);
@@ -54,7 +54,7 @@ std::filesystem::path free_name(const std::string& document, const std::string& 
   }
 }
 
-/// `name` is called when the image is written: two that wait for the same frame get names of their own.
+/// `name` is called when the image is written, so that two requests for the same frame get different names.
 void post_image(State& state, std::function<std::filesystem::path()> name) {
   AllSettings shown = state.settings[0];
   shown.output.exposure = shown.output.exposure.value_or(state.automatic_exposure[0]);
@@ -207,9 +207,9 @@ void finish_pick(State& state) {
   try {
     result = state.picked.get();
   } catch (const std::future_error&) {
-    return;  // the renderer ended first
+    return;  // the rendering thread ended first
   }
-  if (result.scene != state.document->loaded().get()) return;  // the scene has changed meanwhile
+  if (result.scene != state.document->loaded().get()) return;  // the scene has changed since
   if (!result.hit) {
     if (!state.pick_focuses) state.selection = {};
   } else if (state.pick_focuses) {

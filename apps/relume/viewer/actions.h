@@ -1,4 +1,4 @@
-// What keys, buttons and scripts have in common.
+// Actions shared by keys, buttons and scripts.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace relume::viewer {
 
-/// Remembers the view as the last bookmark, or as the one at `slot`.
+/// Stores the view as a new bookmark, or in `slot`.
 void add_bookmark(State& state);
 void store_bookmark(State& state, size_t slot);
 void go_to_bookmark(State& state, size_t slot);
@@ -16,15 +16,15 @@ void go_to_bookmark(State& state, size_t slot);
 void toggle_recording(State& state);
 void toggle_path(State& state);
 void add_path_key(State& state);
-/// Records or plays, if one of the two is going on.
+/// Advances recording or playback of the path.
 void update_path(State& state);
 
-/// Moves the animation on by `seconds`, round and round.
+/// Advances the animation by `seconds`, in a loop.
 void update_animation(State& state, double seconds);
 
-/// Has the rendering thread write the image of side A between two frames; a message tells how it went.
+/// Queues writing the image of side A between two frames; a message reports the result.
 void save_image(State& state, const std::filesystem::path& file);
-/// The same, with a name in the working folder that no file has then: "relume-cornell-0001.png".
+/// The same, with an unused name in the working folder: "relume-cornell-0001.png".
 void save_numbered_image(State& state, const std::string& extension);
 
 /// Writes camera, path, changes and settings of side A as relume JSON.
@@ -33,22 +33,22 @@ void save_numbered_view_file(State& state);
 /// Throws Error.
 void write_view_file(State& state, const std::filesystem::path& file);
 
-/// Puts the sun of `sky` where it stands at the state's hour, day and latitude.
+/// Sets the sun of `sky` to its position at the state's hour, day and latitude.
 void move_sun(const State& state, SunSky& sky);
 
-/// Has the rendering thread find out what lies at a point of the image; it is then selected.
+/// Requests the object at a point of the image, to select it or to focus on it.
 void pick_at(State& state, const Vec2& point, bool focus);
-/// Takes the answer.
+/// Handles the result of pick_at().
 void finish_pick(State& state);
 
-/// The node that places what is selected, which for a skinned mesh is Document::mover(); kNone for what has no place or
-/// cannot be moved.
+/// The node that moves the selection (Document::mover() for a skinned mesh); kNone if it has no position or cannot
+/// move.
 Index selected_node(const State& state);
 
-/// Shows the buffer "directions" for a point of the image, if a technique fills it; else a message says what would.
+/// Shows the buffer "directions" for a point of the image. If no technique fills it, a message names one that would.
 void show_directions_at(State& state, const Vec2& point);
 
-/// Moves what is selected parallel to the image by `delta`, in heights of the image.
+/// Moves the selection parallel to the image by `delta`, in heights of the image.
 void drag_selection(State& state, const Vec2& delta);
 
 }  // namespace relume::viewer

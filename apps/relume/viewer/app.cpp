@@ -17,14 +17,14 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kFastest_hz = 60;
-constexpr double kSlowest_hz = 36;     // where drawing is slow; with a margin above 30
-constexpr double kDrawingShare = 0.5;  // of the time, at most, unless that is slower than the slowest rate
-constexpr double kNumbers_s = 0.5;     // between two changes of the rates that are shown, to be readable
+constexpr double kSlowest_hz = 36;     // minimum rate for slow drawing; with a margin above 30
+constexpr double kDrawingShare = 0.5;  // maximum share of the time, unless below the minimum rate
+constexpr double kNumbers_s = 0.5;     // interval at which displayed rates change, to be readable
 constexpr float kSidebar_px = 390;
 constexpr float kTiming_px = 148;
-constexpr double kPatience_s = 300;  // for a frame, also one for which a scene is compiled, before smoke tests give up
+constexpr double kPatience_s = 300;  // until smoke tests fail without a frame, compilation of a scene included
 
-/// A window in which an image of the wanted size has room, as far as screens usually go.
+/// A window with room for an image of the requested size, within common screen sizes.
 IVec2 window_size(const AllSettings& settings, bool fixed_size) {
   if (!fixed_size) return {1440, 900};
   return {std::clamp(settings.render.width + static_cast<int>(kSidebar_px), 960, 1920),
@@ -164,7 +164,7 @@ void App::post() {
     state_.awaits_camera = true;
     release_version_ = version_;
   }
-  const auto newest = renderer_.frame(0);  // may be newer than the one that is shown
+  const auto newest = renderer_.frame(0);  // may be newer than the displayed one
   if (camera != camera_version_ && newest) camera_moves_.emplace_back(version_, newest->serial);
   camera_version_ = camera;
   state_.navigation.pace.posted(version_);

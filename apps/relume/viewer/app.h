@@ -1,4 +1,4 @@
-// The viewer: state, rendering thread, window and panels, and the loop that keeps them together.
+// The viewer: state, rendering thread, window, panels, and the main loop.
 #pragma once
 
 #include <deque>
@@ -21,11 +21,11 @@ class App {
   App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
       std::shared_ptr<const LoadedScene> scene, std::shared_ptr<const OcioView> ocio);
 
-  /// Runs until the window is closed, or the script and the wanted frames are through. Throws Error if the first scene
-  /// cannot be shown, or a step of the script fails.
+  /// Runs until the window is closed, or until the script and the requested frames are complete. Throws Error if the
+  /// first scene cannot be shown, or a step of the script fails.
   void run();
 
-  /// Whether a scene is still being loaded, which will not be shown any more.
+  /// Whether a scene is still loading that will not be shown.
   bool loading() const { return state_.loading.valid() || !state_.superseded.empty(); }
 
  private:
@@ -50,17 +50,17 @@ class App {
   ScriptPlayer script_;
   Viewport viewport_;
   double last_s_ = 0;
-  double numbers_s_ = 0;  ///< when the shown rates last changed
+  double numbers_s_ = 0;  ///< time at which the displayed rates last changed
   uint64_t version_ = 0;
   uint64_t image_version_ = 0;
   uint64_t camera_version_ = 0;
-  uint64_t release_version_ = 0;                            ///< request with which the scene's camera came back last
-  double newest_frame_s_ = 0;                               ///< when the newest frame was taken
+  uint64_t release_version_ = 0;                            ///< request that last returned to the scene's camera
+  double newest_frame_s_ = 0;                               ///< time at which the newest frame was received
   std::deque<std::pair<uint64_t, uint64_t>> camera_moves_;  ///< request, and the newest frame when it was posted
   std::string first_problem_;
-  std::string failed_task_;  ///< why the first task failed
-  std::string screenshot_;   ///< to be taken after this frame
-  RenderThread renderer_;    ///< last: it ends first
+  std::string failed_task_;  ///< error of the first failed task
+  std::string screenshot_;   ///< file for a screenshot after this frame
+  RenderThread renderer_;    ///< last member: its thread ends first
 };
 
 }  // namespace relume::viewer

@@ -1,4 +1,4 @@
-// What scripts do, and what is reported at the end of a smoke test.
+// Actions of scripts, and the report at the end of a smoke test.
 #include <algorithm>
 #include <cstdio>
 
@@ -13,7 +13,7 @@
 namespace relume::viewer {
 namespace {
 
-/// Index of the thing of that name in one of the scene's lists.
+/// Index of the item of that name in one of the scene's lists.
 template <typename Items>
 Index index_of(const Items& items, const std::string& name) {
   const auto found = std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
@@ -41,7 +41,7 @@ void set_sun(State& state, float hour) {
   state.touch();
 }
 
-/// Multiplies what the selected light or material emits.
+/// Multiplies the emission of the selected light or material.
 void emit(State& state, float factor) {
   const Selection& s = state.selection;
   if (s.kind == Selected::light) {
@@ -187,7 +187,7 @@ void App::finish() {
   renderer_.stop();
   take_notices();
   if (smoke_) print(report());
-  // Whoever sat before the window has read of it; a script, and images written after the window closed, have not.
+  // The window has already shown the error; scripts, and images written after the window closed, still need it.
   if (!failed_task_.empty() && (!told || !options_.script.empty())) throw Error(failed_task_);
 }
 

@@ -52,7 +52,7 @@ std::vector<Bookmark> read_bookmarks(const std::filesystem::path& file) {
 }
 
 void write_bookmarks(const std::filesystem::path& file, const std::vector<Bookmark>& bookmarks) {
-  std::error_code failure;  // write_file() says what is wrong with the folder
+  std::error_code failure;  // write_file() reports problems of the folder
   std::filesystem::create_directories(file.parent_path(), failure);
   json list = json::array();
   for (const Bookmark& bookmark : bookmarks) list.push_back(to_json(bookmark));

@@ -1,4 +1,4 @@
-// Viewpoints to come back to, and paths through them.
+// Bookmarks and camera paths.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace relume::viewer {
 
 struct Viewpoint {
   Vec3 eye{0};
-  glm::quat rotation{1, 0, 0, 0};  ///< of a camera that looks along -Z
+  glm::quat rotation{1, 0, 0, 0};  ///< of a camera facing -Z
   float fov_y_rad = 0.8f;
 };
 
@@ -22,7 +22,7 @@ struct Bookmark {
   Viewpoint view;
 };
 
-/// Reads what write_bookmarks() wrote; nothing if the file does not exist. Throws Error for anything else.
+/// Reads the output of write_bookmarks(); empty if the file does not exist. Throws Error for anything else.
 std::vector<Bookmark> read_bookmarks(const std::filesystem::path& file);
 void write_bookmarks(const std::filesystem::path& file, const std::vector<Bookmark>& bookmarks);
 
@@ -32,13 +32,13 @@ struct PathKey {
   glm::quat rotation{1, 0, 0, 0};
 };
 
-/// Key frames of a camera, linear in between, as relume JSON has them.
+/// Key frames of a camera, interpolated linearly, as in relume JSON.
 class CameraPath {
  public:
-  /// Adds a key. One that is not later than the last is ignored.
+  /// Adds a key. Ignores one that is not later than the last.
   void add(const PathKey& key);
   void clear() { keys_.clear(); }
-  /// The camera at a time; that of the first or last key outside.
+  /// The camera at a time; clamped to the first and last key.
   PathKey at(float time_s) const;
   float duration_s() const { return keys_.empty() ? 0.0f : keys_.back().time_s; }
   const std::vector<PathKey>& keys() const { return keys_; }

@@ -9,14 +9,14 @@ namespace relume::viewer {
 namespace {
 
 constexpr int kToneMapSize = 48;
-constexpr int kOcioSize = 81;  // four entries a stop
+constexpr int kOcioSize = 81;  // four entries per stop
 
 float radiance_at(int entry, int size) {
   const float t = static_cast<float>(entry) / static_cast<float>(size - 1);
   return entry == 0 ? 0.0f : std::exp2(lerp(kTableMinEv, kTableMaxEv, t));
 }
 
-/// Radiance of every entry, one row for each pair of green and blue.
+/// Radiance of every entry, one row per pair of green and blue.
 Image entries(int size) {
   Image image(size, size * size);
   for (int y = 0; y < image.height; ++y) {

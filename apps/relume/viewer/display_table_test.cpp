@@ -47,7 +47,7 @@ colorspaces:
     from_scene_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
 )";
 
-/// As the shader reads the table.
+/// Looks up the table like the shader.
 Rgb look_up(const DisplayTable& table, const Rgb& radiance) {
   std::array<int, 3> cell{};
   Vec3 share;
@@ -71,7 +71,7 @@ Rgb look_up(const DisplayTable& table, const Rgb& radiance) {
   return sum;
 }
 
-/// Of channels from 2^-10 to 2^6, in equal numbers per stop.
+/// Channels from 2^-10 to 2^6, in equal numbers per stop.
 Image radiances() {
   Image image(64, 256);
   relume::testing::Random random(7);
@@ -83,10 +83,10 @@ Image radiances() {
 
 struct Errors {
   float mean = 0;
-  float share = 0;  ///< of pixels that differ by more than one step
+  float share = 0;  ///< share of pixels with a difference above one step
 };
 
-/// In steps of 255; `exact` is display-linear.
+/// Errors in steps of 1/255; `exact` is display-linear.
 Errors errors_of(const DisplayTable& table, const Image& radiance, const Image& exact) {
   Errors errors;
   for (size_t i = 0; i < radiance.pixels.size(); ++i) {

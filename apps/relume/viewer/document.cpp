@@ -11,7 +11,7 @@
 namespace relume::viewer {
 namespace {
 
-/// What panels show and edit: everything but the arrays.
+/// The part of the scene that panels show and edit, without arrays.
 Scene outline_of(const Scene& scene) {
   Scene outline;
   outline.name = scene.name;
@@ -147,7 +147,7 @@ bool Document::make_movable(Index node) {
   playing.nodes = outline_.nodes;
   playing.animation = playing_;
   if (moving_nodes(playing, edits_.movable)[static_cast<size_t>(node)]) return false;
-  if (bounds(node).empty()) return false;  // nothing that the acceleration structure holds
+  if (bounds(node).empty()) return false;  // no geometry in the acceleration structure
   edits_.movable.push_back(node);
   next_version();
   return true;
@@ -177,7 +177,7 @@ void Document::move(Index node, const Vec3& by) {
 const Box& Document::deformed_bounds(Index node, Index mesh) const {
   const auto [entry, is_new] = deformed_bounds_.try_emplace({node, mesh});
   if (is_new) {
-    // Posed as edited; the arrays of the meshes are those that were loaded.
+    // Posed with the edits; the meshes' arrays are those of the loaded scene.
     if (!joints_) joints_ = joint_matrices(outline_, world());
     entry->second =
         deformed_box(outline_, node, loaded_->scene.meshes[static_cast<size_t>(mesh)], *joints_, edits_.time_s.value);

@@ -17,7 +17,7 @@
 namespace relume::viewer {
 namespace {
 
-constexpr float kTolerance = 1e-4f;  // metres; matrices are inverted on the way
+constexpr float kTolerance = 1e-4f;  // metres; allows for matrix inversion
 
 void expect_near(const Vec3& a, const Vec3& b, float tolerance = kTolerance) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << i;
@@ -31,7 +31,7 @@ Mesh quad() {
   return mesh;
 }
 
-/// A parent that turns and scales, and below it a quad and a lamp.
+/// A parent with rotation and scale, and below it a quad and a lamp.
 std::shared_ptr<const LoadedScene> small_scene() {
   Scene scene;
   scene.materials.emplace_back().name = "paint";
@@ -99,7 +99,7 @@ TEST(Document, PlaysTheChosenClip) {
   document.play("stretch");
   EXPECT_EQ(document.duration_s(), 3);
   document.set_time(3);
-  expect_near(document.bounds(0).high, Vec3(0.6f, 6, 0.6f));  // three times as large, as its joints are
+  expect_near(document.bounds(0).high, Vec3(0.6f, 6, 0.6f));  // scaled by three, like its joints
   EXPECT_THROW(document.play("sing"), Error);
   document.set_transform(1, {});
   expect_near(document.bounds(0).high, Vec3(0.2f, 2, 0.2f));
@@ -146,7 +146,7 @@ TEST(Document, KeepsTheMapOfTheEnvironment) {
   EXPECT_EQ(document.edits().environment.value->rotation_rad, 1);
 }
 
-// --- Reading again --------------------------------------------------------------------------------------------------
+// --- Reloading -------------------------------------------------------------------------------------------------------
 
 TEST(RepeatEdits, FollowNamesNotIndices) {
   Document before(small_scene());

@@ -1,4 +1,4 @@
-// Skinned meshes: glTF places them by their joints alone, wherever the node of the mesh is.
+// Skinned meshes: glTF places them by their joints, independent of the mesh's node.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,9 +9,9 @@
 namespace relume::viewer {
 namespace {
 
-/// The node that all of `nodes` are or stem from, as far down as possible; kNone if there is none.
+/// The deepest node that is an ancestor of, or equal to, each of `nodes`; kNone if there is none.
 Index common_ancestor(const std::vector<Node>& all, const std::vector<Index>& nodes) {
-  std::vector<Index> way;  // from the first one up
+  std::vector<Index> way;  // from the first node up to its root
   for (Index n = nodes.empty() ? kNone : nodes.front(); n != kNone; n = all[static_cast<size_t>(n)].parent)
     way.push_back(n);
   auto common = way.begin();

@@ -13,7 +13,7 @@ namespace {
 
 using testing::Stage;
 
-constexpr Index kBody = 0;   // of figure(): it has the mesh
+constexpr Index kBody = 0;   // node of figure() with the mesh
 constexpr Index kJoint = 1;  // the root of the joints
 
 /// Puts a node above the root joint. Returns its index.
@@ -71,7 +71,7 @@ TEST(Figures, AClipThatDoesNotPlayCountsToo) {
   scene.clips.emplace_back("stretch");
   scene.animation.push_back({3, AnimatedProperty::scale, Interpolation::linear, {0, 1}, {Vec4(1), Vec4(3)}, 0, 1});
   Document document = document_of(std::move(scene));
-  document.play("stretch");  // which leaves the root joint alone
+  document.play("stretch");  // does not move the root joint
   EXPECT_EQ(document.mover(kBody).node, armature);
 }
 

@@ -27,7 +27,8 @@ void FileWatch::watch(const std::vector<std::filesystem::path>& files, std::file
   for (const std::filesystem::path& file : files) {
     const auto known = stamps_.find(file);
     Stamp stamp = known != stamps_.end() ? known->second : stamp_of(file);
-    if (known == stamps_.end() && stamp.exists && stamp.written > read_from) stamp = {};  // what was read is older
+    if (known == stamps_.end() && stamp.exists && stamp.written > read_from)
+      stamp = {};  // the version read may be older
     stamps[file] = stamp;
   }
   stamps_ = std::move(stamps);

@@ -1,4 +1,4 @@
-// Notices that files change on disk.
+// Detects changes of files on disk.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace relume::viewer {
 
-/// Looks at the files of a scene from time to time. A change counts once the files have stayed as they are for a
-/// moment, as programs write in pieces.
+/// Polls the files of a scene. A change is reported once the files have stayed the same for a moment, because programs
+/// write in pieces.
 class FileWatch {
  public:
-  /// Watches these files, missing ones included, in place of those before; the first has to exist for a change to
-  /// count. A file that was watched before and has changed since the last look counts as changed, and so does one that
-  /// was written after `read_from`, when reading them began.
+  /// Replaces the watched files, which may be missing; only the first must exist for a change to be reported. A file
+  /// changes if it was watched before and differs from the last poll, or was written after `read_from`, the time at
+  /// which reading began.
   void watch(const std::vector<std::filesystem::path>& files,
              std::filesystem::file_time_type read_from = std::filesystem::file_time_type::max());
 
-  /// Whether the files have changed since the last time that this was true. Looks at them every 0.25 s at most.
+  /// Whether the files have changed since the last call that returned true. Polls at most every 0.25 s.
   bool changed(double now_s);
 
  private:
@@ -33,7 +33,7 @@ class FileWatch {
   std::filesystem::path main_;
   std::map<std::filesystem::path, Stamp> stamps_;
   double looked_s_ = -1e9;
-  double settles_s_ = 0;  ///< when a change counts that was seen
+  double settles_s_ = 0;  ///< time at which a detected change is reported
   bool unsettled_ = false;
 };
 

@@ -22,10 +22,10 @@ class FileWatchTest : public ::testing::Test {
   }
   void write(const char* name, const char* text) {
     std::ofstream(folder_ / name) << text;
-    // Clocks of file systems are coarse.
+    // File systems' clocks are coarse.
     fs::last_write_time(folder_ / name, fs::file_time_type::clock::now() + std::chrono::seconds(++writes_));
   }
-  /// Whether a change counts within `seconds`.
+  /// Whether a change is reported within `seconds`.
   bool passes(double seconds) {
     bool changed = false;
     for (const double end_s = now_s_ + seconds; now_s_ < end_s; now_s_ += 0.05) changed |= watch_.changed(now_s_);

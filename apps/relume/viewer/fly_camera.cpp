@@ -9,7 +9,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr float kFastFactor = 5;
-constexpr float kSteepest_rad = 1.55f;  // just short of the zenith, where the horizon would tumble
+constexpr float kSteepest_rad = 1.55f;  // just below the zenith, where the horizon would tumble
 
 }  // namespace
 
@@ -27,10 +27,10 @@ void FlyCamera::place(const Vec3& eye, const glm::quat& rotation) {
 bool FlyCamera::update(const FlyInput& input, float seconds, float fov_y_rad, float image_height_px) {
   if (input.idle()) return false;
   if (input.turn_px != Vec2(0)) {
-    // The point under the cursor stays under it, near the centre of the image.
+    // Near the image centre, the point under the cursor stays there.
     turn(input.turn_px * (fov_y_rad / std::max(image_height_px, 1.0f)));
   }
-  // Up and down are those of the world, so that looking down does not turn rising into flying forward.
+  // Up and down are those of the world, so that rising while looking down does not fly forwards.
   const Vec3 direction = rotation_ * Vec3(input.move.x, 0, input.move.z) + Vec3(0, input.move.y, 0);
   eye_ += direction * (speed * (input.fast ? kFastFactor : 1.0f) * seconds);
   return true;

@@ -1,4 +1,4 @@
-// Flying through a scene: keys move the camera, the mouse turns it.
+// Fly camera: keys move it, the mouse turns it.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -7,7 +7,7 @@
 
 namespace relume::viewer {
 
-/// What the user does during one frame of the interface.
+/// User input during one frame of the interface.
 struct FlyInput {
   Vec3 move{0};     ///< in the camera's axes, each in [-1, 1]: x right, y up, -z forward
   Vec2 turn_px{0};  ///< mouse movement, y downwards
@@ -17,14 +17,14 @@ struct FlyInput {
 
 class FlyCamera {
  public:
-  /// Takes the position and direction of a camera matrix; its scale is ignored.
+  /// Takes the position and rotation of a camera matrix; ignores its scale.
   void place(const Mat4& to_world);
   void place(const Vec3& eye, const glm::quat& rotation);
 
-  /// Moves, and turns as turn() does. Returns whether anything changed.
+  /// Moves and turns, the latter like turn(). Returns whether the camera changed.
   bool update(const FlyInput& input, float seconds, float fov_y_rad, float image_height_px);
 
-  /// Turns by angles, radians: to the right and down. Keeps the horizon as it is and never goes over the zenith.
+  /// Turns by angles, radians: to the right and down. Keeps the horizon level and never crosses the zenith.
   void turn(const Vec2& by_rad);
 
   Mat4 to_world() const;
@@ -32,7 +32,7 @@ class FlyCamera {
   const glm::quat& rotation() const { return rotation_; }
   Vec3 forward() const { return rotation_ * Vec3(0, 0, -1); }
 
-  float speed = 1;  ///< metres a second; fast: five times as much
+  float speed = 1;  ///< metres per second; fast: five times as fast
 
  private:
   Vec3 eye_{0};

@@ -10,7 +10,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr float kFov = 0.8f;
-constexpr float kTolerance = 1e-5f;  // some roundings of single precision
+constexpr float kTolerance = 1e-5f;  // rounding in single precision
 
 FlyCamera camera_at(const Vec3& eye, const Vec3& target) {
   const Transform t = look_at(eye, target);
@@ -26,7 +26,7 @@ void expect_near(const Vec3& a, const Vec3& b) {
 TEST(FlyCamera, KeepsAPoseThatItIsGiven) {
   const Mat4 pose = glm::translate(Mat4(1), Vec3(1, 2, 3)) * glm::rotate(Mat4(1), 0.7f, glm::normalize(Vec3(1, 2, 1)));
   FlyCamera camera;
-  camera.place(glm::scale(pose, Vec3(2, 3, 4)));  // scale means nothing for a camera
+  camera.place(glm::scale(pose, Vec3(2, 3, 4)));  // a camera ignores scale
   for (int c = 0; c < 4; ++c) expect_near(Vec3(camera.to_world()[c]), Vec3(pose[c]));
 }
 

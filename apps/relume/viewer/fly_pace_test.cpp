@@ -7,9 +7,10 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kTick_s = 1.0 / 36;  // of the interface
+constexpr double kTick_s = 1.0 / 36;  // interval of interface frames
 
-/// Holds a key for `held_s` while frames take `frame_s` and then `watched_s` longer. Returns the seconds of all steps.
+/// Holds a key for `held_s` while frames take `frame_s`, and continues `watched_s` longer. Returns the seconds of all
+/// steps.
 double flown(double frame_s, double held_s, double watched_s) {
   FlyPace pace;
   uint64_t version = 0;
@@ -33,7 +34,7 @@ double flown(double frame_s, double held_s, double watched_s) {
 TEST(FlyPace, KeepsUpWithTheClockWhereFramesAreFast) { EXPECT_NEAR(flown(0.05, 2, 0), 2, 0.1); }
 
 TEST(FlyPace, FliesNoFurtherThanFramesAllow) {
-  // Two frames are shown, and a third is on its way.
+  // Two frames are shown, and a third is in progress.
   EXPECT_LE(flown(1, 2.5, 0), kFirstStep_s + 2 * kLongestStep_s + 1e-6);
   EXPECT_GT(flown(1, 2.5, 0), kLongestStep_s);
 }

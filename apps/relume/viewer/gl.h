@@ -1,4 +1,4 @@
-// OpenGL 3.3 core, straight from the library: every system that relume runs on exports it.
+// OpenGL 3.3 core, called directly: the library exports it on every supported system.
 #pragma once
 
 #define GL_GLEXT_PROTOTYPES

@@ -1,4 +1,4 @@
-// A frame on the graphics card: values go up once a frame, a shader turns them into what the display shows.
+// A frame on the GPU: values are uploaded once per frame, and a shader converts them to display colours.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@ class OcioView;
 
 namespace relume::viewer {
 
-/// How values become colours.
+/// Conversion of values to colours.
 enum class DisplayMode : int {
   radiance,     ///< exposure and tone map
-  color,        ///< values in the range become 0 … 1, gamma-encoded
-  false_color,  ///< one channel or the magnitude through a palette
-  direction,    ///< components in [-1, 1] become 0 … 1
+  color,        ///< the range maps to 0 … 1, gamma-encoded
+  false_color,  ///< one channel or the magnitude, through a palette
+  direction,    ///< components map from [-1, 1] to 0 … 1
 };
 
 struct DisplayTransform {
   DisplayMode mode = DisplayMode::radiance;
   ToneMap tone_map = ToneMap::agx;
-  const OcioView* ocio = nullptr;  ///< replaces `tone_map`, which is then always the same; nullptr: none
+  const OcioView* ocio = nullptr;  ///< replaces `tone_map`, which must then stay the same; nullptr: none
   float exposure = 0;              ///< stops
   Vec2 range{0, 1};
-  int channel = 0;  ///< of false_color; -1: length of the vector
+  int channel = 0;  ///< for false_color; -1: length of the vector
   bool operator==(const DisplayTransform&) const = default;
 };
 
@@ -38,7 +38,7 @@ struct DisplayTransform {
 /// saturation 1). Display-encoded.
 Rgb palette_color(float t);
 
-/// Shader, display table and palette, shared by all images. Needs a current context for as long as it lives.
+/// Shader, display table and palette, shared by all images. Needs a current OpenGL context during its lifetime.
 class DisplayShader {
  public:
   DisplayShader();
@@ -70,7 +70,7 @@ class GlImage {
   GlImage& operator=(const GlImage&) = delete;
 
   void upload(const std::vector<Rgb>& values, int width, int height);
-  /// Makes texture() show the values. False if they and the wish are as before.
+  /// Renders the values into texture(). Returns false if values and transform are unchanged.
   bool to_display(DisplayShader& display_shader, const DisplayTransform& wish);
 
   GLuint texture() const { return developed_; }

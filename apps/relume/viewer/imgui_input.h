@@ -1,5 +1,5 @@
-// Keys under GLFW's names, and input that a script gives. Dear ImGui up to 1.86 numbers keys as GLFW does and has its
-// state written to; later versions number keys on their own and take events.
+// Keys by their GLFW names, and scripted input. Dear ImGui up to 1.86 numbers keys as GLFW does and exposes its state
+// for writing; later versions number keys differently and take events.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace relume::viewer {
 
 #if IMGUI_VERSION_NUM >= 18700
 
-/// ImGuiKey_None for keys that the viewer does not use.
+/// The Dear ImGui key; ImGuiKey_None for keys that the viewer does not use.
 inline ImGuiKey imgui_key(int glfw_key) {
   if (glfw_key >= GLFW_KEY_A && glfw_key <= GLFW_KEY_Z)
     return static_cast<ImGuiKey>(ImGuiKey_A + glfw_key - GLFW_KEY_A);
@@ -44,12 +44,12 @@ inline bool is_down(int glfw_key) { return ImGui::IsKeyDown(imgui_key(glfw_key))
 /// True in the frame in which the key goes down.
 inline bool is_pressed(int glfw_key) { return ImGui::IsKeyPressed(imgui_key(glfw_key), false); }
 
-/// Holds these keys, and no others, in the frame that begins next.
+/// Holds exactly these keys in the next frame.
 inline void hold_keys(const std::vector<int>& glfw_keys) {
   ImGuiIO& io = ImGui::GetIO();
   const auto held = [&](int key) { return std::find(glfw_keys.begin(), glfw_keys.end(), key) != glfw_keys.end(); };
 #if IMGUI_VERSION_NUM >= 18700
-  io.ConfigInputTrickleEventQueue = false;  // or keys that go down together would come one frame after the other
+  io.ConfigInputTrickleEventQueue = false;  // otherwise, simultaneous keys arrive one frame after the other
   for (int key = GLFW_KEY_SPACE; key <= GLFW_KEY_LAST; ++key) {
     if (imgui_key(key) != ImGuiKey_None) io.AddKeyEvent(imgui_key(key), held(key));
   }
@@ -64,7 +64,7 @@ inline void hold_keys(const std::vector<int>& glfw_keys) {
 #endif
 }
 
-/// The mouse in the frame that begins next; `wheel` in notches.
+/// Sets the mouse for the next frame; `wheel` in notches.
 inline void hold_mouse(const ImVec2& position, bool left, float wheel) {
   ImGuiIO& io = ImGui::GetIO();
 #if IMGUI_VERSION_NUM >= 18700

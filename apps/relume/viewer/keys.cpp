@@ -11,14 +11,14 @@ float axis(int positive, int negative) {
   return static_cast<float>(is_down(positive)) - static_cast<float>(is_down(negative));
 }
 
-/// Of the keys that fly; none while a text is written.
+/// Movement by the fly keys; none while a text is edited.
 Vec3 held_movement() {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || io.KeyCtrl) return Vec3(0);
   return {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
 }
 
-/// Closes what lies on top: lists that are open, the list of keys, the selection.
+/// Closes the topmost of: open lists, the list of keys, the selection.
 void close_topmost(State& state) {
   if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {
     ImGui::ClosePopupToLevel(0, true);

@@ -1,5 +1,5 @@
-// How soon a move of the camera or a changed setting shows, in processor time of one thread: what other programs do
-// does not count.
+// Latency from a camera move or changed setting to its frame, in processor time of one thread. Other programs therefore
+// do not count.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,8 +23,8 @@ namespace {
 using testing::kPatience_ms;
 using testing::Stage;
 
-/// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz). Other machines may be
-/// slower than those that the promise is for, and their caches shared with other tests.
+/// Limit for a frame. Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz). Outside
+/// quiet machines the limit is larger: processors may be slower, and caches shared with other tests.
 double soon_s() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return 3;
@@ -48,7 +48,7 @@ class Latency : public ::testing::TestWithParam<std::string> {
     stage_.resolution_policy = {};
   }
 
-  /// Waits until a frame of full size is under way, `into_s` of processor time after the last one of another size.
+  /// Waits until a full-size frame is in progress for `into_s` of processor time.
   void rest(double into_s) {
     std::this_thread::sleep_for(std::chrono::duration<double>(stage_.resolution_policy.rest_after_s));
     const double start_s = processor_time_s();
@@ -63,7 +63,7 @@ class Latency : public ::testing::TestWithParam<std::string> {
     stage_.document.set_camera(camera);
   }
 
-  /// Processor time from the request for a change to the frame that shows it.
+  /// Processor time from a change request to the frame that shows it.
   double answer() {
     const double start_s = processor_time_s();
     stage_.post();
@@ -93,8 +93,8 @@ TEST_P(Latency, AMoveOrASettingAfterARestShowsAtOnce) {
   EXPECT_LT(longest_s, soon_s());
 }
 
-// A flight holds the frame rate, so its frames take longer than the first one. No step may wait for more than the frame
-// in progress, which is finished, and its own.
+// Frames of a flight hold the frame rate, so they take longer than the first one. A step only waits for the frame in
+// progress, which is finished, and its own.
 TEST_P(Latency, AStepOfAFlightShowsWithTheNextFrame) {
   stage_.post();
   ASSERT_TRUE(stage_.next());
@@ -103,7 +103,7 @@ TEST_P(Latency, AStepOfAFlightShowsWithTheNextFrame) {
   for (int step = 0; step < 5; ++step) {
     move_camera();
     stage_.post();
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until its frame is being rendered
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until its frame is in progress
     move_camera();
     longest_s = std::max(longest_s, answer());
     frame_s = std::max(frame_s, stage_.thread.frame(0)->seconds);
@@ -112,7 +112,7 @@ TEST_P(Latency, AStepOfAFlightShowsWithTheNextFrame) {
   EXPECT_LT(longest_s, 3 * frame_s);
 }
 
-/// Built-in scenes, and Sponza where RELUME_SCENES names a folder that has it.
+/// Built-in scenes, and Sponza if RELUME_SCENES names a folder with it.
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);

@@ -6,14 +6,14 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kRenderedWindow_s = 3;
-constexpr double kNever = -1;  // until the next frame of the interface
+constexpr double kNever = -1;  // none until the next frame of the interface
 
 double rate(const std::deque<double>& times) {
   if (times.size() < 2 || times.back() <= times.front()) return 0;
   return static_cast<double>(times.size() - 1) / (times.back() - times.front());
 }
 
-/// Drops what came before `from`, but keeps the latest `fewest`.
+/// Removes entries before `from`, but keeps the latest `fewest`.
 void trim(std::deque<double>& times, double from, size_t fewest) {
   while (times.size() > fewest && times.front() < from) times.pop_front();
 }

@@ -1,4 +1,4 @@
-// Measures how the viewer does: interface rate, rendered frames, and how soon a change of the camera is seen.
+// Performance statistics of the viewer: interface rate, rendered frames, and latency of camera changes.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +9,25 @@ namespace relume::viewer {
 
 class Monitor {
  public:
-  /// A frame of the interface was shown.
+  /// Records a frame of the interface.
   void interface_frame(double now_s);
-  /// A rendered frame arrived.
+  /// Records a rendered frame.
   void rendered_frame(double now_s);
-  /// A change of the camera was seen in the `frames`-th frame after it.
+  /// Records that the `frames`-th frame after a camera change showed it.
   void camera_seen(uint64_t frames);
 
   double interface_hz() const;  ///< over the last second
-  double frames_per_s() const;  ///< over the last three seconds, or the last two frames if those are longer apart
-  /// The lowest interface_hz() of any complete second since the first rendered frame; nothing before that.
+  double frames_per_s() const;  ///< over the last three seconds, or between the last two frames if longer
+  /// The lowest interface_hz() of any complete second since the first rendered frame; std::nullopt before that.
   std::optional<double> worst_interface_hz() const { return worst_hz_; }
   double longest_gap_s() const { return longest_gap_s_; }  ///< between two frames of the interface
-  /// Rendered frames from a change of the camera to the first that shows it, at most.
+  /// Most rendered frames from a camera change to the first frame that shows it.
   uint64_t camera_latency_frames() const { return latency_; }
 
-  /// What comes next is not to be compared with what was before: something else took the time.
+  /// Excludes the present gap from the statistics, because other work caused it.
   void interrupt();
 
-  /// Forgets the extremes so far.
+  /// Resets the extremes.
   void reset();
 
  private:

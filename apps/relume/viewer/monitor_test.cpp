@@ -11,7 +11,7 @@ TEST(Monitor, CountsFramesOfTheInterface) {
   for (int i = 0; i <= 120; ++i) monitor.interface_frame(i / 40.0);
   EXPECT_NEAR(monitor.interface_hz(), 40, 1e-6);
   ASSERT_TRUE(monitor.worst_interface_hz());
-  EXPECT_NEAR(*monitor.worst_interface_hz(), 40, 1.5);  // a second may hold one frame more or less
+  EXPECT_NEAR(*monitor.worst_interface_hz(), 40, 1.5);  // a second may have one frame more or fewer
   monitor.interface_frame(3.5);
   EXPECT_NEAR(monitor.longest_gap_s(), 0.5, 1e-9);
   EXPECT_LT(*monitor.worst_interface_hz(), 25);

@@ -10,12 +10,12 @@
 namespace relume::viewer {
 namespace {
 
-// Distances between camera and pivot, as shares of the scene's diagonal.
+// Distances between camera and pivot, as fractions of the scene's diagonal.
 constexpr float kNearest = 1e-3f;
 constexpr float kFarthest = 100;
-constexpr float kLeastDistance = 0.05f;  // of a pivot that is chosen straight ahead
+constexpr float kLeastDistance = 0.05f;  // minimum, of a pivot chosen straight ahead
 
-/// What the selection covers; the whole scene where nothing with a place is selected.
+/// Bounds of the selection; of the whole scene if the selection has no position.
 Box selected_box(const State& state) {
   const Document& document = *state.document;
   const Index node = state.selection.kind == Selected::node ? state.selection.index : selected_node(state);
@@ -29,11 +29,11 @@ Box selected_box(const State& state) {
   return box;
 }
 
-/// Scenes of a single point have a size, too, so that the wheel does something.
+/// Scenes of a single point get a non-zero size, so that the wheel works.
 float size_of(const Box& scene) { return scene.diagonal() > 0 ? scene.diagonal() : 1.0f; }
 
-/// The present pivot if it can be seen: bookmarks and paths move the camera alone. Otherwise the middle of the scene if
-/// the scene's own camera shows it, and a point straight ahead if not.
+/// The present pivot if it is visible, since bookmarks and paths only move the camera. Otherwise the scene's centre if
+/// the scene's own camera shows it, else a point straight ahead.
 Vec3 pivot_of(State& state, const CameraPose& camera) {
   Navigation& n = state.navigation;
   const RenderSettings& render = state.settings[0].render;
@@ -55,7 +55,7 @@ void move_about_pivot(State& state, CameraPose& camera, float image_height_px) {
   dolly(camera, pivot, n.notches, {kNearest * size, kFarthest * size});
 }
 
-/// Returns whether anything moved.
+/// Returns whether the camera moved.
 bool fly(State& state, CameraPose& camera, FlyInput input, float image_height_px) {
   const uint64_t shown =
       state.frame() && state.frame()->scene == state.document->loaded() ? state.frame()->request_version : 0;
@@ -109,7 +109,7 @@ void navigate(State& state, const Vec3& move, bool fast, float image_height_px) 
       move_about_pivot(state, camera, height_px);
       moved = true;
     }
-    if (!orbits && n.turn_px != Vec2(0)) n.has_pivot = false;  // the camera looks elsewhere
+    if (!orbits && n.turn_px != Vec2(0)) n.has_pivot = false;  // the camera faces another direction
     if (n.pan_px != Vec2(0)) {
       pivot_of(state, camera);
       pan(camera, n.pivot, n.pan_px / height_px);

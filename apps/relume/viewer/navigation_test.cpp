@@ -80,7 +80,7 @@ TEST(Navigation, TheOrbitGoesAroundTheMiddleOfTheScene) {
 }
 
 TEST(Navigation, TheOrbitBeginsInFrontOfTheCamera) {
-  for (const auto& [eye, target] : {std::pair(kCenter, kCenter + Vec3(0, 0, -1)),                    // at the middle
+  for (const auto& [eye, target] : {std::pair(kCenter, kCenter + Vec3(0, 0, -1)),                    // at the centre
                                     std::pair(kCenter + Vec3(0, 0, 3), kCenter + Vec3(0, 0, 9)),     // behind it
                                     std::pair(kCenter + Vec3(0, 0, 3), kCenter + Vec3(9, 0, 2))}) {  // beside it
     Stage stage(eye, target);
@@ -119,7 +119,7 @@ TEST(Navigation, TheWheelStaysWithinSightOfTheScene) {
   EXPECT_LT(stage.distance(), 0.01f * diagonal);
 }
 
-/// A figure that is bent after a second, in place of the plate.
+/// A figure in place of the plate; it is bent after a second.
 struct FigureStage : Stage {
   explicit FigureStage(Scene scene) {
     state.document.emplace(std::make_shared<const LoadedScene>(LoadedScene{"figure", std::move(scene)}));
@@ -131,7 +131,7 @@ struct FigureStage : Stage {
 };
 
 TEST(Navigation, AFigureIsFramedAsItIsBent) {
-  FigureStage stage(testing::figure());  // which nothing can move
+  FigureStage stage(testing::figure());  // no node can move it
   frame_selection(stage.state);
   const Vec3 straight = stage.state.navigation.pivot;
   stage.state.document->set_time(1);

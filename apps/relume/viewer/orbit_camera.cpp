@@ -9,10 +9,10 @@
 namespace relume::viewer {
 namespace {
 
-constexpr float kDollyStep = 0.85f;  // of the distance, for each notch of the wheel
-constexpr float kMinDepth = 1e-4f;   // of the distance to the pivot, where it lies beside or behind the camera
+constexpr float kDollyStep = 0.85f;  // factor of the distance per notch of the wheel
+constexpr float kMinDepth = 1e-4f;   // fraction of the distance to a pivot beside or behind the camera
 
-/// A distance that was changed by `factor` and kept within the range, without a jump where it was outside before.
+/// The distance times `factor`, limited to the range without a jump if it was outside before.
 float stepped(float distance, float factor, const DollyRange& range) {
   const float wanted = distance * factor;
   return factor < 1 ? std::min(distance, std::max(wanted, range.nearest))

@@ -26,7 +26,7 @@ CameraPose camera_at(const Vec3& eye, const Vec3& target) {
 
 Vec3 eye_of(const CameraPose& camera) { return Vec3(camera.to_world[3]); }
 
-/// Of a point in the image, (0, 0) its middle and 1 half its height.
+/// Position of a point in the image, (0, 0) its middle and 1 half its height.
 Vec2 seen_at(const CameraPose& camera, const Vec3& p) {
   const float half = 0.5f * view_height(camera.camera, depth_of(camera, p));
   const Vec3 d = p - eye_of(camera);
@@ -65,7 +65,7 @@ TEST(Orbit, StopsBeforeTheZenith) {
   EXPECT_GT(camera.to_world[1].y, 0) << "still upright";
 }
 
-/// Straight down, and with the horizon at a slant: neither may make a drag jump.
+/// Looking straight down and with a tilted horizon: neither may make a drag jump.
 TEST(Orbit, KeepsThePivotInPlaceWhereverUpIs) {
   CameraPose down = camera_at(kPivot + Vec3(0, 0, 4), kPivot + Vec3(0.3f, 0.1f, 0));
   down.to_world = glm::mat4_cast(glm::angleAxis(-0.5f * kPi, Vec3(1, 0, 0)));

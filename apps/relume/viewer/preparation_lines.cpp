@@ -9,7 +9,7 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kMoment_s = 0.1;  // of compiling again; a line that is shorter only flickers
+constexpr double kMoment_s = 0.1;  // minimum time of recompilation, as shorter lines flicker
 
 bool is_compiling(const State& state) {
   if (!state.frame() || state.frame()->scene != state.document->loaded()) return true;
@@ -18,7 +18,7 @@ bool is_compiling(const State& state) {
 }
 
 std::string line(const char* what, const std::string& scene, const std::string& step) {
-  // A step of the same kind repeats the name of the file.
+  // A step of the same kind repeats the file name.
   return fmt::format("{} {} ...{}", what, scene, step.empty() || step.starts_with(what) ? "" : "  " + step);
 }
 
@@ -27,7 +27,7 @@ std::string line(const char* what, const std::string& scene, const std::string& 
 std::vector<std::string> preparation_lines(const State& state) {
   const bool compiles = is_compiling(state);
   const bool loads = state.loading.valid();
-  // Where both are in progress, the step may belong to either.
+  // If both are in progress, the step may belong to either.
   const std::string step = compiles && loads ? "" : current_activity().value_or("");
   std::vector<std::string> lines;
   if (compiles) lines.push_back(line("compiling", state.document->name(), step));

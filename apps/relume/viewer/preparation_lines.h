@@ -1,4 +1,4 @@
-// What is being read or compiled, as lines over the image.
+// Progress of loading and compiling, as lines over the image.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace relume::viewer {
 
-/// One line each for the scene that is being compiled and the one that is being read, with the step in progress:
-/// "compiling mine ...  building the acceleration structure". A scene that is shown already counts once compiling it
-/// again takes longer than a moment.
+/// One line each for the scene being compiled and the one being loaded, with the current step: "compiling mine ...
+/// building the acceleration structure". Recompiling the displayed scene is included once it takes longer than a
+/// moment.
 std::vector<std::string> preparation_lines(const State& state);
 
 }  // namespace relume::viewer

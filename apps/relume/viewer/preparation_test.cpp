@@ -1,4 +1,4 @@
-// How the rendering thread cuts long preparation short.
+// Interruption of long preparation by the rendering thread.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -14,7 +14,7 @@ namespace {
 
 using testing::Stage;
 
-/// Settings whose first frame prepares for minutes.
+/// Selects settings whose first frame needs minutes of preparation.
 void prepare_long(Stage& stage) {
   stage.resolution_policy.preparation_s = 0;
   stage.settings[0].render.lights = LightSelectionChoice::static_lists;
@@ -22,7 +22,7 @@ void prepare_long(Stage& stage) {
   stage.settings[0].render.static_lists.cell_size = 0.02f;
 }
 
-/// Of the processor, as other programs may keep this one waiting; preparation takes longer on any machine.
+/// Processor time, since other programs may delay this one; full preparation takes longer on any machine.
 constexpr double kSoon_s = 20;
 double processor_time_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kMostFollowed = 256;
 
-/// Time of each pass since `before`, and under "other" what no pass accounts for.
+/// Time of each pass since `before`, and "other" for the remainder.
 std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::vector<PassTime>& before,
                                   double seconds) {
   std::vector<PassTime> result = pass_times_since(now, before);
@@ -192,7 +192,7 @@ void RenderThread::note_size(const IVec2& size, double seconds, bool rest) {
 void RenderThread::render_round(const std::stop_token& stop) {
   if (!request_.scene || goal_reached_ || refused_version_ == request_.version) return;
   if (request_.paused && frame(0) && frame(0)->request_version == request_.version) return;
-  // Decided once: what takes long to take on, such as a moved scene of many triangles, is no rest.
+  // Decided once, because applying the request, such as moving many triangles, may itself take longer than the moment.
   const bool rest = at_rest();
   const IVec2 size = choose_size(rest);
   const double start_s = now_s();
@@ -227,9 +227,9 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
     hurry_ = std::stop_source();
     if (wanted_.version != request_.version) hurry_.request_stop();
     hurry = hurry_.get_token();
-    // A large first frame after a rest may be abandoned too: the image that is shown is as new.
+    // A large first frame after a rest may be cancelled too: the displayed image follows the same request.
     if (session.frames_since_change() > 0 || (request_.resolution_policy.hold_rate && rest)) {
-      // A newer request may have come while the scene was compiled or the settings taken on.
+      // A newer request may have arrived during compilation or while settings were applied.
       if (wanted_.version != request_.version) return false;
       token = refinement_.get_token();
     }
@@ -291,7 +291,7 @@ bool RenderThread::has_final_size(const Session& session) const {
 bool RenderThread::goal_reached(int side) {
   const StopSettings& goal = request_.settings[static_cast<size_t>(side)].stop;
   const Session& session = *slots_[static_cast<size_t>(side)].session();
-  const bool accurate = error_reached(side);  // first: it follows every frame
+  const bool accurate = error_reached(side);  // first, as it follows every frame
   if (!has_final_size(session)) return false;
   if (goal.spp > 0 && session.image_samples() >= static_cast<double>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;

@@ -58,8 +58,8 @@ TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByImages) {
 }
 
 TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
-  // Every edit takes longer than the moment after which the image counts as at rest, and longer than the next edit
-  // lets it: frames follow nevertheless.
+  // Every edit takes longer than the time until rest, and longer than the interval between edits. Frames must follow
+  // nevertheless.
   Stage stage("cornell-water");  // many triangles, which all become lamps
   stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.005f};
   std::vector<Material> materials = stage.document.outline().materials;
@@ -110,7 +110,7 @@ TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
 
 TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
   Stage stage;
-  stage.paused = true;  // a frame a request
+  stage.paused = true;  // one frame per request
   stage.post();
   ASSERT_TRUE(stage.next());
   stage.split = true;
@@ -118,7 +118,7 @@ TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
   ASSERT_TRUE(stage.next(0) && stage.next(1));
   stage.paused = false;
   stage.post();
-  // From 64 frames on the error is looked at in every fourth, which is never the same one on both sides.
+  // From 64 frames on the error is checked in every fourth, which never coincides on both sides.
   for (int i = 0; i < kPatience_ms && stage.thread.frame(1)->samples < 70; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   for (AllSettings& s : stage.settings) s.stop.error = 1000;
@@ -133,7 +133,7 @@ TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
 
 TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
   Stage stage;
-  stage.settings[0].render.static_lists.rays = 64;  // to be prepared soon on a machine that is busy
+  stage.settings[0].render.static_lists.rays = 64;  // short preparation, even on a busy machine
   stage.post();
   ASSERT_TRUE(stage.next());
   RenderSettings defaults = stage.settings[0].render;
@@ -151,7 +151,7 @@ TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
       std::swap(stage.settings[0], wanted);
     }
   }
-  stage.settings[0].render.texture_filter = TextureFilter::encoded;  // compiles the scene again
+  stage.settings[0].render.texture_filter = TextureFilter::encoded;  // recompiles the scene
   stage.post();
   EXPECT_TRUE(stage.next());
 }
@@ -289,7 +289,7 @@ TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
 }
 
 TEST(RenderThread, AImageOfWhatIsNewIsMadeForWhatWasAskedForLast) {
-  // Slow frames of a size of their own, so that the end comes before the first is done.
+  // Slow frames of a different size, so that the end comes before the first is complete.
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());

@@ -1,4 +1,4 @@
-// Edits of a scene that is read again.
+// Repeats edits after a scene is reloaded.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 namespace relume::viewer {
 namespace {
 
-/// Index of the only item of that name; kNone if there is none, or if several have it.
+/// Index of the only item of that name; kNone if there is none or several.
 template <typename Items>
 Index only_one_named(const Items& items, const std::string& name) {
   const auto has_name = [&](const auto& item) { return item.name == name; };
@@ -17,7 +17,8 @@ Index only_one_named(const Items& items, const std::string& name) {
   return static_cast<Index>(std::find_if(items.begin(), items.end(), has_name) - items.begin());
 }
 
-/// Index in `items` of what has index `i` in `others`; kNone, with its name in `lost`, if names do not tell.
+/// Index in `items` of the item with index `i` in `others`. If the name is not unique, kNone, and the name is added to
+/// `lost`.
 template <typename Items>
 Index matching(const Items& items, const Items& others, Index i, const char* kind, std::vector<std::string>& lost) {
   const std::string& name = others[static_cast<size_t>(i)].name;
@@ -28,7 +29,7 @@ Index matching(const Items& items, const Items& others, Index i, const char* kin
   return kNone;
 }
 
-/// `edited`, with the textures of `current`: the file may number them in another way now.
+/// `edited`, with the textures of `current`: the new file may number them differently.
 Material with_textures_of(const Material& current, Material edited) {
   for (const MaterialParameter& parameter : material_parameters()) {
     if (const auto* texture = std::get_if<TextureRef Material::*>(&parameter.member))

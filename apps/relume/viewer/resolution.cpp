@@ -7,12 +7,12 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kPixelsPerStep = 1.4142135623730951;
-constexpr double kTooSlow = 1.05;     // share of the budget above which the image shrinks
-constexpr double kAimedAt = 0.9;      // share of the budget that a new size is chosen for
-constexpr double kAffordable = 0.85;  // share that the next larger size must be expected to stay below
-constexpr int kSlowFrames = 2;        // one slow frame may be the system's fault
+constexpr double kTooSlow = 1.05;     // fraction of the budget above which the image shrinks
+constexpr double kAimedAt = 0.9;      // target fraction of the budget for a new size
+constexpr double kAffordable = 0.85;  // maximum expected fraction of the budget at the next larger size
+constexpr int kSlowFrames = 2;        // the system may cause a single slow frame
 constexpr int kFastFrames = 12;
-constexpr int kFastFramesAtFirst = 3;  // nothing is lost yet that a change of size would cost
+constexpr int kFastFramesAtFirst = 3;  // at first, a change of size discards no history
 
 float scale_of(int step) { return static_cast<float>(std::pow(kPixelsPerStep, -0.5 * step)); }
 
@@ -23,7 +23,7 @@ IVec2 scaled(const IVec2& full, float scale) {
   return {side(full.x), side(full.y)};
 }
 
-/// The scale at which one side is as short as it may be.
+/// The scale at which a side reaches its minimum.
 float smallest_scale(const IVec2& full) {
   return min(1.0f, max(static_cast<float>(kMinWidth) / static_cast<float>(full.x),
                        static_cast<float>(kMinHeight) / static_cast<float>(full.y)));

@@ -1,49 +1,49 @@
-// Scales the resolution so that frames come at a target rate.
+// Scales the resolution to a target frame rate.
 #pragma once
 
 #include "core/vec.h"
 
 namespace relume::viewer {
 
-/// Frames are never scaled below this, unless the full size is smaller.
+/// Minimum size of frames, unless the full size is smaller.
 inline constexpr int kMinWidth = 320;
 inline constexpr int kMinHeight = 180;
 
-/// Time that the first frame after a rest may take, seconds, and the pixels that it has at least.
+/// Time limit of the first frame after a rest, seconds, and its minimum size.
 inline constexpr double kFirstFrameBudget_s = 0.035;
 inline constexpr double kFirstFramePixels = 96 * 54;
 
-/// Holds the time a frame takes near a budget. The scale goes in steps and with hysteresis, because every change of
-/// size costs techniques their history. Begins at the smallest size, so that slow machines respond from the first frame
-/// on, and goes up from there as far as the budget allows.
+/// Keeps the frame time near a budget. The scale changes in steps with hysteresis, because a change of size discards
+/// techniques' history. Starts at the smallest size, so that slow machines respond from the first frame, and grows as
+/// the budget allows.
 class ResolutionControl {
  public:
-  /// Size to render at.
+  /// Render size.
   IVec2 size(const IVec2& full) const;
 
-  /// Size of the first frame after a rest: no larger than size(), and small enough for kFirstFrameBudget_s, going by
-  /// the time that a pixel of the latest frame took.
+  /// Size of the first frame after a rest: at most size(), and within kFirstFrameBudget_s at the latest frame's time
+  /// per pixel.
   IVec2 first_frame_size(const IVec2& full) const;
 
-  /// Takes note of what a frame of any size cost.
+  /// Records the cost of a frame of any size.
   void measured(double seconds, const IVec2& size);
 
-  /// Takes note of a frame of the present size and adapts the scale. `budget_s`: seconds that a frame may take.
+  /// Records a frame of the present size and adapts the scale. `budget_s`: seconds per frame.
   void frame_done(double seconds, double budget_s, const IVec2& full);
 
  private:
   int smallest_step(const IVec2& full) const;
   void go_to(int step);
 
-  static constexpr int kFarBelow = 64;  ///< no image has that many steps
+  static constexpr int kFarBelow = 64;  ///< more steps than any image has
 
-  double pixel_s_ = 0;     ///< seconds that a pixel of the latest frame took
+  double pixel_s_ = 0;     ///< seconds per pixel of the latest frame
   int step_ = kFarBelow;   ///< 0: full size; each step divides the pixels by the square root of two
-  int slow_ = 0;           ///< frames in a row that took too long
-  int fast_ = 0;           ///< frames in a row that a larger size could have afforded
-  double slowest_s_ = 0;   ///< of those
-  bool fresh_ = true;      ///< the size is new; its first frame fills caches and says little
-  bool searching_ = true;  ///< nothing has been too slow yet
+  int slow_ = 0;           ///< consecutive frames above the budget
+  int fast_ = 0;           ///< consecutive frames with time for a larger size
+  double slowest_s_ = 0;   ///< slowest of those
+  bool fresh_ = true;      ///< whether the size is new: its first frame fills caches and is not representative
+  bool searching_ = true;  ///< whether no frame has been too slow so far
 };
 
 }  // namespace relume::viewer

@@ -8,7 +8,7 @@ namespace {
 const IVec2 kFull(1280, 720);
 constexpr double kBudget_s = 0.1;
 
-/// Renders `frames` frames on a machine that takes `s_per_pixel`; returns the seconds of the last one.
+/// Renders `frames` frames at `s_per_pixel`; returns the seconds of the last one.
 double render(ResolutionControl& control, const IVec2& full, double s_per_pixel, int frames) {
   double seconds = 0;
   for (int i = 0; i < frames; ++i) {

@@ -22,8 +22,7 @@ fs::path from_folder(const fs::path& file, const fs::path& folder) {
   return relative.empty() ? fs::absolute(file) : relative;
 }
 
-/// The file that the view builds on: a reference to the scene, or the relume JSON it came from with its paths made
-/// right.
+/// The base of the view: a reference to the scene, or the scene's own relume JSON with paths relative to `folder`.
 json base_of(const std::string& scene, const fs::path& folder) {
   if (find_builtin_scene(scene)) return {{"scene", "builtin:" + scene}};
   const fs::path file(scene);
@@ -45,7 +44,7 @@ json path_json(const CameraPath& path) {
   return keys;
 }
 
-/// `file`: the setting `env`, where a map comes from unless it is empty.
+/// `file`: the value of the setting `env`, the source of a map; may be empty.
 void put_environment(const Environment& e, const fs::path& file, const fs::path& folder, json& root,
                      std::vector<std::string>& omissions) {
   if (e.kind != EnvironmentKind::map) {
@@ -60,7 +59,7 @@ void put_environment(const Environment& e, const fs::path& file, const fs::path&
   }
 }
 
-/// Whether relume JSON, which speaks of things by name, can speak of this one; says so if not.
+/// Whether relume JSON can address this item by a unique name; otherwise adds an omission.
 template <typename Items>
 bool can_be_named(const Items& items, Index index, const char* what, std::vector<std::string>& omissions) {
   const std::string& name = items[static_cast<size_t>(index)].name;
@@ -80,26 +79,26 @@ void put_edits(const Document& document, json& root, std::vector<std::string>& o
   for (const auto& [index, edit] : document.edits().nodes) {
     if (!can_be_named(scene.nodes, index, "moved object", omissions)) continue;
     json& node = root["nodes"][scene.nodes[static_cast<size_t>(index)].name];
-    if (node.is_object()) node.erase("keys");  // its animation ended when it was moved
+    if (node.is_object()) node.erase("keys");  // the move ended its animation
     node.update(transform_to_json(edit.value));
   }
   if (!document.edits().lights.empty())
     omissions.emplace_back("changed lights keep the intensity that their file gives them");
 }
 
-/// `time_s`: of the animation, or 0 where the view moves by itself from the beginning on.
-/// `base_settings`: those of the scene that the view builds on, as JSON; empty without any.
+/// `time_s`: of the animation, or 0 if the view is animated from its start. `base_settings`: those of the base scene,
+/// as JSON; may be empty.
 void put_settings(const AllSettings& settings, float time_s, const std::string& base_settings, json& root) {
   AllSettings now = settings;
   now.render.time_s = time_s;
   AllSettings defaults;
-  AllSettings base;  // the view goes back to the default where what it builds on has another value
+  AllSettings base;  // also writes defaults that differ from the base's value
   if (!base_settings.empty()) settings_from_json(describe(base), base_settings, "");
   const json all = json::parse(settings_to_json(describe(now)));
   json chosen = json::object();
   const auto add = [&](const SettingList& list) {
     for (const Setting* setting : differing_settings(list, describe(defaults))) {
-      // The view itself holds the camera and, turned and scaled, the environment.
+      // The view stores the camera and the transformed environment separately.
       if (setting->name == "camera" || setting->name.starts_with("env")) continue;
       chosen[setting->name] = all.at(setting->name);
     }
@@ -117,7 +116,7 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   root["camera"] = camera_to_json(view.camera.camera, view.camera.to_world);
   root["camera"]["name"] = "view";
   root.erase("camera_keys");
-  const bool moves = view.path && view.path->keys().size() > 1;  // a single key is no path yet
+  const bool moves = view.path && view.path->keys().size() > 1;  // a path needs two keys
   if (moves) root["camera_keys"] = path_json(*view.path);
   put_edits(view.document, root, omissions);
   if (view.document.environment_is_edited())

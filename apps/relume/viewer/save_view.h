@@ -1,4 +1,4 @@
-// Writes what is shown as relume JSON (docs/scene-json.md), so that every other command takes it.
+// Writes the view as relume JSON (docs/scene-json.md), readable by every other command.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,15 @@ struct SavedView {
   const Document& document;
   const AllSettings& settings;
   CameraPose camera;
-  const CameraPath* path = nullptr;  ///< two keys or more move the camera; nullptr: it rests
+  const CameraPath* path = nullptr;  ///< two keys or more animate the camera; nullptr: static
 };
 
-/// The file's text, if it stands in `folder`; what relume JSON cannot say goes to `omissions`, one sentence each.
+/// The file's text for a file in `folder`. Content that relume JSON cannot express is reported in `omissions`, one
+/// sentence each.
 std::string view_as_json(const SavedView& view, const std::filesystem::path& folder,
                          std::vector<std::string>& omissions);
 
-/// Writes it. Returns the omissions. Throws Error.
+/// Writes the file. Returns the omissions. Throws Error.
 std::vector<std::string> save_view(const std::filesystem::path& file, const SavedView& view);
 
 }  // namespace relume::viewer

@@ -15,7 +15,7 @@
 namespace relume::viewer {
 namespace {
 
-constexpr int kRows = 7;  // that a list shows at once
+constexpr int kRows = 7;  // visible rows of a list
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -27,7 +27,7 @@ std::string label_of(const std::string& name, const char* kind, size_t index) {
   return name.empty() ? fmt::format("{} {}", kind, index) : name;
 }
 
-/// A list with a filter above it if it is long. `label(i)` is empty for what does not belong in it.
+/// A list, with a filter above it if it is long. `label(i)` is empty for excluded items.
 template <typename Label>
 void draw_list(State& state, const char* title, size_t count, Selected kind, std::string& filter, const Label& label) {
   const std::string wanted = lower(filter);
@@ -74,7 +74,7 @@ void draw_open(State& state) {
   tooltip("Built-in scenes. For others, drop a file on the window: " + scene_format_names() + ".");
 }
 
-/// Chooses among the animations of a file that has several.
+/// Animation choice for files with several.
 void draw_clips(State& state) {
   const std::vector<std::string>& clips = state.document->outline().clips;
   if (clips.size() < 2) return;
@@ -91,7 +91,7 @@ void draw_clips(State& state) {
   ImGui::EndCombo();
 }
 
-/// Chooses among the variants of a file's materials.
+/// Material variant choice.
 void draw_variants(State& state) {
   const std::vector<std::string>& variants = state.document->outline().variants;
   if (variants.empty()) return;
@@ -141,7 +141,7 @@ void draw_scene_panel(State& state) {
   draw_time(state);
   draw_environment(state);
   heading("Contents");
-  static std::string light_filter;  // of the widgets, not of the scene
+  static std::string light_filter;  // belongs to the widgets, not to the scene
   static std::string node_filter;
   static std::string material_filter;
   const Scene& scene = state.document->outline();

@@ -16,14 +16,14 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kPatience_s = 300;  // for a frame, also one for which a large scene is compiled
-constexpr int kDragTicks = 12;       // frames of the interface that a drag takes
+constexpr double kPatience_s = 300;  // time limit per frame, compilation of a large scene included
+constexpr int kDragTicks = 12;       // frames of the interface per drag
 constexpr int kMostFrames = 1'000'000;
 
 struct Verb {
   std::string_view name;
-  size_t fewest;  ///< words
-  bool rest;      ///< the last word is the rest of the line: names of files
+  size_t fewest;  ///< minimum number of words
+  bool rest;      ///< whether the last word is the rest of the line, for file names
 };
 
 constexpr std::array kVerbs = {
@@ -48,7 +48,7 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-/// Of frames or ticks.
+/// Parses a number of frames or ticks.
 uint32_t count_in(const std::string& text) {
   const float value = number_in(text);
   if (!(value >= 0 && value <= kMostFrames))
@@ -56,7 +56,7 @@ uint32_t count_in(const std::string& text) {
   return static_cast<uint32_t>(value);
 }
 
-/// GLFW's codes (its input reference): letters and digits are ASCII.
+/// GLFW key codes (its input reference): letters and digits are ASCII.
 const std::map<std::string, int, std::less<>>& key_codes() {
   static const std::map<std::string, int, std::less<>> codes = {
       {"space", 32}, {"[", 91},   {"]", 93},    {"escape", 256}, {"enter", 257}, {"tab", 258},
@@ -127,7 +127,7 @@ bool ScriptPlayer::perform_mouse(const ScriptStep& step) {
   input_.keys.clear();
   if (step.words.size() > keys_at) input_.keys = parse_keys(step.words[keys_at], place_);
   const int ticks = drag ? kDragTicks : 3;
-  // The mouse arrives, the button goes down, the mouse moves, the button goes up: a frame each.
+  // One frame each: the mouse arrives, the button goes down, the mouse moves, the button goes up.
   const float t = clamp(static_cast<float>(tick_ - 2) / static_cast<float>(std::max(ticks - 4, 1)), 0, 1);
   input_.point = from + (to - from) * t;
   input_.left = tick_ >= 1 && tick_ < ticks - 1;
@@ -137,7 +137,7 @@ bool ScriptPlayer::perform_mouse(const ScriptStep& step) {
 }
 
 bool ScriptPlayer::wait_for_frames(uint64_t count, const ScriptTarget& target) {
-  // What the steps before changed is requested at the end of this frame of the interface.
+  // Changes of earlier steps are requested at the end of this frame of the interface.
   if (tick_ == 0) return false;
   if (tick_ == 1) {
     request_ = target.request();
@@ -159,10 +159,10 @@ bool ScriptPlayer::perform(const ScriptStep& step, const ScriptTarget& target) {
   if (step.verb == "key") {
     const int held = step.words.size() > 1 ? static_cast<int>(count_in(step.words[1])) : 1;
     input_.keys = tick_ < held ? parse_keys(step.words[0], place_) : std::vector<int>{};
-    return tick_ > held;  // one frame without, so that the next press is one
+    return tick_ > held;  // one frame released, so that the next press counts
   }
   if (tick_ == 0) target.act(step);
-  return step.verb != "screenshot" || tick_ > 0;  // that is taken when this frame of the interface is complete
+  return step.verb != "screenshot" || tick_ > 0;  // taken when this frame of the interface is complete
 }
 
 void ScriptPlayer::update(const ScriptTarget& target) {

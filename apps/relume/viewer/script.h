@@ -1,4 +1,4 @@
-// Scripted use of the viewer, for tests and tours: a line a step (docs/viewer.md lists them).
+// Viewer scripts for tests and tours, one step per line (listed in docs/viewer.md).
 #pragma once
 
 #include <array>
@@ -15,40 +15,40 @@ namespace relume::viewer {
 struct ScriptStep {
   int line = 0;
   std::string verb;
-  std::vector<std::string> words;  ///< after the verb; the last one takes the rest of the line where the verb says so
+  std::vector<std::string> words;  ///< after the verb; for some verbs, the last one is the rest of the line
 };
 
-/// Throws Error naming `place` and line for a verb that does not exist or lacks words. '#' begins a comment.
+/// Throws Error naming `place` and line for an unknown verb or missing words. '#' starts a comment.
 std::vector<ScriptStep> parse_script(std::string_view text, const std::string& place);
 
-/// A word of a step. Throws Error if it is not a finite number.
+/// Parses a word of a step. Throws Error if it is not a finite number.
 float number_in(const std::string& text);
 
-/// Keys and mouse as a script holds them.
+/// Keys and mouse held by a script.
 struct ScriptedInput {
-  std::vector<int> keys;  ///< GLFW's names of the keys that are down
-  bool mouse = false;     ///< the script has the mouse
+  std::vector<int> keys;  ///< GLFW codes of the held keys
+  bool mouse = false;     ///< whether the script controls the mouse
   Vec2 point{0.5f};       ///< of the image, (0, 0) its top left corner
   bool left = false;
   float wheel = 0;
 };
 
-/// "w", "shift+f12", "ctrl+1": GLFW's keys. Throws Error for a name that no key has.
+/// Parses "w", "shift+f12", "ctrl+1" to GLFW key codes. Throws Error for an unknown name.
 std::vector<int> parse_keys(const std::string& text, const std::string& place);
 
-/// What steps do to the viewer, as the player sees it.
+/// The script player's interface to the viewer.
 struct ScriptTarget {
-  std::function<uint64_t()> frames;   ///< serial of the frame that is shown; 0 before the first
+  std::function<uint64_t()> frames;   ///< serial of the displayed frame; 0 before the first
   std::function<uint64_t()> request;  ///< version of the newest request to the rendering thread
   /// Serial of the first frame that follows a request of this version or a later one; 0 before there is one.
   std::function<uint64_t(uint64_t)> first_frame_following;
   std::function<double()> now_s;
   std::function<bool()> loading;
-  /// Does a step that is over at once. Throws Error.
+  /// Executes an instantaneous step. Throws Error.
   std::function<void(const ScriptStep&)> act;
 };
 
-/// Goes through the steps, a few of which take time.
+/// Executes the steps, some of which take time.
 class ScriptPlayer {
  public:
   ScriptPlayer() = default;
@@ -56,14 +56,14 @@ class ScriptPlayer {
 
   bool done() const { return next_ >= steps_.size(); }
 
-  /// Called once a frame of the interface. Throws Error naming the line of a step that fails, or during which no frame
-  /// came for five minutes, in which large scenes are compiled.
+  /// Called once per frame of the interface. Throws Error naming the line of a step that fails, or during which no
+  /// frame arrived for five minutes, the limit for compiling large scenes.
   void update(const ScriptTarget& target);
 
   const ScriptedInput& input() const { return input_; }
 
  private:
-  /// Whether the step is over; `tick_` counts its calls.
+  /// Returns whether the step is complete; `tick_` counts its calls.
   bool perform(const ScriptStep& step, const ScriptTarget& target);
   bool perform_mouse(const ScriptStep& step);
   bool wait_for_frames(uint64_t count, const ScriptTarget& target);
@@ -72,12 +72,12 @@ class ScriptPlayer {
   std::string place_;
   size_t next_ = 0;
   int tick_ = 0;
-  uint64_t first_frame_ = 0;  ///< shown when the step began
+  uint64_t first_frame_ = 0;  ///< displayed frame at the start of the step
   uint64_t seen_frame_ = 0;
-  uint64_t request_ = 0;    ///< that `frames` waits for: the newest when it began
+  uint64_t request_ = 0;    ///< request that `frames` waits for: the newest at its start
   uint64_t following_ = 0;  ///< first frame that follows it; 0 while unknown
   double begun_s_ = 0;
-  double progress_s_ = 0;  ///< when the step began or a frame came last
+  double progress_s_ = 0;  ///< time of the step's start or of the latest frame
   ScriptedInput input_;
 };
 

@@ -37,7 +37,7 @@ TEST(Script, NamesKeysAsGlfwDoes) {
   EXPECT_EQ(parse_keys("ctrl+1", ""), (std::vector<int>{341, '1'}));
 }
 
-/// Plays a script against counters.
+/// Plays a script with simulated counters.
 struct Stage {
   uint64_t frames = 0;
   uint64_t request = 1;
@@ -81,7 +81,7 @@ TEST(ScriptPlayer, FramesFollowWhatTheStepsBeforeChanged) {
   player.update(stage.target());
   stage.request = 2;  // at the end of a frame of the interface
   stage.following = 0;
-  for (stage.frames = 8; stage.frames < 10; ++stage.frames) {  // those were under way
+  for (stage.frames = 8; stage.frames < 10; ++stage.frames) {  // these were in progress
     player.update(stage.target());
     EXPECT_EQ(stage.acts.back(), "set");
   }
@@ -140,7 +140,7 @@ TEST(ScriptPlayer, GivesUpAfterFiveMinutes) {
   player.update(stage.target());
   stage.now_s = 401;
   player.update(stage.target());
-  for (; stage.frames < 2; ++stage.frames) {  // slow, but on the way
+  for (; stage.frames < 2; ++stage.frames) {  // slow, but in progress
     stage.now_s += 290;
     player.update(stage.target());
   }

@@ -39,7 +39,7 @@ void draw_dim(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-/// Places the node that moves the object, which for a skinned mesh is another one.
+/// Widgets for the transform of the node that moves the object, which for a skinned mesh differs from its own.
 void draw_object(State& state, Index node) {
   const Mover mover = state.document->mover(node);
   if (mover.node == kNone) return draw_dim(mover.problem);
@@ -122,7 +122,7 @@ void draw_environment(State& state) {
       const bool possible = kind != static_cast<int>(EnvironmentKind::map) || state.document->has_environment_map();
       ImGui::BeginDisabled(!possible);
       if (ImGui::Selectable(kKinds[kind])) {
-        // What one kind is multiplied with means nothing to another.
+        // The factor of one kind does not apply to another.
         if (e.kind != static_cast<EnvironmentKind>(kind)) e.color = Rgb(1);
         e.kind = static_cast<EnvironmentKind>(kind);
         changed = true;

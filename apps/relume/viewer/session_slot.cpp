@@ -8,7 +8,7 @@
 namespace relume::viewer {
 namespace {
 
-/// Holds a value until the end of the scope.
+/// Sets a value until the end of the scope.
 class ScopedValue {
  public:
   ScopedValue(std::atomic<double>& target, double value) : target_(target), before_(target.exchange(value)) {}
@@ -30,9 +30,9 @@ std::optional<double> SessionSlot::compiling_since_s() const {
 
 void SessionSlot::compile(const RenderRequest& request, const RenderSettings& settings) {
   const ScopedValue compiling(compiling_since_s_, now_s());
-  // The old session stays until the new one stands: a scene that cannot be compiled leaves everything as it was.
+  // Keeps the old session until the new one is complete, in case the scene cannot be compiled.
   Scene scene = request.scene->scene;
-  // Compiling lights a scene that has no light, so it has to know the environment that counts.
+  // Compilation needs the edited environment, because it lights a scene that has no light.
   const Edit<std::shared_ptr<const Environment>>& environment = request.edits.environment;
   if (environment.version > 0) scene.environment = *environment.value;
   const std::string& variant = request.settings[0].scene.variant;
@@ -69,7 +69,7 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
   settings.width = size.x;
   settings.height = size.y;
   settings.auxiliary = needs_auxiliary(settings, request.buffer);
-  // Time passes through set_time(), so that an animation does not count as another setting.
+  // Time is applied by set_time(), so that an animation does not count as a changed setting.
   if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;
   const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable &&
                         variant_ == request.settings[0].scene.variant;

@@ -12,12 +12,11 @@ namespace relume::viewer {
 
 class SessionSlot {
  public:
-  /// Applies the settings and edits that `request` has for this side, at `size` pixels. Compiles the scene again only
-  /// where the session cannot apply an edit. A change starts a new image. Throws Error; an existing session then stays
-  /// as it was.
+  /// Applies the settings and edits of `request` for this side, at `size` pixels. Recompiles the scene only for edits
+  /// that the session cannot apply. A change starts a new image. Throws Error, leaving an existing session unchanged.
   void update(const RenderRequest& request, int side, const IVec2& size);
 
-  /// When the compilation in progress began, by now_s(); std::nullopt without one. On any thread.
+  /// Start of the compilation in progress, by now_s(); std::nullopt if there is none. Callable from any thread.
   std::optional<double> compiling_since_s() const;
 
   void close() { session_.reset(); }
@@ -34,13 +33,13 @@ class SessionSlot {
   std::optional<Session> session_;
   std::shared_ptr<const LoadedScene> scene_;
   std::vector<Index> movable_;
-  std::string variant_;       ///< that it was compiled with
-  uint64_t applied_ = 0;      ///< newest edit that the session has taken on
-  uint64_t environment_ = 0;  ///< edit of the environment that it was compiled with
+  std::string variant_;       ///< material variant of the compiled scene
+  uint64_t applied_ = 0;      ///< newest applied edit
+  uint64_t environment_ = 0;  ///< edit of the environment at compilation
   std::atomic<double> compiling_since_s_ = kNotCompiling;
 };
 
-/// What lies under a point of the image, (0, 0) its top left corner and (1, 1) the opposite one.
+/// Picks a point of the image, (0, 0) its top left corner and (1, 1) the opposite one.
 PickResult pick(const Session& session, const Vec2& point);
 
 }  // namespace relume::viewer

@@ -1,11 +1,11 @@
-// What the interface can tell of settings without drawing anything.
+// Rules for settings, independent of drawing.
 #include "render/build_pipeline.h"
 #include "viewer/settings_panel.h"
 
 namespace relume::viewer {
 namespace {
 
-/// Is `technique` a choice's name, or one of several in it ("apsf+apg")?
+/// Whether `technique` is the choice's name, or one of several in it ("apsf+apg").
 bool names(std::string_view choice, std::string_view technique) {
   if (choice == technique) return true;
   const size_t plus = choice.find('+');
@@ -26,13 +26,13 @@ std::string takes_effect_with(const AllSettings& settings, const std::string& se
   if (dot == std::string::npos) return {};
   const std::string technique = setting.substr(0, dot);
   RenderSettings render = settings.render;
-  if (technique == "path") return {};  // holds for every estimator
-  if (technique == "psf") {            // what all caches have in common
+  if (technique == "path") return {};  // applies to every estimator
+  if (technique == "psf") {            // shared by all caches
     if (render.cache == CacheChoice::none) return "cache = psf";
-    // Denoisers have edge rays of their own.
+    // Denoisers trace separate edge rays.
     return setting == "psf.edge-rays" && render.denoise != DenoiseChoice::none ? "denoise = none" : std::string();
   }
-  if (technique == "features")  // what all denoisers have in common
+  if (technique == "features")  // shared by all denoisers
     return render.denoise == DenoiseChoice::none ? "denoise = bmfr" : std::string();
   if (technique == "octree" && render.lights != LightSelectionChoice::vlc && render.guide != GuideChoice::cdq)
     return "lights = vlc or guide = cdq";

@@ -9,7 +9,7 @@
 namespace relume::viewer {
 namespace {
 
-/// How many of all settings a query finds.
+/// Number of settings that a query finds.
 size_t found(std::string_view query) {
   AllSettings settings;
   size_t count = 0;

@@ -16,7 +16,7 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kUnbounded = 1e29;  // beyond it, SettingTraits has no bound
+constexpr double kUnbounded = 1e29;  // beyond it, SettingTraits counts as unbounded
 
 bool bounded(const SettingTraits& t) { return t.min > -kUnbounded && t.max < kUnbounded; }
 
@@ -60,8 +60,8 @@ bool choice_widget(const AllSettings& settings, const Setting& setting, const Ch
 }
 
 bool text_widget(std::string* value) {
-  // Names of files and cameras mean something only when they are complete. Until then they are kept here: ImGui does
-  // not hand them over when a widget that was drawn before takes the keyboard away.
+  // Names of files and cameras are valid only when complete, so an edit in progress is kept here. ImGui does not return
+  // it when a widget drawn earlier takes the keyboard focus.
   static ImGuiID edited = 0;
   static std::string text;
   const ImGuiID id = ImGui::GetID("##v");
@@ -79,15 +79,15 @@ bool text_widget(std::string* value) {
   return true;
 }
 
-/// What the rows of settings show.
+/// Context of the rows of settings.
 struct RowContext {
   const AllSettings& settings;
-  const SettingList& standard;  ///< what "reset" goes back to
-  float exposure;               ///< that the automatic one has now
-  bool ocio;                    ///< an OpenColorIO view replaces the tone map
+  const SettingList& standard;  ///< target of "Reset"
+  float exposure;               ///< current automatic exposure
+  bool ocio;                    ///< whether an OpenColorIO view replaces the tone map
 };
 
-/// Why the setting has no effect, as a sentence; empty if it has one.
+/// Reason why the setting has no effect, as a sentence; empty if it has one.
 std::string why_inactive(const RowContext& context, const Setting& setting) {
   if (context.ocio && setting.name == "tone-map") return "The view of --ocio replaces it.";
   const std::string choice = takes_effect_with(context.settings, setting.name);
@@ -125,7 +125,7 @@ std::string help_of(const Setting& setting, const Setting& standard, const std::
   return text;
 }
 
-/// One line: name, widget, and on a right click the default.
+/// A row: name, widget, and reset on a right click.
 bool setting_row(const RowContext& context, const Setting& setting) {
   const Setting& standard = *find_setting(context.standard, setting.name);
   const std::string inactive = why_inactive(context, setting);
@@ -211,7 +211,7 @@ bool draw_rows(State& state, const RowContext& context, const char* id, const st
   return changed;
 }
 
-/// The settings of a group that the query finds, below its title.
+/// The settings of a group that match the query, below its title.
 bool draw_group(State& state, const SettingGroup& group, const RowContext& context) {
   std::vector<const Setting*> rows;
   for (const Setting& setting : group.settings) {

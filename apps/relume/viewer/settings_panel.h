@@ -1,4 +1,4 @@
-// Settings, generated from their declarations: the essential ones first, all of them by search.
+// The settings panel, generated from declarations: the essential settings first, all by search.
 #pragma once
 
 #include "viewer/state.h"
@@ -8,10 +8,10 @@ namespace relume::viewer {
 /// Widgets for the edited side.
 void draw_settings_panel(State& state);
 
-/// Why a choice cannot be taken with the other settings as they are; empty if it can.
+/// Reason why a choice is incompatible with the other settings; empty if it is compatible.
 std::string refusal(const AllSettings& settings, const std::string& setting, std::string_view choice);
 
-/// Which choice of which slot a technique's setting takes effect with ("history = reproject") if that is not the
+/// The slot's choice that a technique's setting requires to take effect ("history = reproject"), if it is not the
 /// present one; empty otherwise. Settings belong to the choice whose name is their prefix.
 std::string takes_effect_with(const AllSettings& settings, const std::string& setting);
 

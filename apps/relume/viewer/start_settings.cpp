@@ -24,7 +24,7 @@ bool chooses_technique(const SettingSources& sources) {
   return false;
 }
 
-/// Everything of `wanted` but what is rendered, which stays.
+/// Copies the image's settings, environment, display and stop criteria from `current` to `wanted`.
 void keep_image(AllSettings current, AllSettings& wanted) {
   const SettingList from = describe_image(current.render);
   const SettingList to = describe_image(wanted.render);
@@ -55,7 +55,7 @@ AllSettings apply_preset(const AllSettings& current, const std::string& scene_js
   keep_image(current, wanted);
   wanted.render.path.max_bounces = current.render.path.max_bounces;
   settings_from_json(describe(wanted), require_preset(preset).json, "preset " + preset);
-  wanted.stop = current.stop;  // a preset's number of samples is for images that end
+  wanted.stop = current.stop;  // the number of samples in a preset is for finite renders
   return wanted;
 }
 

@@ -43,7 +43,7 @@ TEST(StartSettings, AreTheUsersWhereTheySpeakOfTechniques) {
 TEST(StartSettings, HaveTheSizeThatIsAskedForByFlagOrFile) {
   EXPECT_FALSE(chooses_size({}));
   EXPECT_FALSE(chooses_size({.preset = "preview"}));
-  EXPECT_FALSE(chooses_size({.scene_json = R"({"width": 100})"}));  // saved views follow the window, too
+  EXPECT_FALSE(chooses_size({.scene_json = R"({"width": 100})"}));  // saved views also follow the window
   EXPECT_TRUE(chooses_size({.flags = {{"height", "100"}}}));
   const auto file = std::filesystem::temp_directory_path() / "relume_start_settings_test.json";
   write_file(file, R"({"spp": 3})");

@@ -28,7 +28,7 @@ std::filesystem::path bookmarks_file_of(const std::string& scene) {
   const std::string folder = cli::state_folder();
   if (folder.empty()) return {};
   std::error_code failure;
-  // Scenes of the same name in other folders stay apart, however they are named.
+  // Distinguishes scenes of the same name in different folders.
   const bool is_file = !find_builtin_scene(scene) && std::filesystem::exists(scene, failure);
   const std::string name = is_file ? std::filesystem::weakly_canonical(scene, failure).string() : scene;
   Fnv1a key;
@@ -36,7 +36,7 @@ std::filesystem::path bookmarks_file_of(const std::string& scene) {
   return std::filesystem::path(folder) / "bookmarks" / fmt::format("{:016x}.json", key.value());
 }
 
-/// Those that belong to the scene that is shown.
+/// Loads the bookmarks of the displayed scene.
 void load_bookmarks(State& state) {
   state.bookmarks_file = bookmarks_file_of(state.document->name());
   state.bookmarks.clear();
@@ -44,7 +44,7 @@ void load_bookmarks(State& state) {
     if (!state.bookmarks_file.empty()) state.bookmarks = read_bookmarks(state.bookmarks_file);
   } catch (const Error& error) {
     state.notify(error.what(), true);
-    state.bookmarks_file.clear();  // is not written over
+    state.bookmarks_file.clear();  // prevents overwriting it
   }
 }
 
@@ -53,7 +53,7 @@ SceneOverrides of_environment(SceneOverrides overrides) {
   return overrides;
 }
 
-/// Throws Error if it cannot be read.
+/// Throws Error if the map cannot be read.
 Environment environment_in(const LoadedScene& loaded, const SceneOverrides& overrides) {
   Scene scene;
   scene.environment = loaded.scene.environment;
@@ -76,7 +76,7 @@ bool is_done(const std::future<std::shared_ptr<const LoadedScene>>& loading) {
   return loading.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-/// Files of the scene, and of the environment that replaces its own.
+/// Watches the files of the scene, and of the environment that overrides its own.
 void watch_files(State& state) {
   const LoadedScene& loaded = *state.document->loaded();
   std::vector<std::filesystem::path> files = loaded.scene.source_files;
@@ -86,7 +86,7 @@ void watch_files(State& state) {
   state.watch.watch(files, loaded.read_from);
 }
 
-/// Takes the scene that was read, and tells the user.
+/// Shows the loaded scene, and notifies the user.
 void take_loaded(State& state, std::shared_ptr<const LoadedScene> loaded) {
   if (state.reloads) {
     const std::vector<std::string> lost = replace_scene(state, std::move(loaded));
@@ -103,13 +103,13 @@ void take_loaded(State& state, std::shared_ptr<const LoadedScene> loaded) {
   if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
 }
 
-/// The scene that is shown after this one can be gone back to, unless it has never been shown itself.
+/// Keeps the present scene for revert_document(), unless it was never displayed.
 void remember_document(State& state) {
   if (!state.previous) state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
 }
 
-/// Plays the clips in `document` that have played so far, and shows the variant; the first and the default materials if
-/// it has none of these names.
+/// Applies the playing clips and the variant to `document`; unknown names fall back to the first clip and the default
+/// materials.
 void play_again(State& state, Document& document) {
   try {
     document.play(state.settings[0].render.animation);
@@ -123,7 +123,7 @@ void play_again(State& state, Document& document) {
   }
 }
 
-/// What is selected is selected in the other document, too, if a thing of that name has the same place there.
+/// Whether the selected item has the same index and name in the other document.
 bool has_selection(const State& state, const Document& other) {
   const auto same = [&](const auto& now, const auto& then) {
     const auto i = static_cast<size_t>(state.selection.index);
@@ -199,7 +199,7 @@ void finish_loading(State& state) {
 }
 
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first) {
-  // Nothing of the state changes before all that can fail has been done.
+  // Does everything that can fail before the state changes.
   std::array<AllSettings, kSides> settings = state.settings;
   if (!first) {
     for (AllSettings& side : settings) {
@@ -221,7 +221,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   state.settings = settings;
   state.selection = {};
   state.flying = state.camera_released = state.awaits_camera = false;
-  // Models show what they can do at once; built-in scenes stay still, to be looked at, and have no clips.
+  // Animated models play at once; built-in scenes have no clips and stay still.
   state.animating = !state.document->outline().clips.empty() && state.document->time_s() == 0;
   state.path = {};
   state.picked = {};
@@ -287,7 +287,7 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
     state.document->set_time(wanted.render.time_s);
   if (wanted.render.camera != current.render.camera) release_camera(state);
   current = wanted;
-  // One image, one scene: what is not a matter of technique is the same on both sides.
+  // Both sides share one scene and image: their settings are copied.
   AllSettings& other = state.settings[static_cast<size_t>(1 - side)];
   other.scene = current.scene;
   other.render.camera = current.render.camera;

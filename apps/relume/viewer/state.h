@@ -1,5 +1,4 @@
-// What the interface knows and decides. Panels show it and change it; once a frame of the interface it becomes a
-// request.
+// State of the interface. Panels show and change it; once per frame of the interface, it becomes a request.
 #pragma once
 
 #include <array>
@@ -25,9 +24,9 @@ namespace relume::viewer {
 
 enum class Panel : int { settings, scene, camera, buffers };
 
-/// How the inspected buffer is shown.
+/// Display of the inspected buffer.
 struct Inspector {
-  bool automatic = true;  ///< range and mode follow the buffer
+  bool automatic = true;  ///< whether range and mode follow the buffer
   DisplayTransform display_transform;
   bool loupe = false;
   int loupe_zoom = 8;
@@ -46,7 +45,7 @@ struct Toast {
   double until_s = 0;
 };
 
-/// Passes of the latest frames of one side, for the graph.
+/// Passes of the latest frames of a side, for the graph.
 struct FrameTimes {
   static constexpr size_t kMost = 240;
   struct Entry {
@@ -54,20 +53,20 @@ struct FrameTimes {
     std::vector<PassTime> passes;
   };
   std::deque<Entry> entries;
-  std::vector<std::string> names;  ///< of passes, in the order in which they first appeared
+  std::vector<std::string> names;  ///< names of passes, in order of first appearance
   void add(const ViewerFrame& frame);
 };
 
-/// Recording and playing camera paths.
+/// Recording and playback of camera paths.
 struct PathTools {
   CameraPath path;
   bool recording = false;
   bool playing = false;
-  double since_s = 0;   ///< when recording or playing began
-  float spacing_s = 2;  ///< between key frames that are added one by one
+  double since_s = 0;   ///< start of recording or playback
+  float spacing_s = 2;  ///< between key frames added one at a time
 };
 
-/// A scene with the state of its view.
+/// A scene and the state of its view.
 struct SceneTab {
   Document document;
   std::array<AllSettings, kSides> settings;
@@ -77,100 +76,100 @@ struct SceneTab {
 
 struct State {
   std::optional<Document> document;
-  std::optional<SceneTab> previous;  ///< shown again if the new one cannot be compiled
+  std::optional<SceneTab> previous;  ///< restored if the new one cannot be compiled
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
-  /// Readings whose result is no longer wanted; std::async() waits for them where their futures are destroyed.
+  /// Unwanted loads in progress; kept because the destructor of a future of std::async() blocks.
   std::vector<std::future<std::shared_ptr<const LoadedScene>>> superseded;
-  bool reloads = false;         ///< `loading` reads the present scene again
-  bool reload_dropped = false;  ///< for a scene that the user has opened; done later if that cannot be read
-  bool watches = true;          ///< the scene is read again when its files change
+  bool reloads = false;  ///< whether `loading` reloads the present scene
+  bool reload_dropped =
+      false;  ///< whether a reload yielded to a scene opened by the user; repeated if that scene fails to load
+  bool watches = true;  ///< whether changed files reload the scene
   FileWatch watch;
 
   std::array<AllSettings, kSides> settings;
-  AllSettings defaults;  ///< what "reset" goes back to
+  AllSettings defaults;  ///< targets of "Reset"
   int edited_side = 0;
   bool split = false;
   float split_at = 0.5f;
-  bool follow_window = true;  ///< the image's size is that of its place in the window
+  bool follow_window = true;  ///< whether the image's size follows its area in the window
   bool paused = false;
   ResolutionPolicy resolution_policy;
-  std::shared_ptr<const OcioView> ocio;  ///< shows the image in place of the tone map; nullptr: the tone map
+  std::shared_ptr<const OcioView> ocio;  ///< replaces the tone map; nullptr: the tone map
 
   std::string buffer;
   Inspector inspector;
   FlyCamera fly;
   Navigation navigation;
-  bool flying = false;           ///< the user's camera, not the scene's
-  bool camera_released = false;  ///< in favour of the scene's, since the last request
-  bool awaits_camera = false;    ///< the scene's, which was requested but which no frame shows yet
+  bool flying = false;           ///< whether the camera is the user's, not the scene's
+  bool camera_released = false;  ///< whether the camera returned to the scene's since the last request
+  bool awaits_camera = false;    ///< whether no frame shows the requested scene camera yet
   std::vector<Bookmark> bookmarks;
-  std::filesystem::path bookmarks_file;  ///< empty: not kept
+  std::filesystem::path bookmarks_file;  ///< empty: bookmarks are not stored
   PathTools path;
   Selection selection;
-  std::future<PickResult> picked;  ///< under way
-  bool pick_focuses = false;       ///< it is for the lens, not for selecting
+  std::future<PickResult> picked;  ///< pending result
+  bool pick_focuses = false;       ///< whether it sets the focus instead of the selection
   bool animating = false;
   float sun_hour = 12;
   int sun_day = 172;
   float latitude_deg = 48;
 
   Panel panel = Panel::settings;
-  std::string setting_query;  ///< of the search field; empty: the essential settings
-  bool panel_wanted = false;  ///< `panel` was chosen elsewhere than on its tab
+  std::string setting_query;  ///< text of the search field; empty: the essential settings
+  bool panel_wanted = false;  ///< whether `panel` was chosen by other means than its tab
   bool show_panels = true;
   bool show_help = false;
   bool sharp_pixels = false;
   std::deque<Toast> toasts;
 
   std::array<std::shared_ptr<const ViewerFrame>, kSides> frames;
-  std::array<float, kSides> automatic_exposure{};  ///< stops; follows what frames meter
+  std::array<float, kSides> automatic_exposure{};  ///< stops, adapted to metered frames
   std::array<FrameTimes, kSides> times;
-  double frames_per_s = 0;  ///< rendered, both sides together counting as one
+  double frames_per_s = 0;  ///< rendered; a pair of both sides counts as one
   double interface_hz = 0;
 
   RenderThread* renderer = nullptr;
   bool request_changed = true;
   bool image_changed = true;
 
-  /// The image will differ.
+  /// Marks the image as changed.
   void touch() { request_changed = image_changed = true; }
   void notify(const std::string& text, bool problem = false);
   double now_s = 0;
 
   const ViewerFrame* frame() const { return frames[0].get(); }
-  /// Whether the present camera is known: the user's, or that of a frame that shows the scene with its own.
+  /// Whether the present camera is known: the user's, or that of a frame with the scene's camera.
   bool knows_camera() const;
   int sides() const { return split ? 2 : 1; }
-  /// Whether what is shown follows that request, and no frame comes any more: every side has met --spp, --time or
-  /// --error.
+  /// Whether the display follows that request and is final: every side has met --spp, --time or --error.
   bool reached_goals(uint64_t request_version) const;
 };
 
-/// Starts to load a scene; the one that is shown stays until it has been read. Replaces a reading of the present scene,
-/// and is refused while another scene is being loaded.
+/// Starts to load a scene; the present one stays until loading is complete. Replaces a reload of the present scene, but
+/// is rejected while another scene is loading.
 void open_scene(State& state, const std::string& name);
 
-/// Starts to read the scene again if its files have changed and are complete.
+/// Starts to reload the scene if its files have changed and are complete.
 void follow_files(State& state);
 
-/// Takes the loaded scene if it has arrived.
+/// Shows the loaded scene once it is complete.
 void finish_loading(State& state);
 
-/// Shows a scene. The first comes with its settings resolved; later ones bring the settings that their file asks for.
+/// Shows a scene. The first has resolved settings; later ones apply the settings in their file.
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first);
 
-/// Shows the same scene as it was read again. Camera, settings, time and selection stay, and edits as far as
-/// Document::repeat_edits() can repeat them. Returns what it cannot repeat.
+/// Shows the reloaded scene. Keeps camera, settings, time, selection, and the edits that Document::repeat_edits() can
+/// repeat. Returns those that it cannot.
 std::vector<std::string> replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded);
 
-/// Goes back to the scene before, if there is one: the present one cannot be shown.
+/// Returns to the previous scene, if any, because the present one cannot be shown.
 void revert_document(State& state);
 
-/// Sets a setting of a side as its flag would. Throws Error; nothing is changed then.
+/// Sets a setting of a side like its flag. Throws Error, leaving the state unchanged.
 void change_setting(State& state, int side, const std::string& name, const std::string& text);
 
-/// Replaces settings of a side: checks that they combine, and takes an environment on that they name. Throws Error.
+/// Replaces settings of a side: checks that they combine, and applies their environment. Throws Error.
 void take_settings(State& state, int side, const AllSettings& settings);
 
 /// Applies a preset to a side. Throws Error.
@@ -179,17 +178,17 @@ void apply_preset(State& state, int side, const std::string& name);
 /// Renders both sides, or A alone.
 void set_split(State& state, bool split);
 
-/// Goes to a moment of the animation.
+/// Sets the time of the animation.
 void set_scene_time(State& state, float time_s);
 
-/// The camera that is shown: the user's, or the scene's. Means nothing unless State::knows_camera().
+/// The displayed camera: the user's, or the scene's. Valid only if State::knows_camera().
 CameraPose current_camera(const State& state);
 
-/// Puts the camera somewhere; it is the user's from now on.
+/// Sets the user's camera.
 void set_view(State& state, const Viewpoint& view);
 Viewpoint current_view(const State& state);
 
-/// Goes back to the scene's camera.
+/// Returns to the scene's camera.
 void release_camera(State& state);
 
 void save_bookmarks(State& state);

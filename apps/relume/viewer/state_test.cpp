@@ -38,7 +38,7 @@ class StateTest : public ::testing::Test {
                                      "end_header\n0 0 0\n"
                                   << size << " 0 0\n0 " << size << " 0\n3 0 1 2\n";
   }
-  /// Changes the scene's file, and waits until it is being read again.
+  /// Changes the scene's file, and waits for the reload to start.
   void begin_reload() {
     write("scene.ply", 300);
     for (int i = 0; i < 100 && !state_.loading.valid(); ++i) {
@@ -104,7 +104,7 @@ TEST(PreparationLines, ASceneThatIsCompiledAgainIsNamed) {
   State state;
   RenderThread renderer;
   state.renderer = &renderer;
-  Scene water = find_builtin_scene("cornell-water")->build();  // takes a while
+  Scene water = find_builtin_scene("cornell-water")->build();  // slow to load
   show_document(state, std::make_shared<const LoadedScene>(LoadedScene{"cornell-water", std::move(water)}), true);
   for (AllSettings& side : state.settings) {
     side.render.width = 32;
@@ -117,7 +117,7 @@ TEST(PreparationLines, ASceneThatIsCompiledAgainIsNamed) {
     for (;;) {
       state.frames[0] = renderer.frame(0);
       if (state.frame() && state.frame()->request_version >= version) return seen;
-      state.now_s = now_s() + 1;  // later than a moment after any beginning
+      state.now_s = now_s() + 1;  // a moment after any start
       for (std::string& line : preparation_lines(state)) seen.push_back(std::move(line));
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     }

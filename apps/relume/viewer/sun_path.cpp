@@ -12,7 +12,7 @@ SunPosition sun_position(float hour, int day_of_year, float latitude_rad) {
   const float hour_angle = (hour - 12) * (kPi / 12);
   const float sin_l = std::sin(latitude_rad), cos_l = std::cos(latitude_rad);
   const float sin_d = std::sin(declination), cos_d = std::cos(declination);
-  // Towards the sun, in a frame of south, east and zenith.
+  // Direction to the sun, in a frame of south, east and zenith.
   const float south = cos_d * std::cos(hour_angle) * sin_l - sin_d * cos_l;
   const float east = -cos_d * std::sin(hour_angle);
   const float up = cos_d * std::cos(hour_angle) * cos_l + sin_d * sin_l;

@@ -1,4 +1,4 @@
-// Where the sun stands at a time of day.
+// Position of the sun at a time of day.
 #pragma once
 
 namespace relume::viewer {

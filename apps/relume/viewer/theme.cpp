@@ -17,7 +17,7 @@ ImFont* load_font(const auto& files, float size) {
 }
 
 void load_fonts(float scale) {
-  // The first that is there; without any, ImGui's own small font.
+  // The first existing one; else ImGui's own small font.
   constexpr std::array kSans = {
       "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
       "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",

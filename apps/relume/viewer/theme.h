@@ -10,10 +10,10 @@ inline constexpr ImU32 kTextDim = IM_COL32(150, 155, 165, 255);
 inline constexpr ImU32 kProblem = IM_COL32(240, 96, 88, 255);
 inline constexpr ImU32 kOverlay = IM_COL32(18, 19, 23, 205);
 
-/// Dark, in the accent colour. `scale`: of the display's pixels.
+/// A dark theme with the accent colour. `scale`: of the display's pixels.
 void apply_theme(float scale);
 
-/// Digits and letters of equal width; the ordinary font where the system has no other.
+/// A monospaced font; the ordinary one if the system has no other.
 ImFont* monospace_font();
 
 }  // namespace relume::viewer

@@ -13,7 +13,7 @@
 namespace relume::viewer {
 namespace {
 
-/// Of passes by the order of their first appearance; neighbours differ for every kind of eye.
+/// Colours by order of first appearance; neighbours also differ for colour-blind users.
 ImU32 pass_color(size_t index) {
   constexpr std::array kColors = {IM_COL32(86, 148, 214, 255),  IM_COL32(242, 166, 90, 255),
                                   IM_COL32(92, 184, 142, 255),  IM_COL32(214, 110, 138, 255),
@@ -34,7 +34,7 @@ double mean_of(const FrameTimes& times, const std::string& name) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-/// The scale of the graph: a round number above nine tenths of the frames, and above the target.
+/// Top of the graph's scale: a round number above nine tenths of the frames, and above the target.
 double top_s(const FrameTimes& times, double target_s) {
   std::vector<double> all{0};
   for (const FrameTimes::Entry& entry : times.entries) all.push_back(entry.seconds);
@@ -82,7 +82,7 @@ void draw_graph(const FrameTimes& times, const ImVec2& size, double target_s) {
   };
   const float line = ImGui::GetFontSize() + 2;
   label(at.y + 1, top);
-  // Under its line, or over it where there is no room; not at all where it would cover the other.
+  // Below its line, or above it if there is no room; omitted if it would cover the other.
   const float own = y + line > at.y + size.y ? y - line : y + 1;
   if (own > at.y + line) label(own, target_s);
 }
@@ -125,7 +125,7 @@ void draw_timing_panel(State& state, int side) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float font = ImGui::GetFontSize();
   const float legend = font * 15;
-  const bool wide = room.x > font * 46;  // else the graph needs the room more
+  const bool wide = room.x > font * 46;  // else the graph needs the space
   const float numbers = wide ? font * 14 : 0;
   const double target_s = 1.0 / static_cast<double>(state.resolution_policy.target_hz);
   draw_graph(times, {std::max(80.0f, room.x - numbers - legend - 24), room.y}, target_s);

@@ -29,7 +29,7 @@ std::vector<viewer::ScriptStep> load_script(const std::string& file) {
   return viewer::parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
 }
 
-/// Throws Error where a file has two of them, or what the script writes cannot be written.
+/// Throws Error if a file has two roles, or an output of the script cannot be written.
 FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptStep>& steps) {
   FileRoles roles;
   roles.reads("SCENE", options.scene);
@@ -54,7 +54,7 @@ FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptS
 
 int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  // What is wrong with these is told before anything is loaded.
+  // Reports errors of these before loading.
   resolve(sources);
   if (!options.screenshot.empty()) check_image_file(options.screenshot, {});
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
@@ -63,7 +63,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   viewer::Window::require_display();
   const double start_s = now_s();
   const auto read_from = std::filesystem::file_time_type::clock::now();
-  // On a thread of low priority, whose children rendering uses later: the interface keeps the right of way.
+  // On a low-priority thread, since rendering later uses the threads that it starts: the interface keeps priority.
   auto loading = std::async(std::launch::async, [&] {
     lower_thread_priority();
     return open_scene(options.scene);
@@ -84,7 +84,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
                   std::make_shared<const viewer::LoadedScene>(std::move(loaded)), std::move(ocio));
   app.run();
   if (app.loading()) {
-    // A scene that is still being loaded would never be shown: do not wait for it.
+    // A scene that is still loading will not be shown: exits without waiting for it.
     std::fflush(nullptr);
     std::_Exit(kExitDone);
   }

@@ -1,4 +1,4 @@
-// What `relume view` was asked to do, and the doing.
+// Options and execution of `relume view`.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct ViewOptions {
   std::string screenshot;  ///< of the window, at the end; empty: none
   int smoke = 0;           ///< frames to render without showing a window; 0: an ordinary window
   float target_hz = 10;
-  bool watch = true;                                       ///< read the scene again when its files change
+  bool watch = true;                                       ///< reload the scene when its files change
   std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
 };
 

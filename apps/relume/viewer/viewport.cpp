@@ -11,9 +11,9 @@
 namespace relume::viewer {
 namespace {
 
-constexpr float kClick_px = 4;      // a button that moves less is a click
-constexpr float kHandle_px = 6;     // distance from the split line at which it can be taken
-constexpr double kSettle_s = 0.15;  // a window that is being resized is left in peace
+constexpr float kClick_px = 4;      // a button press that moves less is a click
+constexpr float kHandle_px = 6;     // distance from the split line within which it can be dragged
+constexpr double kSettle_s = 0.15;  // delay after the window is resized
 
 /// The largest rectangle of the aspect ratio within `room`.
 Rect fit(const Rect& room, float aspect) {
@@ -28,7 +28,7 @@ Rect fit(const Rect& room, float aspect) {
   return {at, {std::floor(size.x), std::floor(size.y)}};
 }
 
-/// The image grows and shrinks with its place, once that has settled.
+/// Resizes the image with its area, once that has settled.
 void follow_room(State& state, const Rect& room, IVec2& wanted, double& wanted_s) {
   const IVec2 size(std::clamp(static_cast<int>(room.size.x) / 2 * 2, 64, 8192),
                    std::clamp(static_cast<int>(room.size.y) / 2 * 2, 64, 8192));
@@ -46,7 +46,7 @@ void follow_room(State& state, const Rect& room, IVec2& wanted, double& wanted_s
 
 }  // namespace
 
-// ImGui 1.86 does not copy callback data, so the sampler's name travels as the pointer itself.
+// ImGui 1.86 does not copy callback data, so the pointer itself encodes the sampler's name.
 void bind_sampler(const ImDrawList*, const ImDrawCmd* command) {
   glBindSampler(0, static_cast<GLuint>(reinterpret_cast<uintptr_t>(command->UserCallbackData)));
 }
@@ -64,7 +64,7 @@ DisplayTransform Viewport::display_transform(const State& state, int side) const
   return d;
 }
 
-/// A scene that is new is exposed at once; after that the exposure follows the frames.
+/// Exposes a new scene at once; afterwards, the exposure adapts to the frames.
 void Viewport::adapt_exposure(State& state, size_t side) {
   const ViewerFrame& frame = *state.frames[side];
   float& exposure = state.automatic_exposure[side];
@@ -196,7 +196,7 @@ void Viewport::draw(State& state, const Rect& room) {
   const RenderSettings& render = state.settings[0].render;
   image_ = fit(room, static_cast<float>(render.width) / static_cast<float>(render.height));
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  // Only what the image leaves free: where the processor draws, every pixel counts.
+  // Fills only the margin around the image: with software rendering, every pixel costs.
   constexpr ImU32 kMargin = IM_COL32(14, 15, 18, 255);
   const ImVec2 end = image_.end();
   list.AddRectFilled(room.at, {room.end().x, image_.at.y}, kMargin);

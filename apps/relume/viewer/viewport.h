@@ -1,4 +1,4 @@
-// The image: drawn, split, magnified, and worked in with mouse and keys.
+// The viewport: draws the image, split view and loupe, and handles mouse and keys.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace relume::viewer {
 
-/// A rectangle of the window, in pixels of the interface.
+/// A rectangle in the window, in interface pixels.
 struct Rect {
   ImVec2 at{0, 0};
   ImVec2 size{0, 0};
@@ -27,29 +27,28 @@ struct Rect {
 /// Binds an OpenGL sampler from within a draw list; the callback's data is its name.
 void bind_sampler(const ImDrawList*, const ImDrawCmd* command);
 
-/// A texture as ImGui names it.
+/// A texture as Dear ImGui's type.
 inline ImTextureID as_texture(GLuint name) { return std::bit_cast<ImTextureID>(uintptr_t{name}); }
 inline void* as_callback_data(GLuint name) { return std::bit_cast<void*>(uintptr_t{name}); }
 
 class Viewport {
  public:
-  /// Takes new frames to the graphics card and develops them.
+  /// Uploads new frames to the GPU and converts them to display colours.
   void update(State& state);
 
-  /// Draws into `room` and handles the mouse there.
+  /// Draws into `room` and handles the mouse in it.
   void draw(State& state, const Rect& room);
 
-  /// Where the image was drawn last.
+  /// Rectangle of the last drawn image.
   const Rect& image() const { return image_; }
 
-  /// Counts changes of what the images' textures hold.
+  /// Counts changes of the textures.
   uint64_t version() const { return version_; }
 
   /// Point of the image under the mouse, (0, 0) its top left corner.
   Vec2 point_under_mouse() const;
 
-  /// What describe_pixel() said of the pixel under the mouse, of the side that is shown there, when this was drawn
-  /// last; empty outside.
+  /// Text of describe_pixel() for the pixel and side under the mouse, as last drawn; empty outside.
   const std::string& values_under_mouse() const { return under_mouse_; }
 
  private:
@@ -74,7 +73,7 @@ class Viewport {
   std::array<GlImage, kSides> images_;
   std::array<uint64_t, kSides> uploaded_{};
   std::array<bool, kSides> shows_buffer_{};
-  std::array<const LoadedScene*, kSides> exposed_scene_{};  ///< that the automatic exposure belongs to
+  std::array<const LoadedScene*, kSides> exposed_scene_{};  ///< scene that the automatic exposure belongs to
   std::array<double, kSides> exposed_s_{};
   uint64_t version_ = 0;
   Rect image_;
@@ -85,7 +84,7 @@ class Viewport {
   double size_wanted_s_ = 0;
 };
 
-/// Moves the camera, and does what keys ask for.
+/// Moves the camera, and executes key commands.
 void handle_keys(State& state, float image_height_px);
 
 /// The list of keys, as an overlay.

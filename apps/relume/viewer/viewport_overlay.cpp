@@ -1,4 +1,4 @@
-// What the viewport writes over the image.
+// Text and loupe over the image.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,14 +14,14 @@
 namespace relume::viewer {
 namespace {
 
-/// Text on a dark ground.
+/// Text on a dark background.
 void label(ImDrawList& list, const ImVec2& at, const std::string& text, ImU32 color = IM_COL32(230, 232, 238, 255)) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   list.AddRectFilled({at.x - 8, at.y - 5}, {at.x + size.x + 8, at.y + size.y + 5}, kOverlay, 5);
   list.AddText(at, color, text.c_str());
 }
 
-/// The frame that is under the mouse: that of B right of the line.
+/// The frame under the mouse: B's to the right of the line.
 const ViewerFrame* frame_at(const State& state, const Vec2& point) {
   const bool second = state.split && point.x > state.split_at && state.frames[1];
   return state.frames[second ? 1 : 0].get();
@@ -85,7 +85,7 @@ void Viewport::draw_loupe(const State& state) const {
   constexpr float kSide_px = 220;
   const float pixels = kSide_px / static_cast<float>(state.inspector.loupe_zoom);
   const Vec2 half = 0.5f * pixels / Vec2(frame->width, frame->height);
-  // Whole pixels stay where they are while the mouse moves within one.
+  // The view moves by whole pixels with the mouse.
   const Vec2 center =
       (glm::floor(point * Vec2(frame->width, frame->height)) + 0.5f) / Vec2(frame->width, frame->height);
   const ImVec2 mouse = ImGui::GetIO().MousePos;

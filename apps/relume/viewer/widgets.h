@@ -1,4 +1,4 @@
-// Small parts that several panels share.
+// Widgets that several panels share.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace relume::viewer {
 
-/// Explains the item before it while the mouse rests on it.
+/// Explains the previous item while the mouse hovers over it.
 void tooltip(const std::string& text);
 
 /// A heading with a line.
 void heading(const char* text);
 
-/// Colour and strength of something that shines: their product is edited. Returns whether it changed.
+/// Edits the colour and strength of an emitter, whose product is the value. Returns whether it changed.
 bool radiant_widget(const char* label, Rgb& value, const char* unit);
 
 /// A number in [0, 1].
 bool share_widget(const char* label, float& value, const char* help);
 
-/// Degrees on the widget, radians in the value.
+/// Edits an angle: degrees on the widget, radians in the value.
 bool angle_widget(const char* label, float& value_rad, float low_deg, float high_deg);
 
 }  // namespace relume::viewer

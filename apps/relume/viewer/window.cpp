@@ -27,7 +27,7 @@ std::string glfw_problem() {
   return text ? text : "no reason given";
 }
 
-/// The bottom row first, as OpenGL has it, to an image.
+/// Converts OpenGL's pixels, bottom row first, to an image.
 Image image_from_pixels(const std::vector<unsigned char>& rgba, int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -54,7 +54,7 @@ uint64_t mix(uint64_t hash, const void* data, size_t size) {
   return hash;
 }
 
-/// Tells images of the interface apart.
+/// Hash of the interface's draw data and `content`.
 uint64_t fingerprint(const ImDrawData& data, uint64_t content) {
   uint64_t hash = mix(14695981039346656037ull, &content, sizeof content);
   hash = mix(hash, &data.DisplaySize, sizeof data.DisplaySize);
@@ -74,7 +74,7 @@ uint64_t fingerprint(const ImDrawData& data, uint64_t content) {
 }  // namespace
 
 void Window::require_display() {
-#ifdef GLFW_PLATFORM  // GLFW 3.4: without Wayland, asking for it prints an error
+#ifdef GLFW_PLATFORM  // GLFW 3.4: without Wayland, requesting it prints an error
   if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
   if (glfwInit() == GLFW_TRUE) return;
@@ -105,7 +105,7 @@ Window::Window(int width, int height, const std::string& title, bool visible) {
   glfwSetWindowRefreshCallback(
       window_, [](GLFWwindow* window) { static_cast<Window*>(glfwGetWindowUserPointer(window))->drawn_ = 0; });
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;  // nothing appears in the working folder
+  ImGui::GetIO().IniFilename = nullptr;  // no file is written into the working folder
   apply_theme(content_scale());
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
@@ -139,7 +139,7 @@ void Window::begin_frame(double interval_s, const std::function<void()>& change_
     glfwWaitEventsTimeout(left);
   }
   hurries_ = false;
-  // From the due time, so that lateness does not add up; but never to catch up on more than one frame.
+  // Counts from the due time, so that delays do not accumulate, but catches up by one frame at most.
   next_frame_s_ = std::max(next_frame_s_, glfwGetTime() - interval_s) + interval_s;
   glfwPollEvents();
   ImGui_ImplOpenGL3_NewFrame();
@@ -172,7 +172,7 @@ void Window::end_frame(uint64_t content) {
 }
 
 void Window::save(const std::filesystem::path& file) {
-  // Once more into a buffer of our own: a window that is hidden or covered need not keep its pixels.
+  // Draws again into a separate buffer: a hidden or covered window need not keep its pixels.
   int width = 0;
   int height = 0;
   glfwGetFramebufferSize(window_, &width, &height);

@@ -14,31 +14,31 @@ namespace relume::viewer {
 
 class Window {
  public:
-  /// Throws Error where there is no display or no OpenGL 3.3. `visible` false: draws, but shows nothing.
+  /// Throws Error without a display or OpenGL 3.3. `visible` false: draws into a hidden window.
   Window(int width, int height, const std::string& title, bool visible);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Throws Error where there is no display. For the thread that opens the window later.
+  /// Throws Error without a display. Call from the thread that opens the window later.
   static void require_display();
 
   bool should_close() const;
   void set_title(const std::string& title);
 
   /// Waits until the next frame of the interface is due, handles events and begins it. `change_input` runs between the
-  /// system's input and the frame, and may replace it.
+  /// system's input and the frame, and may override the input.
   void begin_frame(double interval_s, const std::function<void()>& change_input);
-  /// Lets the next frame begin before it is due, as there is something new to show; not more often than every third
-  /// frame would. For any thread.
+  /// Starts the next frame early, to show new content, but at most once per three intervals. Callable from any
+  /// thread.
   void hurry();
-  /// Draws what has changed: nothing if the interface is as it was and `content` (a version of what textures hold) too.
-  /// Where the processor draws, that leaves it to the renderer.
+  /// Draws if the interface or `content` (a version of the textures' content) has changed. With software rendering,
+  /// skipping leaves the processor to the renderer.
   void end_frame(uint64_t content);
-  /// What drawing costs, smoothed.
+  /// Smoothed drawing time.
   double drawing_s() const { return drawing_s_; }
 
-  /// What the last frame drew, as PNG or another format of write_image(). Throws Error.
+  /// Writes the last drawn frame as PNG or another format of write_image(). Throws Error.
   void save(const std::filesystem::path& file);
 
   /// Files dropped on the window since the last call.
@@ -51,10 +51,10 @@ class Window {
   GLFWwindow* window_ = nullptr;
   std::vector<std::string> dropped_;
   double next_frame_s_ = 0;
-  double hurried_s_ = 0;  ///< when a frame last began early
+  double hurried_s_ = 0;  ///< time at which a frame last started early
   std::atomic<bool> hurries_ = false;
   double drawing_s_ = 0;
-  uint64_t drawn_ = 0;  ///< fingerprint of what the window shows; 0: has to be drawn
+  uint64_t drawn_ = 0;  ///< fingerprint of the displayed content; 0: must be drawn
 };
 
 }  // namespace relume::viewer

@@ -1,4 +1,4 @@
-// A rendering thread with all that requests to it need.
+// A rendering thread and a complete request.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace relume::viewer::testing {
 
-inline constexpr int kPatience_ms = 60000;  // of a busy machine
+inline constexpr int kPatience_ms = 60000;  // allows for a busy machine
 
 /// A request for a small image of a scene.
 struct Stage {
@@ -42,7 +42,7 @@ struct Stage {
     thread.post(request);
   }
 
-  /// The first frame that follows the newest request; nullptr if none comes.
+  /// The first frame that follows the newest request; nullptr if none arrives.
   std::shared_ptr<const ViewerFrame> next(int side = 0) {
     for (int i = 0; i < kPatience_ms; ++i) {
       auto frame = thread.frame(side);
