@@ -21,7 +21,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kRecordInterval_s = 0.1;
-constexpr const char* kNoCamera = "the camera is not known before the first image; wait for it";
+constexpr const char* kNoCamera = "the camera is unknown until the first image; wait for it";
 
 /// Depth of the selection along the viewing direction; 0 if the selection has no position.
 float selection_depth(const State& state, const CameraPose& camera) {
@@ -39,7 +39,7 @@ void focus_at(State& state, const Vec3& point) {
   const Vec3 to_point = point - Vec3(placed.to_world[3]);
   const float depth =
       placed.camera.projection == Projection::panoramic ? glm::length(to_point) : depth_of(placed, point);
-  if (!(depth > 0)) return state.notify("this point lies behind the camera, which cannot focus there");
+  if (!(depth > 0)) return state.notify("cannot focus on a point behind the camera");
   placed.camera.focus_distance = depth;
   state.document->set_camera(placed);
   state.touch();
@@ -67,7 +67,7 @@ void post_image(State& state, std::function<std::filesystem::path()> name) {
     const Display display = display_for(settings.output, session.image().pixels, session.in_studio());
     cli::write_image(file, session, display, aovs, metadata, ocio.get());
     const std::string samples = cli::format_samples(session.kept_samples());
-    renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
+    renderer->add_notice({false, fmt::format("wrote {} at {} samples per pixel", file.string(), samples)});
   });
 }
 
@@ -91,12 +91,12 @@ void store_bookmark(State& state, size_t slot) {
     state.bookmarks[slot] = bookmark;
   }
   save_bookmarks(state);
-  state.notify(fmt::format("remembered as view {}", slot + 1));
+  state.notify(fmt::format("stored as view {}", slot + 1));
 }
 
 void go_to_bookmark(State& state, size_t slot) {
   if (slot >= state.bookmarks.size())
-    return state.notify(fmt::format("there is no view {}; Ctrl and a digit stores one", slot + 1));
+    return state.notify(fmt::format("no view {}; store one with Ctrl and a digit", slot + 1));
   if (!state.knows_camera()) return state.notify(kNoCamera, true);
   set_view(state, state.bookmarks[slot].view);
 }
@@ -150,7 +150,7 @@ void update_animation(State& state, double seconds) {
   const float end = state.document->duration_s();
   if (!(end > 0)) {
     state.animating = false;
-    return state.notify("nothing in this scene is animated");
+    return state.notify("this scene has no animation");
   }
   set_scene_time(state, std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
 }
@@ -193,7 +193,7 @@ void pick_at(State& state, const Vec2& point, bool focus) {
 
 void show_directions_at(State& state, const Vec2& point) {
   if (state.settings[0].render.guide != GuideChoice::cdq)
-    return state.notify("Only guide 'cdq' has something to show of directions; choose it in the settings");
+    return state.notify("directions are recorded only with guide 'cdq'; choose it in the settings");
   change_setting(state, 0, "cdq.view", "on");
   change_setting(state, 0, "cdq.view-x", std::to_string(point.x));
   change_setting(state, 0, "cdq.view-y", std::to_string(point.y));

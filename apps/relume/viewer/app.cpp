@@ -57,7 +57,7 @@ void App::run() {
   while (!window_.should_close() && !finished()) {
     frame();
     if (!state_.frame() && !first_problem_.empty()) throw Error(first_problem_);
-    if (smoke_ && now_s() - newest_frame_s_ > kPatience_s) throw Error("no frame was rendered in time");
+    if (smoke_ && now_s() - newest_frame_s_ > kPatience_s) throw Error("no frame was rendered for five minutes");
   }
   finish();
 }

@@ -34,7 +34,7 @@ void choose_panel(State& state, const std::string& name) {
 
 void set_sun(State& state, float hour) {
   Environment e = state.document->outline().environment;
-  if (e.kind != EnvironmentKind::sun_sky) throw Error("the environment has no sun");
+  if (e.kind != EnvironmentKind::sun_sky) throw Error("the environment has no sun; choose sun and sky");
   state.sun_hour = hour;
   move_sun(state, e.sun_sky);
   state.document->set_environment(e);
@@ -93,7 +93,7 @@ void App::act_on_scene(const ScriptStep& step) {
     else if (word == "material")
       select(state_, {Selected::material, index_of(scene.materials, step.words[1])});
     else
-      throw Error("what is to be selected is a node, a light or a material");
+      throw Error("select needs a node, a light or a material");
   }
   if (step.verb == "sun") set_sun(state_, number_in(word));
   if (step.verb == "emit") emit(state_, number_in(word));

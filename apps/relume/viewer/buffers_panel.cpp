@@ -17,7 +17,7 @@ void draw_choice(State& state) {
     state.buffer.clear();
     state.request_changed = true;
   }
-  tooltip("Mean radiance so far, exposed and tone-mapped");
+  tooltip("Accumulated mean radiance, exposed and tone-mapped");
   if (state.frame()) {
     for (const AovLayer& buffer : state.frame()->buffers) {
       if (ImGui::Selectable(buffer.name.c_str(), state.buffer == buffer.name)) {
@@ -55,10 +55,10 @@ void draw_display(State& state) {
   Inspector& inspector = state.inspector;
   DisplayTransform& d = inspector.display_transform;
   ImGui::Checkbox("Automatic", &inspector.automatic);
-  tooltip("Colors and range follow the buffer: from the 1st to the 99th percentile");
-  constexpr const char* kModes[] = {"radiance", "color in range", "false color", "direction"};
+  tooltip("Chooses colours and range for the buffer; the range is the 1st to 99th percentile");
+  constexpr const char* kModes[] = {"radiance", "colour in range", "false colour", "direction"};
   int mode = static_cast<int>(d.mode);
-  if (ImGui::Combo("shown as", &mode, kModes, 4)) {
+  if (ImGui::Combo("display as", &mode, kModes, 4)) {
     d.mode = static_cast<DisplayMode>(mode);
     inspector.automatic = false;
   }
@@ -92,7 +92,7 @@ void draw_buffers_panel(State& state) {
   ImGui::SameLine();
   ImGui::SliderInt("zoom", &state.inspector.loupe_zoom, 2, 32);
   ImGui::Checkbox("Sharp pixels", &state.sharp_pixels);
-  tooltip("Scaled without smoothing");
+  tooltip("Scales the image without smoothing");
   heading("Resolution");
   bool changed = ImGui::Checkbox("Hold the frame rate", &state.resolution_policy.hold_rate);
   tooltip(fmt::format("Scales the resolution, never below {}x{}", kMinWidth, kMinHeight));
@@ -100,7 +100,7 @@ void draw_buffers_panel(State& state) {
   changed |= ImGui::SliderFloat("target", &state.resolution_policy.target_hz, 1, 60, "%.0f frames/s",
                                 ImGuiSliderFlags_AlwaysClamp);
   changed |= ImGui::Checkbox("Full size at rest", &state.resolution_policy.full_at_rest);
-  tooltip("Full resolution as soon as nothing changes; every change of size discards the histories");
+  tooltip("Full resolution once nothing changes; every change of size discards histories");
   ImGui::EndDisabled();
   ImGui::PopItemWidth();
   if (changed) state.request_changed = true;

@@ -26,14 +26,14 @@ void draw_lens(State& state) {
     changed |= angle_widget("field of view", placed.camera.fov_y_rad, 5, 150);
     changed |= ImGui::DragFloat("lens radius", &placed.camera.lens_radius, 0.001f, 0, 10, "%.4f m",
                                 ImGuiSliderFlags_AlwaysClamp);
-    tooltip("0: a pinhole, everything is sharp");
+    tooltip("0: pinhole camera, without depth of field");
     changed |= ImGui::DragFloat("focus", &placed.camera.focus_distance, 0.02f, 0.001f, 1e6f, "%.3f m",
                                 ImGuiSliderFlags_AlwaysClamp);
-    tooltip("Ctrl+Shift+click in the image focuses there");
+    tooltip("Ctrl+Shift+click in the image focuses on a point");
   }
   ImGui::SliderFloat("speed", &state.fly.speed, 0.01f, 100, "%.2f m/s",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-  tooltip("Of flying; the mouse wheel changes it, Shift makes it five times as fast");
+  tooltip("Fly speed; the mouse wheel changes it, Shift multiplies it by five");
   if (changed) {
     state.fly.place(placed.to_world);
     state.flying = true;
@@ -43,20 +43,20 @@ void draw_lens(State& state) {
   ImGui::BeginDisabled(!state.flying);
   if (ImGui::Button("Scene's camera")) release_camera(state);
   ImGui::EndDisabled();
-  tooltip("Back to where the scene's camera stands [Home]");
+  tooltip("Returns to the scene's camera [Home]");
 }
 
 void draw_mode(State& state) {
   int mode = static_cast<int>(state.navigation.mode);
   ImGui::RadioButton("orbit", &mode, static_cast<int>(CameraMode::orbit));
-  tooltip("Drag goes around the object, the wheel changes the distance [O]");
+  tooltip("Drag orbits the object, the wheel changes the distance [O]");
   ImGui::SameLine();
   ImGui::RadioButton("fly", &mode, static_cast<int>(CameraMode::fly));
-  tooltip("Drag looks around, the wheel changes the speed of the keys [O]");
+  tooltip("Drag looks around, the wheel changes the speed [O]");
   if (mode != static_cast<int>(state.navigation.mode)) set_mode(state, static_cast<CameraMode>(mode));
   ImGui::SameLine();
   if (ImGui::Button("Frame")) frame_selection(state);
-  tooltip("Shows the selection, or the whole scene where nothing is selected [F]");
+  tooltip("Frames the selection, or the whole scene if nothing is selected [F]");
 }
 
 void draw_bookmarks(State& state) {
@@ -70,11 +70,11 @@ void draw_bookmarks(State& state) {
       state.bookmarks.erase(state.bookmarks.begin() + static_cast<std::ptrdiff_t>(i));
       save_bookmarks(state);
     }
-    tooltip("Forget it");
+    tooltip("Deletes this bookmark");
     ImGui::PopID();
   }
-  if (ImGui::Button("Remember this view")) add_bookmark(state);
-  tooltip("Ctrl and a digit store a view under it; the digit alone goes there");
+  if (ImGui::Button("Store this view")) add_bookmark(state);
+  tooltip("Ctrl and a digit store a view; the digit alone returns to it");
 }
 
 void draw_path(State& state) {
@@ -85,7 +85,7 @@ void draw_path(State& state) {
   tooltip("Records ten key frames per second while you fly [R]");
   ImGui::SameLine();
   if (ImGui::Button("Add key")) add_path_key(state);
-  tooltip("This view, at an even distance in time after the last key [K]");
+  tooltip("Adds this view at a fixed interval after the last key [K]");
   ImGui::SameLine();
   ImGui::BeginDisabled(tools.path.keys().size() < 2);
   if (ImGui::Button(tools.playing ? "Stop" : "Play")) toggle_path(state);
@@ -98,12 +98,12 @@ void draw_path(State& state) {
 void draw_files(State& state) {
   heading("Files");
   if (ImGui::Button("Image as PNG")) save_numbered_image(state, ".png");
-  tooltip("As it is displayed [F12]");
+  tooltip("The displayed image [F12]");
   ImGui::SameLine();
   if (ImGui::Button("as EXR")) save_numbered_image(state, ".exr");
-  tooltip("Linear radiance, with every buffer that is being recorded as a layer [Shift+F12]");
+  tooltip("Linear radiance, with every recorded buffer as a layer [Shift+F12]");
   if (ImGui::Button("View as relume JSON")) save_numbered_view_file(state);
-  tooltip("Camera or path, changes to the scene, and settings; `relume render` takes it like any scene [Ctrl+S]");
+  tooltip("Camera or path, edits of the scene, and settings; `relume render` reads it like any scene [Ctrl+S]");
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Bookmark bookmark_from_json(const json& object) {
              {Vec3(eye[0], eye[1], eye[2]), glm::quat(q[3], q[0], q[1], q[2]), object.at("fov_y_rad").get<float>()}};
   const float length = glm::length(b.view.rotation);
   if (!is_finite(b.view.eye) || !(length > 0.5f && length < 2) || !(b.view.fov_y_rad > 0 && b.view.fov_y_rad < kPi)) {
-    throw Error("not a viewpoint");
+    throw Error("invalid viewpoint");
   }
   b.view.rotation = glm::normalize(b.view.rotation);
   return b;
@@ -47,7 +47,7 @@ std::vector<Bookmark> read_bookmarks(const std::filesystem::path& file) {
     for (const json& object : root.at("bookmarks")) result.push_back(bookmark_from_json(object));
     return result;
   } catch (const std::exception&) {
-    throw Error(fmt::format("{}: these are not bookmarks; remove the file to start with none", file.string()));
+    throw Error(fmt::format("{}: invalid bookmarks; delete the file to start without any", file.string()));
   }
 }
 

@@ -49,15 +49,13 @@ Mover Document::mover(Index node) const {
   const Index skin = outline_.nodes[static_cast<size_t>(node)].skin;
   const Index root = common_ancestor(outline_.nodes, outline_.skins[static_cast<size_t>(skin)].joints);
   if (root == kNone)
-    return {kNone,
-            "A skin moves with its joints alone. These have no common ancestor, so no single node moves them all."};
+    return {kNone, "A skin follows its joints. These have no common ancestor, so no single node moves them all."};
   Index mover = root;
   while (mover != kNone && has_animated_transform(mover)) mover = outline_.nodes[static_cast<size_t>(mover)].parent;
   if (mover != kNone) return {mover, {}};
-  return {kNone,
-          fmt::format("A skin moves with its joints alone. Their root '{}' is animated and has no parent without "
-                      "animation; add one in the file.",
-                      node_name(root))};
+  return {kNone, fmt::format("A skin follows its joints. Their root '{}' is animated and has no parent without "
+                             "animation; add one in the file.",
+                             node_name(root))};
 }
 
 std::vector<bool> Document::carried(Index ancestor) const {

@@ -48,7 +48,7 @@ void main() {
   if (mode == 1) c = srgb_from_linear(clamp(in_range, 0.0, 1.0));
   if (mode == 2) c = texture(palette, vec2(clamp(chosen, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
   if (mode == 3) c = clamp(v * 0.5 + 0.5, 0.0, 1.0);
-  // What is not a number must catch the eye.
+  // Makes non-finite values conspicuous.
   if (any(isnan(v)) || any(isinf(v))) c = vec3(1.0, 0.0, 1.0);
   color = vec4(c, 1.0);
 }
@@ -63,7 +63,8 @@ GLuint compile(GLenum kind, const char* source) {
   if (done != 0) return shader;
   std::array<char, 1024> log{};
   glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  throw Error(std::string("the graphics driver refuses the viewer's shader; update it (") + log.data() + ")");
+  throw Error(std::string("the graphics driver cannot compile the viewer's shader; update the driver (") + log.data() +
+              ")");
 }
 
 GLuint link() {
@@ -77,7 +78,7 @@ GLuint link() {
   glDeleteShader(fragment);
   GLint done = 0;
   glGetProgramiv(program, GL_LINK_STATUS, &done);
-  if (done == 0) throw Error("the graphics driver cannot link the viewer's shader; update it");
+  if (done == 0) throw Error("the graphics driver cannot link the viewer's shader; update the driver");
   return program;
 }
 

@@ -93,7 +93,7 @@ void set_mode(State& state, CameraMode mode) {
   Navigation& n = state.navigation;
   n.mode_chosen = true;
   n.mode = mode;
-  state.notify(mode == CameraMode::orbit ? "orbit: drag goes around, the wheel changes the distance"
+  state.notify(mode == CameraMode::orbit ? "orbit: drag rotates, the wheel changes the distance"
                                          : "fly: drag looks around, the wheel changes the speed");
 }
 

@@ -121,7 +121,7 @@ void RenderThread::finish_tasks() {
   }
   if (tasks_wait()) {
     add_notice({.problem = true,
-                .text = "there was no image for what was asked for last",
+                .text = "no image was rendered for the last request",
                 .refused_scene = nullptr,
                 .failed_task = true});
   }

@@ -55,7 +55,8 @@ void put_environment(const Environment& e, const fs::path& file, const fs::path&
   } else if (root.contains("environment") && root["environment"].contains("map")) {
     root["environment"].update(environment_to_json(e));
   } else {
-    omissions.emplace_back("the environment map was changed, but its file is not known; it stays that of the scene");
+    omissions.emplace_back(
+        "the environment map was changed, but its file is unknown; the view keeps the scene's environment");
   }
 }
 
@@ -64,9 +65,9 @@ template <typename Items>
 bool can_be_named(const Items& items, Index index, const char* what, std::vector<std::string>& omissions) {
   const std::string& name = items[static_cast<size_t>(index)].name;
   const auto same = std::count_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-  if (name.empty()) omissions.push_back(fmt::format("a {} has no name and stays as it was", what));
+  if (name.empty()) omissions.push_back(fmt::format("a {} has no name; its changes are not saved", what));
   if (!name.empty() && same > 1)
-    omissions.push_back(fmt::format("a {} shares the name '{}' with another and stays as it was", what, name));
+    omissions.push_back(fmt::format("a {} shares the name '{}' with another; its changes are not saved", what, name));
   return !name.empty() && same == 1;
 }
 
@@ -82,8 +83,7 @@ void put_edits(const Document& document, json& root, std::vector<std::string>& o
     if (node.is_object()) node.erase("keys");  // the move ended its animation
     node.update(transform_to_json(edit.value));
   }
-  if (!document.edits().lights.empty())
-    omissions.emplace_back("changed lights keep the intensity that their file gives them");
+  if (!document.edits().lights.empty()) omissions.emplace_back("changed light intensities are not saved");
 }
 
 /// `time_s`: of the animation, or 0 if the view is animated from its start. `base_settings`: those of the base scene,

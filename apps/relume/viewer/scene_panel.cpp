@@ -115,7 +115,7 @@ void draw_time(State& state) {
   heading("Time");
   draw_clips(state);
   if (ImGui::Button(state.animating ? "Pause" : "Play")) state.animating = !state.animating;
-  tooltip("Plays the animation in real time, round and round [P]");
+  tooltip("Plays the animation in real time, in a loop [P]");
   ImGui::SameLine();
   float time = state.document->time_s();
   ImGui::SetNextItemWidth(-1);
@@ -128,7 +128,7 @@ void select(State& state, const Selection& selection) {
   state.selection = selection;
   const Index node = selected_node(state);
   if (node == kNone || !state.document->make_movable(node)) return;
-  state.notify("compiling the scene so that this can move");
+  state.notify("compiling the scene to make the selection movable");
   state.touch();
 }
 

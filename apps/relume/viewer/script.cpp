@@ -179,7 +179,7 @@ void ScriptPlayer::update(const ScriptTarget& target) {
       if (!perform(step, target)) {
         ++tick_;
         const bool waits = step.verb == "seconds";
-        if (!waits && target.now_s() - progress_s_ > kPatience_s) throw Error("nothing happened for five minutes");
+        if (!waits && target.now_s() - progress_s_ > kPatience_s) throw Error("no frame was rendered for five minutes");
         return;
       }
     } catch (const Error& error) {

@@ -146,7 +146,8 @@ TEST(ScriptPlayer, GivesUpAfterFiveMinutes) {
   }
   player.update(stage.target());
   stage.now_s += 301;
-  EXPECT_EQ(error_of([&] { player.update(stage.target()); }), "tour.txt:2: frames: nothing happened for five minutes");
+  EXPECT_EQ(error_of([&] { player.update(stage.target()); }),
+            "tour.txt:2: frames: no frame was rendered for five minutes");
 }
 
 }  // namespace

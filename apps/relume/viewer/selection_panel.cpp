@@ -22,7 +22,7 @@ void draw_transform(State& state, Index node) {
   const float step = max(0.001f, 0.0005f * document.bounds(kNone == node ? 0 : node).diagonal());
   Vec3 rotation_deg = euler_degrees(t.rotation);
   bool changed = ImGui::DragFloat3("position", &t.translation.x, max(step, 0.005f), 0, 0, "%.3f");
-  tooltip("Metres, below the parent. Ctrl and the mouse move it in the image.");
+  tooltip("Metres, relative to the parent. Ctrl+drag moves it in the image.");
   if (ImGui::DragFloat3("rotation", &rotation_deg.x, 0.5f, 0, 0, "%.1f")) {
     t.rotation = glm::quat(glm::radians(rotation_deg));
     changed = true;
@@ -45,7 +45,7 @@ void draw_object(State& state, Index node) {
   if (mover.node == kNone) return draw_dim(mover.problem);
   draw_transform(state, mover.node);
   if (mover.node == node) return;
-  draw_dim(fmt::format("Places '{}', which carries the joints of this skin.", state.document->node_name(mover.node)));
+  draw_dim(fmt::format("Moves '{}', which carries the joints of this skin.", state.document->node_name(mover.node)));
 }
 
 void draw_light(State& state, Index index) {
@@ -92,7 +92,7 @@ void draw_material(State& state, Index index) {
 
 void draw_sun(State& state, SunSky& sky, bool& changed) {
   bool moved = ImGui::SliderFloat("time of day", &state.sun_hour, 0, 24, "%.2f h", ImGuiSliderFlags_AlwaysClamp);
-  tooltip("Solar time: the sun goes along its path for the latitude and day below; +Z is south, +X is east");
+  tooltip("Solar time: moves the sun along its path for the day and latitude below; +Z is south, +X is east");
   moved |= ImGui::SliderInt("day of year", &state.sun_day, 1, 365, "%d", ImGuiSliderFlags_AlwaysClamp);
   moved |= ImGui::SliderFloat("latitude", &state.latitude_deg, -66, 66, "%.0f\xc2\xb0", ImGuiSliderFlags_AlwaysClamp);
   if (moved) {
@@ -113,8 +113,7 @@ void draw_environment(State& state) {
   heading("Environment");
   Environment e = state.document->outline().environment;
   constexpr const char* kKinds[] = {"none", "constant", "map", "sun and sky", "studio", "automatic"};
-  constexpr const char* kHelp =
-      "automatic: the studio if nothing in the scene lights what its camera sees; otherwise none";
+  constexpr const char* kHelp = "automatic: the studio if nothing lights the visible surfaces; otherwise none";
   bool changed = false;
   ImGui::SetNextItemWidth(-1);
   if (ImGui::BeginCombo("##kind", kKinds[static_cast<int>(e.kind)])) {
@@ -129,7 +128,7 @@ void draw_environment(State& state) {
       }
       ImGui::EndDisabled();
       if (kind == static_cast<int>(EnvironmentKind::automatic)) tooltip(kHelp);
-      if (!possible) tooltip("The scene has no map; give one with --env FILE or the setting 'env'.");
+      if (!possible) tooltip("The scene has no map; set one with --env FILE or the setting 'env'.");
     }
     ImGui::EndCombo();
   }
@@ -148,7 +147,7 @@ void draw_environment(State& state) {
 void draw_selection(State& state) {
   const Selection selection = state.selection;
   if (selection.kind == Selected::nothing) {
-    return draw_dim("Click something in the image, or choose from the lists below, to change it.");
+    return draw_dim("Select an object in the image or an item in the lists below to edit it.");
   }
   const Scene& scene = state.document->outline();
   const auto at = static_cast<size_t>(selection.index);
@@ -165,7 +164,7 @@ void draw_selection(State& state) {
   ImGui::PopItemWidth();
   if (selection.kind == Selected::node && !scene.nodes[at].meshes.empty()) {
     const Index material = scene.meshes[static_cast<size_t>(scene.nodes[at].meshes.front())].material;
-    if (material != kNone && ImGui::Button("Its material")) state.selection = {Selected::material, material};
+    if (material != kNone && ImGui::Button("Go to material")) state.selection = {Selected::material, material};
   }
 }
 

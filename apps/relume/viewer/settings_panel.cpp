@@ -89,7 +89,7 @@ struct RowContext {
 
 /// Reason why the setting has no effect, as a sentence; empty if it has one.
 std::string why_inactive(const RowContext& context, const Setting& setting) {
-  if (context.ocio && setting.name == "tone-map") return "The view of --ocio replaces it.";
+  if (context.ocio && setting.name == "tone-map") return "Replaced by the view of --ocio.";
   const std::string choice = takes_effect_with(context.settings, setting.name);
   return choice.empty() ? choice : "Takes effect with " + choice + ".";
 }
@@ -119,8 +119,8 @@ bool value_widget(const RowContext& context, const Setting& setting) {
 std::string help_of(const Setting& setting, const Setting& standard, const std::string& inactive) {
   std::string text = fmt::format("{}\n\n--{}: {}; default {}", setting.help, setting.name, describe_type(setting),
                                  to_string(standard).empty() ? "empty" : to_string(standard));
-  if (setting.traits.resets_history) text += "\nA change drops what earlier frames have accumulated.";
-  if (setting.traits.biases) text += "\nSome values change the expected image.";
+  if (setting.traits.resets_history) text += "\nA change discards the accumulated frames.";
+  if (setting.traits.biases) text += "\nSome values bias the image.";
   if (!inactive.empty()) text += "\n" + inactive;
   return text;
 }
@@ -179,7 +179,7 @@ void draw_presets(State& state) {
 void draw_sides(State& state) {
   bool split = state.split;
   if (ImGui::Checkbox("Compare A and B", &split)) set_split(state, split);
-  tooltip("Renders two settings in alternation; drag the line in the image [B]");
+  tooltip("Renders two sets of settings in alternation; drag the dividing line in the image [B]");
   if (!state.split) return;
   ImGui::SameLine();
   ImGui::RadioButton("edit A", &state.edited_side, 0);

@@ -90,9 +90,9 @@ void watch_files(State& state) {
 void take_loaded(State& state, std::shared_ptr<const LoadedScene> loaded) {
   if (state.reloads) {
     const std::vector<std::string> lost = replace_scene(state, std::move(loaded));
-    state.notify("read " + state.document->name() + " again, as it changed on disk");
+    state.notify("reloaded " + state.document->name() + ", which changed on disk");
     if (!lost.empty())
-      state.notify(fmt::format("changes of {} are lost; only what has a name of its own in the file keeps them",
+      state.notify(fmt::format("edits of {} are lost; only items with a unique name in the file keep theirs",
                                fmt::join(lost, ", ")),
                    true);
   } else {
@@ -168,7 +168,7 @@ void State::notify(const std::string& text, bool problem) {
 }
 
 void open_scene(State& state, const std::string& name) {
-  if (state.loading.valid() && !state.reloads) return state.notify("a scene is being loaded already; wait for it");
+  if (state.loading.valid() && !state.reloads) return state.notify("another scene is still loading; wait for it");
   if (state.loading.valid()) {
     state.superseded.push_back(std::move(state.loading));
     state.reload_dropped = true;
@@ -188,7 +188,7 @@ void follow_files(State& state) {
 void finish_loading(State& state) {
   std::erase_if(state.superseded, is_done);
   if (!state.loading.valid() || !is_done(state.loading)) return;
-  const char* consequence = state.reloads ? "; the scene stays as it was read before" : "";
+  const char* consequence = state.reloads ? "; the scene stays as it was" : "";
   try {
     take_loaded(state, state.loading.get());
   } catch (const std::bad_alloc&) {

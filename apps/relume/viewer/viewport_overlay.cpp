@@ -32,8 +32,8 @@ std::string status_of(const State& state, const ViewerFrame& frame) {
   std::string text = fmt::format("{}x{}", frame.width, frame.height);
   if (percent < 100) text += fmt::format(" ({} %)", percent);
   const std::string samples = cli::format_samples(frame.samples);
-  text += fmt::format("  \xc2\xb7  {} sample{} a pixel  \xc2\xb7  {:.1f} frames/s", samples, samples == "1" ? "" : "s",
-                      state.frames_per_s);
+  text += fmt::format("  \xc2\xb7  {} sample{} per pixel  \xc2\xb7  {:.1f} frames/s", samples,
+                      samples == "1" ? "" : "s", state.frames_per_s);
   if (state.paused) text += "  \xc2\xb7  paused";
   if (frame.reached_goal) text += "  \xc2\xb7  done";
   if (!frame.buffer.empty()) text += "  \xc2\xb7  " + frame.buffer;
@@ -109,19 +109,19 @@ void draw_help(State& state) {
   if (!state.show_help) return;
   constexpr std::pair<const char*, const char*> kKeys[] = {
       {"drag", "orbit, or look around (O switches)"},
-      {"right drag, Shift + drag", "move along the image"},
-      {"wheel", "orbit: nearer, farther; fly: speed"},
+      {"right drag, Shift + drag", "move parallel to the image"},
+      {"wheel", "orbit: nearer or farther; fly: speed"},
       {"W A S D, Q E", "fly; Shift: faster"},
-      {"F", "show the selection, or the whole scene"},
+      {"F", "frame the selection, or the whole scene"},
       {"O", "orbit or fly"},
-      {"click", "select the object or light there"},
-      {"Alt + click", "directions that guiding knows there"},
+      {"click", "select the object or light under the mouse"},
+      {"Alt + click", "directions that guiding stores at this point"},
       {"Ctrl + drag", "move the selection"},
-      {"Ctrl + Shift + click", "focus there"},
+      {"Ctrl + Shift + click", "focus at the point"},
       {"Home", "the scene's camera"},
-      {"Escape", "close a list, this one, select nothing"},
+      {"Escape", "close a list or this one, clear the selection"},
       {"1 ... 9", "go to a bookmark; with Ctrl: store it"},
-      {"R, K", "record a new camera path; add one key"},
+      {"R, K", "record a new camera path; add a key"},
       {"Space, P", "pause rendering; play the animation"},
       {"B", "compare A and B"},
       {"L", "loupe"},

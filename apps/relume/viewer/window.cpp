@@ -78,8 +78,8 @@ void Window::require_display() {
   if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
   if (glfwInit() == GLFW_TRUE) return;
-  throw Error(fmt::format("no window can be opened ({}); relume view needs a display, such as X11 or `xvfb-run`",
-                          glfw_problem()));
+  throw Error(
+      fmt::format("cannot open a window ({}); relume view needs a display, such as X11 or `xvfb-run`", glfw_problem()));
 }
 
 Window::Window(int width, int height, const std::string& title, bool visible) {
