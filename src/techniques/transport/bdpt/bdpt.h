@@ -1,5 +1,5 @@
-// Bidirectional path tracing ([Veach97], ch. 10; [Sun20], ch. 3 and 4), and light tracing as its special case: the pass
-// kernels over the steps in light_subpath.h and camera_subpath.h.
+// Kernels of bidirectional path tracing ([Veach97], ch. 10; [Sun20], ch. 3 and 4) and of light tracing, its special
+// case. The steps are in light_subpath.h and camera_subpath.h.
 #pragma once
 
 #include "techniques/transport/bdpt/camera_subpath.h"
@@ -7,16 +7,16 @@
 
 namespace relume {
 
-/// One light and one camera subpath a pixel, with all their connections.
+/// Traces one light and one camera subpath per pixel, with all their connections.
 struct BdptKernel {
   BdptContext context;
   SampleIndex index;
   View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
-  View<Rgb> radiance;               ///< of this sample but for splats; may be not finite
+  View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
+  View<Rgb> radiance;               ///< of this sample, without splats; may be not finite
   View<uint32_t> rays;              ///< of this sample
-  View<uint64_t> saturated;         ///< one, to which splats that were cut are added
-  View<uint64_t> nonfinite;         ///< one, to which those are added that were left out for not being finite
+  View<uint64_t> saturated;         ///< one counter of clamped splats
+  View<uint64_t> nonfinite;         ///< one counter of splats left out as not finite
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
@@ -40,11 +40,11 @@ struct BdptKernel {
   }
 };
 
-/// Adds the frame's splats to the radiance of its samples and clears them for the next.
+/// Adds the splats of the frame to the radiance of its samples and clears them.
 struct AddSplatsKernel {
   View<FixedPointRgb> splats;
   View<Rgb> radiance;
-  View<Rgb> brought;  ///< what they add; may be empty
+  View<Rgb> brought;  ///< radiance of the splats; may be empty
   float scale = 1;    ///< pixels over light subpaths of the frame
   uint32_t width = 0;
 

@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// One frame of one sample a pixel on one thread.
+/// Renders frames of one sample per pixel on one thread.
 void bm_bdpt(benchmark::State& state, const char* name, EstimatorChoice estimator) {
   RenderSettings settings;
   settings.width = settings.height = 128;

@@ -75,7 +75,7 @@ bool BdptPass::run(const FrameContext& frame) {
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
   if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
-    std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{});  // those of a frame that is abandoned
+    std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{});  // discards the splats of the abandoned frame
     return false;
   }
   saturated_ += saturated;

@@ -1,4 +1,4 @@
-// The estimators "bdpt" and "light" as a pass.
+// The pass of the estimators "bdpt" and "light".
 #pragma once
 
 #include <vector>
@@ -15,10 +15,10 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
-/// Traces one light and one camera subpath for each pixel that the allocation gives a path.
+/// Traces one light and one camera subpath for each pixel with a path in the allocation.
 class BdptPass final : public Pass {
  public:
-  /// `film`: splats also go into a buffer of their own, for a history that keeps them apart.
+  /// `film`: also writes splats to a separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
            const PathSource& source, bool film)
       : settings_(settings), selection_(selection), mode_(mode), source_(source), film_(film) {}
@@ -45,11 +45,11 @@ class BdptPass final : public Pass {
   BdptMode mode_;
   PathSource source_;
   bool film_;
-  std::vector<AliasEntry> emission_;    ///< by power; light tracing has no other way to find a constant environment
-  std::vector<AliasEntry> connection_;  ///< by power, among the lights that connections sample
-  std::vector<Rgb> light_medium_;       ///< of each light; empty: there are no tinted bodies
+  std::vector<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
+  std::vector<AliasEntry> connection_;  ///< by power, over the lights that connections sample
+  std::vector<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted bodies
   bool prepared_ = false;
-  uint64_t saturated_ = 0;  ///< splats cut so far
+  uint64_t saturated_ = 0;  ///< splats clamped so far
   uint64_t nonfinite_ = 0;  ///< splats left out so far
 };
 

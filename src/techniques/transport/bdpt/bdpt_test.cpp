@@ -1,4 +1,4 @@
-// Bidirectional path tracing and light tracing where the answer is known.
+// Bidirectional path tracing and light tracing in scenes with known results.
 #include "techniques/transport/bdpt/bdpt.h"
 
 #include <gtest/gtest.h>
@@ -28,8 +28,8 @@ Rgb mean_of(const std::vector<Rgb>& image) {
   return Rgb(sum / static_cast<double>(image.size()));
 }
 
-/// Number of rays of a complete bidirectional path tracer limited to D bounces that loses no path: 2D + 1 along the
-/// subpaths and D(D + 3) / 2 to connect them.
+/// Number of rays of a complete bidirectional path tracer limited to D bounces, in a scene that loses no path: 2D + 1
+/// along the subpaths and D(D + 3) / 2 for connections.
 uint32_t all_rays(uint32_t bounces) { return 2 * bounces + 1 + bounces * (bounces + 3) / 2; }
 
 TEST(Bdpt, CountsEveryRayOfAClosedSceneWithoutLoss) {
@@ -44,8 +44,8 @@ TEST(Bdpt, CountsEveryRayOfAClosedSceneWithoutLoss) {
         complete += rays == all_rays(bounces) ? 1 : 0;
       }
     }
-    // Two vertices on one of the sphere's flat triangles do not see each other: at most 27 connections among 1280
-    // triangles, 2 % of the samples.
+    // Two vertices on the same flat triangle of the sphere do not see each other. This concerns at most 27 connections
+    // among 1280 triangles: 2 % of the samples.
     EXPECT_GT(complete, 4 * 32 * 32 * 97 / 100) << bounces << " bounces";
   }
 }
@@ -65,7 +65,7 @@ TEST(Bdpt, TracesFewerRaysThanThePaperStates) {
       }
       const double stated = bounces * bounces + 3 * bounces;  // [Sun20, §5.2.1]
       EXPECT_GT(mean, bounces) << scene << ", " << bounces << " bounces";
-      // One bounce has up to 5 rays, not 4: three along the subpaths and two to connect them.
+      // One bounce has up to 5 rays, not 4: three along the subpaths and two for connections.
       if (bounces > 1) {
         EXPECT_LT(mean, stated) << scene << ", " << bounces << " bounces";
       } else if (scene == std::string_view("cornell-closed")) {
@@ -84,7 +84,7 @@ TEST(Bdpt, ClosedFurnaceAtEveryDepth) {
       expected += std::pow(static_cast<double>(kAlbedo), bounces);
       BdptOptions options{.max_bounces = bounces, .russian_roulette = bounces % 2 == 1, .light_only = light_only};
       const Rgb mean = mean_of(render_bdpt(make_closed_sphere(kAlbedo), options, 32));
-      // 8192 samples whose spread is below the mean: five standard errors are 6 %; stratification makes them fewer.
+      // 8192 samples with a standard deviation below the mean: five standard errors are 6 %, less by stratification.
       EXPECT_NEAR(static_cast<double>(mean.g) / expected, 1.0, 0.02)
           << bounces << " bounces, light only " << light_only;
     }
@@ -92,7 +92,7 @@ TEST(Bdpt, ClosedFurnaceAtEveryDepth) {
 }
 
 TEST(Bdpt, LongPathsGoOnFromTheCamera) {
-  // 0.9 keeps a third of the light for paths of more than ten bounces.
+  // An albedo of 0.9 puts a third of the light into paths of more than ten bounces.
   const Rgb expected = mean_of(render_bdpt(make_closed_sphere(0.9f), {.max_bounces = 64}, 32));
   EXPECT_NEAR(expected.g, 10.0f, 0.2f);
   for (const uint32_t vertices : {1u, 3u, kMaxLightVertices}) {
@@ -145,7 +145,7 @@ TEST(Bdpt, CameraConnectionsThatCarryLittleAreSeldomTested) {
     splats = {};
     return sum / kSamples;
   };
-  EXPECT_EQ(rays_a_sample(0), 1);  // nothing to compare with
+  EXPECT_EQ(rays_a_sample(0), 1);  // no connection tried before
   EXPECT_NEAR(splat_a_sample(), 1, 1e-3);
   EXPECT_NEAR(rays_a_sample(20), 0.1, 0.0075);  // a tenth of half of 20; five standard deviations
   EXPECT_NEAR(splat_a_sample(), 1, 0.075);
@@ -191,7 +191,7 @@ TEST(Bdpt, LightsKnowTheBodyThatTheyStandIn) {
 TEST(Bdpt, LampsInDarkGlassAreAsBrightFromBothSides) {
   const Rgb camera_alone = mean_of(render_bdpt(make_lamp_in_glass(), {.max_light_vertices = 1}, 256));
   const Rgb both = mean_of(render_bdpt(make_lamp_in_glass(), {}, 256));
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples of each
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples each
 }
 
 TEST(Bdpt, CamerasKnowTheBodyThatTheyStandIn) {
@@ -214,7 +214,7 @@ TEST(Bdpt, LampsHalfInABodyKnowWhichHalf) {
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_half_in_glass(), options, 2048));
   };
-  // With two bounces, paths lead to the half outside, too, which from the camera alone are found too rarely.
+  // With two bounces, paths also lead to the outer half, which camera subpaths alone reach too rarely.
   const Rgb one_bounce = mean({.max_bounces = 1, .max_light_vertices = 1});
   const Rgb two_bounces = mean({.max_bounces = 2});
   const Rgb light_once = mean({.max_bounces = 1, .light_only = true});
@@ -225,7 +225,7 @@ TEST(Bdpt, LampsHalfInABodyKnowWhichHalf) {
   }
 }
 
-/// A plate and a ceiling with a sheet between them that half of all rays pass; the lamp, below it, shines up.
+/// A plate and a ceiling with a half-transparent sheet between them. The lamp below the sheet shines up.
 Scene make_sheet_below_ceiling() {
   Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
   Material sheet = matte(Rgb(0));
@@ -241,7 +241,7 @@ Scene make_sheet_below_ceiling() {
 }
 
 TEST(Bdpt, ShadowRaysMeetSheetsAnew) {
-  // All light passes the sheet twice: a quarter of what would arrive without it.
+  // All light passes the sheet twice, which leaves a quarter.
   Scene open = make_sheet_below_ceiling();
   open.materials[1].alpha = 0;
   const Rgb unhindered = mean_of(render_bdpt(std::move(open), {.max_bounces = 2}, 2048));
@@ -256,7 +256,7 @@ TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
   Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
   add_body(scene, tint(Rgb(0.5f, 1, 2)), 2, 2);
   Node& sheet = scene.nodes.back();
-  sheet.transform.rotation = glm::angleAxis(kPi, Vec3(1, 0, 0));  // its inner side up
+  sheet.transform.rotation = glm::angleAxis(kPi, Vec3(1, 0, 0));  // inner side up
   sheet.transform.translation.y = 4;
   PunctualLight sun{"sun", PunctualType::directional, Rgb(1)};
   sun.angular_diameter_rad = 0.5f;
@@ -268,7 +268,7 @@ TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
 }
 
 TEST(Bdpt, LampsBroughtFromAfarShineFromTheirSurface) {
-  // Vertices in the space of the mesh are rounded to 0.5 mm there, which the light's origin has to leave behind.
+  // Mesh-space vertices are rounded to 0.5 mm there. The origin of the light must be offset by more than that.
   const auto mean = [](float away, const BdptOptions& options) {
     Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
     Material lamp = matte(Rgb(0));

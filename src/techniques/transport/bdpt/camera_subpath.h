@@ -1,4 +1,4 @@
-// Camera subpaths: they meet lights (s = 0), connect to sampled points on lights (s = 1) and to the vertices of a light
+// Camera subpaths: they meet lights (s = 0), and connect to sampled points on lights (s = 1) and to vertices of a light
 // subpath (s ≥ 2).
 #pragma once
 
@@ -10,7 +10,7 @@ struct CameraSubpath {
   PathState path;
   SubpathWeights weights;
 
-  /// Vertices so far, the one on the camera included, with the surface point at hand as the last.
+  /// Number of vertices so far, including that on the camera and the current surface point.
   RELUME_HD uint32_t count() const { return path.bounce + 2; }
 };
 
@@ -30,18 +30,18 @@ RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uin
                                     1.0f, parallel);
 }
 
-/// Densities with which light sampling finds a place on a light, per area (at infinity: per solid angle).
+/// Densities with which light sampling finds a point on a light, per area (at infinity: per solid angle).
 struct LightDensities {
   float connected;  ///< by a connection
-  float emitted;    ///< as the start of a light subpath
+  float emitted;    ///< as the first vertex of a light subpath
 };
 
 RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id, float pdf) {
   return {weighting_pmf(c, id) * pdf, c.emission.pmf(id) * pdf};
 }
 
-/// Weight of having met a light at the subpath's last vertex. `onwards`: the light's density of emitting towards the
-/// vertex before, as SubpathWeights take it.
+/// Weight of meeting a light at the last vertex of the subpath. `onwards`: density of emission from the light to the
+/// previous vertex, as for SubpathWeights.
 RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
                                            const LightDensities& densities, float onwards) {
   float denominator = at.last(densities.connected);
@@ -49,7 +49,7 @@ RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSub
   return weight_from(denominator, 0.0f);
 }
 
-/// s = 0: emission of the last vertex. What the camera sees directly is left to this strategy.
+/// s = 0: adds the emission of the last vertex. Only this strategy finds emitters in direct view.
 RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) {
   if (is_black(sp.emission)) return;
   float weight = 1.0f;
@@ -60,7 +60,7 @@ RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint&
   e.path.radiance += e.path.throughput * sp.emission * weight;
 }
 
-/// s = 0: light from infinity along a ray that left the scene.
+/// s = 0: adds light from infinity along a ray that left the scene.
 RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpath& e) {
   const LightsView& lights = c.scene().lights;
   const Vec3& wi = e.path.ray.direction;
@@ -77,8 +77,8 @@ RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpat
   }
 }
 
-/// BSDF at the last vertex. The reverse density costs as much as the rest and matters only where strategies that cut
-/// before the vertex exist.
+/// Evaluates the BSDF at the last vertex. The reverse density doubles the cost, so it is computed only if strategies
+/// that cut before the vertex exist.
 RELUME_HD inline BsdfEval eval_camera_vertex(const CameraSubpath& e, const SurfacePoint& sp, const Vec3& wi) {
   BsdfEval result = eval_pdf(sp, wi);
   if (e.weights.at().b > 0.0f && !is_black(result.f)) result.pdf_reverse = other_sides_pdf(sp, wi);
@@ -100,7 +100,7 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
   return weight_from(met, e.weights.at().sum(found, bsdf.pdf_reverse));
 }
 
-/// s = 1: a point on a light that a selector chose.
+/// s = 1: connects to a point on a light chosen by the selector.
 RELUME_HD inline Connection connect_to_light(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                              Sampler& sampler) {
   const LightPick pick = pick_light(c.path, sp, sampler);
@@ -118,7 +118,7 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
   return connection;
 }
 
-/// Weight of a connection along `w`, √distance_squared metres, to a vertex of the light subpath.
+/// Weight of a connection along `w`, √distance_squared metres long, to a vertex of the light subpath.
 RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const CameraSubpath& e, const BsdfEval& bsdf,
                                                    const PathVertex& v, const AdjointEval& adjoint, const Vec3& w,
                                                    float distance_squared) {
@@ -128,14 +128,14 @@ RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const
                      e.weights.at().sum(found_camera, bsdf.pdf_reverse));
 }
 
-/// dispersion_weight() of a connection along `w` to a vertex of the light subpath, whose throughput has no such factor.
+/// dispersion_weight() of a connection along `w` to a light vertex, whose throughput excludes that factor.
 RELUME_HD inline Rgb dispersion_weight(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                        const PathVertex& v, const Vec3& w) {
   if (!e.path.dispersed && v.disperses(-w)) return wavelength_weight(e.path.wavelength_nm);
   return dispersion_weight(c.scene(), sp, w, e.path);
 }
 
-/// s ≥ 2: a vertex of the light subpath.
+/// s ≥ 2: connects to a vertex of the light subpath.
 RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                               const PathVertex& v) {
   const Vec3 d = v.position - sp.position;
@@ -157,7 +157,7 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   return connection;
 }
 
-/// Adds a connection if it is tested and not blocked.
+/// Adds a connection if roulette selects it and nothing blocks it.
 RELUME_HD inline void try_connection(const BdptContext& c, const Connection& connection, uint32_t ray_id,
                                      CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters) {
   if (!connection.valid()) return;
@@ -166,13 +166,13 @@ RELUME_HD inline void try_connection(const BdptContext& c, const Connection& con
   if (visible(c, connection.ray, ray_id, counters)) e.path.radiance += contribution;
 }
 
-/// All connections of the last vertex; `kept` holds the light subpath's vertices but the first.
+/// Tries all connections of the last vertex. `kept`: vertices of the light subpath except the first.
 RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View<const PathVertex> kept,
                               CameraSubpath& e, Sampler& sampler, ConnectionRoulette& roulette,
                               BdptCounters& counters) {
   const Connection to_light = connect_to_light(c, sp, e, sampler);
-  // Only now: before the draws for the light this would be the identity of the ray that led here, and what is partly
-  // transparent would let both pass or neither.
+  // Take the identity after the draws for the light. Before, it would equal that of the arriving ray, and partly
+  // transparent surfaces would pass both rays or neither.
   const uint32_t ray_id = sampler.ray_id();
   try_connection(c, to_light, ray_id, e, roulette, counters);
   const uint32_t longest = c.max_bidirectional_vertices();
@@ -182,7 +182,7 @@ RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View
   }
 }
 
-/// Next direction; false if the subpath ends here.
+/// Samples the next direction. Returns false if the subpath ends here.
 RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e,
                                               Sampler& sampler) {
   if (!continue_path(c.path, sp, e.path, sampler)) return false;
@@ -196,8 +196,8 @@ RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const Surfac
   return true;
 }
 
-/// What the pixel sees of its camera subpath, from the primary hit on, with all connections but those to the camera
-/// itself.
+/// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
+/// camera.
 RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
                                           View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
                                           BdptCounters& counters) {
@@ -213,7 +213,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     make_surface_point(c.scene(), e.path.ray, hit, e.path.cone_width + e.path.cone_spread * hit.t, sp,
                        e.path.wavelength_nm);
     absorb(c.scene(), sp, hit.t, e.path);
-    // A vertex seen edge-on has no density per area; there is nothing to be weighted.
+    // A vertex seen edge-on has no density per area, so no weights exist.
     const float cosine = glm::dot(sp.ng, sp.wo);
     if (!(cosine > 0.0f)) break;
     e.weights.arrive(cosine, sqr(hit.t));

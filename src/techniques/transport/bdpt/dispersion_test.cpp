@@ -1,4 +1,4 @@
-// All estimators agree on the colours behind dispersive interfaces.
+// Agreement of all estimators on the colours behind dispersive interfaces.
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builder.h"
@@ -9,21 +9,21 @@ namespace relume::testing {
 namespace {
 
 constexpr int kSamples = 512;
-constexpr float kInside = 0.6f;  ///< angle of the light to the normal, within the medium
-constexpr float kRed = 0.95f;    ///< angle at which red leaves it, while blue is reflected totally
+constexpr float kInside = 0.6f;  ///< angle of the light to the normal, inside the medium
+constexpr float kRed = 0.95f;    ///< exit angle of red; blue is reflected totally
 
-/// A direction in the plane z = 0 at an angle to +Y.
+/// Direction in the plane z = 0 at an angle to +Y.
 Vec3 at_angle(float angle) { return {std::sin(angle), std::cos(angle), 0}; }
 
-/// A square about `center` that faces along a direction at an angle to +Y.
+/// Square about `center` that faces a direction at an angle to +Y.
 Mesh facing(const Vec3& center, float angle, float size) {
   const Vec3 across = Vec3(std::cos(angle), -std::sin(angle), 0) * size;
   const Vec3 along(0, 0, size);
   return quad(center - 0.5f * (across + along), along, across);
 }
 
-/// A window of frosted glass in an opaque plane. A lamp within the medium below lights a screen through it, on which
-/// red and blue arrive at different places.
+/// A window of frosted glass in an opaque plane. A lamp inside the medium below lights a screen through it. Red and
+/// blue arrive at different positions.
 Scene lamp_below_window() {
   SceneBuilder b("window");
   Material frosted = glass("frosted", 1.5f);
@@ -57,7 +57,7 @@ void look(Scene& scene, const Vec3& eye, const Vec3& target, float fov_y_rad, fl
   scene.add_node(std::move(node));
 }
 
-/// By all pairs of estimators. Without the weights of wavelengths all channels would be alike.
+/// Compares all pairs of estimators. Without wavelength weights, all channels would be equal.
 void expect_colors_to_agree(const Scene& scene, const std::string& name) {
   const ImageMean both = mean_of(scene, {}, kSamples);
   const ImageMean from_light = mean_of(scene, {.light_only = true}, kSamples);

@@ -1,4 +1,4 @@
-// All estimators agree on layered and dispersive materials and on culled faces.
+// Agreement of all estimators on layered and dispersive materials and on culled faces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ Material& material(Scene& scene, const std::string& name) {
   throw std::out_of_range(name);
 }
 
-/// Mean difference of two images that share their random numbers, over the mean of the first.
+/// Mean difference of two images with the same random numbers, relative to the mean of the first.
 double relative_difference(const Scene& a, const Scene& b) {
   const std::vector<Rgb> first = render_bdpt(Scene(a), kCameraAlone, 16);
   const std::vector<Rgb> second = render_bdpt(Scene(b), kCameraAlone, 16);
@@ -50,7 +50,7 @@ void add_diffuse_transmission(Scene& scene) {
   for (const char* name : {"ball", "pane"}) material(scene, name).diffuse_transmission = 0.6f;
 }
 
-/// A coat that leans to one side of its base, and one over a lamp.
+/// Adds a coat tilted to one side of its base, and a coat over a lamp.
 void add_coats(Scene& scene) {
   Texture leaning;
   leaning.width = leaning.height = 1;
@@ -63,14 +63,14 @@ void add_coats(Scene& scene) {
   material(scene, "lamp").clearcoat = 1;
 }
 
-/// So strong that the lamp's image in each channel is elsewhere.
+/// Adds dispersion strong enough to separate the channels' images of the lamp.
 void add_dispersion(Scene& scene) {
   for (Material& m : scene.materials) {
     if (m.thickness > 0.0f) m.dispersion = 5;
   }
 }
 
-/// A layer, and a place of the zoo that has it and fills the view from `eye`.
+/// A layer, and a view from `eye` that an object of the zoo with this layer fills.
 struct Layer {
   const char* name;
   std::function<void(Scene&)> add;
@@ -101,7 +101,7 @@ TEST(BdptLayers, AllEstimatorsAgree) {
   }
 }
 
-/// With delta scattering and shading normals of their own, of which light tracing alone loses some light.
+/// With delta scattering and bent shading normals, where light tracing loses some light.
 TEST(BdptLayers, AgreeOnSmoothAndBentSurfaces) {
   for (const Layer& layer : kLayers) {
     Scene scene = make_zoo(ZooLight::triangles, ZooCamera::pinhole, true, true);
@@ -111,7 +111,7 @@ TEST(BdptLayers, AgreeOnSmoothAndBentSurfaces) {
   }
 }
 
-/// Turns the faces and normals of a node's mesh over.
+/// Reverses the faces and normals of a node's mesh.
 void turn_over(Scene& scene, const std::string& node_name) {
   for (const Node& node : scene.nodes) {
     if (node.name != node_name) continue;

@@ -1,31 +1,31 @@
-// Which tinted bodies lights stand in: that is where light subpaths begin.
+// Tinted media around lights, where light subpaths start.
 #pragma once
 
 #include "scene/medium.h"
 
 namespace relume {
 
-/// The ray along which a light emits.
+/// Ray along which a light emits.
 RELUME_HD inline Ray emitted_ray(const EmissionSample& e) {
   Ray ray{e.origin, e.direction, kInfinity};
   if (!is_black(e.normal)) {
-    // A generous bound for what the light computes of its own.
+    // Conservative error bound for positions that the light computes itself.
     const float error = gamma_bound(64) * max_component(abs(e.origin)) + e.error;
     ray.origin = offset_origin(e.origin, error, e.normal, e.direction);
   }
   return ray;
 }
 
-/// Stands for the medium of a light whose parts, or sides, are in different ones.
+/// Marks a light whose parts or sides are in different media.
 inline constexpr float kSeveralMedia = -1;
 
-/// What absorbs along a ray that a light emits; `known`: of the light, by LightMediumKernel.
+/// Absorption along an emitted ray, per metre. `known`: that of the light, from LightMediumKernel.
 RELUME_HD inline Rgb medium_at_light(const SceneView& scene, const Rgb& known, const Ray& emitted) {
   return known.r == kSeveralMedia ? absorption_around(scene, emitted) : known;
 }
 
-/// What absorbs light at each light, per metre: that of all bodies around it, as rays from several places on it tell;
-/// kSeveralMedia if they do not agree. A grid of lights × 1; lights at infinity are in none.
+/// Finds the absorption at each light, per metre: the sum over all bodies around it. Rays from several points on the
+/// light test it; kSeveralMedia if they differ. Runs on a grid of lights × 1. Lights at infinity are in no medium.
 struct LightMediumKernel {
   SceneView scene;
   View<Rgb> medium;
@@ -37,14 +37,14 @@ struct LightMediumKernel {
       const auto random = [&](uint32_t k) { return to_unit_float(hash(light, i, k)); };
       const EmissionSample e = sample_le(scene.lights, light, {random(2), random(3)}, {random(0), random(1)});
       if (e.infinite) return;
-      if (!e.valid()) continue;  // dark there
+      if (!e.valid()) continue;  // no emission there
       const Rgb around = absorption_around(scene, emitted_ray(e));
       if (found && !alike(around, medium[light])) {
         medium[light] = Rgb(kSeveralMedia);
         return;
       }
       medium[light] = around;
-      if (is_black(e.normal)) return;  // a point
+      if (is_black(e.normal)) return;  // a point light
       found = true;
     }
   }
@@ -52,7 +52,7 @@ struct LightMediumKernel {
  private:
   static constexpr uint32_t kTries = 16;
 
-  /// But for the order in which bodies were summed up.
+  /// Compares up to the rounding of sums in different orders.
   RELUME_HD static bool alike(const Rgb& a, const Rgb& b) {
     return max_component(abs(a - b)) <= 1e-4f * max_component(glm::max(a, b));
   }

@@ -1,5 +1,5 @@
-// Light subpaths: from a light through the scene. Every vertex is connected to the camera (t = 1), rays may meet the
-// lens (t = 0), and vertices are kept for connections with the camera subpath.
+// Light subpaths: from a light through the scene. Every vertex is connected to the camera (t = 1), and rays may meet
+// the lens (t = 0). Vertices are kept for connections to the camera subpath.
 #pragma once
 
 #include "techniques/transport/bdpt/bdpt_context.h"
@@ -8,14 +8,14 @@
 namespace relume {
 
 struct LightSubpath {
-  PathState path;  ///< radiance takes only what is not finite; throughput is without the weight of the wavelength
+  PathState path;  ///< radiance collects only non-finite values; throughput excludes the wavelength weight
   SubpathWeights weights;
-  uint32_t count = 0;  ///< vertices, the one on the light included
+  uint32_t count = 0;  ///< vertices, including that on the light
   bool from_infinity = false;
-  bool turned_away = false;  ///< a camera along the ray would look through the last vertex
+  bool turned_away = false;  ///< a camera on the ray would look through the last vertex
 };
 
-/// First vertex and direction. False if no light can be chosen or the sample carries nothing.
+/// Samples the first vertex and direction. Returns false if no light can be chosen or the sample carries no light.
 RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler, LightSubpath& l) {
   sampler.start_dimension(kLightDimensions);
   const LightSelection selection = c.emission.sample(sampler.reusable(sampler.next_1d()));
@@ -30,7 +30,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
   l.count = 1;
   l.from_infinity = e.infinite;
-  // At infinity the direction is the vertex, and the position goes with the next one.
+  // At infinity, the direction is the vertex, and the position belongs to the next vertex.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
   const float direct_ratio = weighting_pmf(c, selection.light) / selection.pmf;
@@ -46,23 +46,23 @@ RELUME_HD inline float weight_of_camera_connection(const LightSubpath& l, const 
   return weight_from(l.weights.at().sum(pdf_a, e.pdf_camera), lens_met);
 }
 
-/// A connection to the camera, and where its light would arrive.
+/// A connection to the camera, and the film position of its light.
 struct CameraConnection {
   Ray ray;
-  Rgb contribution{0};  ///< where nothing is in between
+  Rgb contribution{0};  ///< radiance if the ray is not blocked
   Vec2 film{0};
   uint32_t ray_id = 0;
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
 
-/// Whether a camera in direction `w` looks through the surface, because it has culled the back.
+/// Whether a camera in direction `w` looks through the surface, because its back is culled.
 RELUME_HD inline bool hidden_from_camera(const SceneView& scene, const SurfacePoint& sp, const Vec3& w) {
   if (!scene.materials[sp.material].cull_back_faces) return false;
   return (glm::dot(sp.ng, w) > 0.0f) != sp.front_face;
 }
 
-/// t = 1: light that the camera sees at `sp`, the last vertex.
+/// t = 1: connects the last vertex `sp` to the camera.
 RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
                                                     Sampler& sampler) {
   const CameraView& camera = c.scene().camera;
@@ -71,7 +71,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
   if (!s.valid()) return {};
   const AdjointEval e = eval_adjoint(sp, s.wi);
   if (is_black(e.f) || hidden_from_camera(c.scene(), sp, s.wi)) return {};
-  // The camera's density of finding this point per area; as importance is normalised, also the measured share.
+  // Density of this point under camera sampling, per area. Importance is normalised: it is also the measured share.
   const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
   const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a);
   const Rgb medium = medium_along(c.scene(), sp, s.wi, l.path.medium);
@@ -82,7 +82,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
   connection.ray = sp.spawn_ray(s.wi);
   connection.ray.t_max = s.distance;
   connection.film = s.film;
-  constexpr uint32_t kSalt = 0xffffffffu;  // the ray that goes on has the identity itself
+  constexpr uint32_t kSalt = 0xffffffffu;  // the continued ray has the plain identity
   connection.ray_id = hash(sampler.ray_id(), kSalt);
   return connection;
 }
@@ -94,18 +94,18 @@ RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnectio
     splat(c, connection.film, contribution, counters);
 }
 
-/// What is kept of a light subpath until the camera subpath is there.
+/// Vertices and camera connections kept until the camera subpath is traced.
 struct LightVertices {
-  PathVertex vertices[kMaxLightVertices - 1];  ///< without the one on the light
+  PathVertex vertices[kMaxLightVertices - 1];  ///< excludes the vertex on the light
   CameraConnection to_camera[kMaxLightVertices - 1];
-  uint32_t count = 0;        ///< of vertices
-  uint32_t connections = 0;  ///< to the camera
+  uint32_t count = 0;        ///< size of vertices
+  uint32_t connections = 0;  ///< number of connections to the camera
 
   RELUME_HD View<const PathVertex> view() const { return {vertices, count}; }
 };
 
-/// Tests the connections to the camera. `tried` is the camera subpath's: each is compared with the connections of that
-/// alone, since the others arrive at other pixels.
+/// Tests the connections to the camera. `tried`: roulette of the camera subpath. Each connection is compared with those
+/// of the camera subpath only, since the others arrive at other pixels.
 RELUME_HD inline void try_camera_connections(const BdptContext& c, const LightVertices& light,
                                              const ConnectionRoulette& tried, BdptCounters& counters) {
   for (uint32_t i = 0; i < light.connections; ++i) {
@@ -116,7 +116,7 @@ RELUME_HD inline void try_camera_connections(const BdptContext& c, const LightVe
   }
 }
 
-/// Where `ray` passes through the lens from the front: its film position and distance.
+/// Intersection of a ray with the lens from the front: film position and distance.
 struct LensHit {
   Vec2 film{0};
   float distance = kInfinity;
@@ -145,7 +145,7 @@ RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightS
   return weight_from(at_lens.sum(1.0f / camera.lens_area(), hit.importance * camera.lens_area() * hit.cosine), 0.0f);
 }
 
-/// t = 0: the subpath's ray has met the lens.
+/// t = 0: adds the radiance of a ray that met the lens.
 RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, const LightSubpath& l,
                                    BdptCounters& counters) {
   const float weight = weight_of_lens_hit(c.scene().camera, l, hit);
@@ -154,7 +154,7 @@ RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, con
   splat(c, hit.film, light, counters);
 }
 
-/// Whether the camera sees the last vertex by way of the lens. `hit`: the nearest on the ray, the lens aside.
+/// Whether the camera sees the last vertex through the lens. `hit`: nearest hit of the ray, ignoring the lens.
 RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& lens, const Hit& hit, uint32_t ray_id,
                                         const LightSubpath& l) {
   if (!(lens.importance > 0.0f) || l.turned_away) return false;
@@ -165,7 +165,7 @@ RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& len
   return !occluded_to_camera(c.scene().accel, ray, ray_id);
 }
 
-/// Next direction; false if the subpath ends here.
+/// Samples the next direction. Returns false if the subpath ends here.
 RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const SurfacePoint& sp, LightSubpath& l,
                                              Sampler& sampler) {
   if (bent(sp)) return false;
@@ -182,25 +182,25 @@ RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const Surface
   return follow(c.path, sp, s, l.path, sampler, TransportMode::importance);
 }
 
-/// Moves the subpath to `hit`, its next vertex. False if it cannot go on from there.
+/// Moves the subpath to `hit`, its next vertex. Returns false if the subpath cannot continue there.
 RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath& l, SurfacePoint& sp) {
   make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp, l.path.wavelength_nm);
   const float cosine = glm::dot(sp.ng, sp.wo);
   if (!(cosine > 0.0f) || sp.bsdf.empty()) return false;
-  // Where light from infinity enters the scene is not known, so nothing absorbs it on the way, as seen from the camera.
+  // Light from infinity has no known point of entry, so nothing absorbs it there, as on camera subpaths.
   absorb(c.scene(), sp, l.from_infinity && l.count == 1 ? kInfinity : hit.t, l.path);
   l.weights.arrive(cosine, sqr(hit.t));
   ++l.count;
   return true;
 }
 
-/// How light that leaves the last vertex depends on the wavelength.
+/// Wavelength dependence of the light that leaves the last vertex.
 RELUME_HD inline Dispersion dispersion_behind(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l) {
   return l.path.dispersed ? Dispersion::always : dispersion_at(c.scene(), sp);
 }
 
-/// Traces a whole light subpath. Vertex i (from 1 on, the light is 0) is kept in kept.vertices[i - 1], with its
-/// connection to the camera; light tracing keeps none and adds the connections at once.
+/// Traces a whole light subpath. Stores vertex i ≥ 1 (0 is the light) in kept.vertices[i - 1], with its connection to
+/// the camera. Light tracing stores none and adds its connections immediately.
 RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler, LightVertices& kept,
                                           BdptCounters& counters) {
   const uint32_t max_count = c.max_bidirectional_vertices() - 1;
@@ -209,7 +209,7 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
   const bool lens = !c.light_only && c.scene().camera.lens_radius > 0.0f;
   for (;;) {
     const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
-    if (l.count == max_count) {  // nothing but the lens may follow
+    if (l.count == max_count) {  // only the lens may follow
       l.path.ray.t_max = lens_hit.distance;
       if (lens_hit.importance > 0.0f && !l.turned_away) {
         ++counters.rays;
@@ -234,7 +234,7 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
     if (l.count == max_count && !lens) break;
     if (!continue_light_subpath(c, sp, l, sampler)) break;
   }
-  if (!is_finite(l.path.radiance)) ++counters.nonfinite;  // a throughput that ended the subpath
+  if (!is_finite(l.path.radiance)) ++counters.nonfinite;  // non-finite throughput that ended the subpath
 }
 
 }  // namespace relume

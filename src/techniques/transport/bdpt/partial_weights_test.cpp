@@ -8,7 +8,7 @@ namespace relume {
 namespace {
 
 TEST(PartialWeights, StayNumbersBeyondTheRangeOfAFloat) {
-  // A small light a billion metres away: its densities, squared, overflow.
+  // A small light 10⁹ m away: its squared densities overflow.
   for (const bool can_be_hit : {false, true}) {
     SubpathWeights weights = SubpathWeights::start(0.08f, can_be_hit ? 1e25f : 0.0f, 1.0f, 1.0f, false);
     const PartialWeights far = weights.arrive(0.5f, 1e18f);

@@ -1,4 +1,4 @@
-// A vertex of a light subpath, as small as it can be kept until it is connected to.
+// Compact vertex of a light subpath, kept for connections.
 #pragma once
 
 #include "scene/dispersion.h"
@@ -7,26 +7,26 @@
 
 namespace relume {
 
-/// Most vertices that a light subpath may have, the one on the light included. Longer paths are found from the camera.
+/// Maximum number of vertices of a light subpath, including that on the light. The camera samples longer paths.
 inline constexpr uint32_t kMaxLightVertices = 32;
 
-/// Lambert surfaces, the most frequent by far, keep all that a connection needs; others are looked up again from the
-/// hit. No member has a default, because a subpath has many vertices.
+/// Lambert surfaces, by far the most frequent, store all data of a connection. Others are looked up again from the hit.
+/// Members have no defaults, because a subpath has many vertices.
 struct PathVertex {
   Vec3 position;
   Vec3 ng;         ///< geometric normal on the side of wo
   Vec3 ns;         ///< shading normal on the side of wo
   Vec3 wo;         ///< to the previous vertex
-  Rgb throughput;  ///< of the light that arrives; black: nothing can be connected here
-  Rgb albedo;      ///< of a Lambert surface; negative: of another kind
+  Rgb throughput;  ///< of the arriving light; black: no connections here
+  Rgb albedo;      ///< of a Lambert surface; negative: another kind
   PartialWeights weights;
   uint32_t instance : 30;   ///< 2³⁰ instances would need 150 GiB
-  uint32_t dispersion : 2;  ///< the surface's Dispersion; always: the subpath has scattered by wavelength
+  uint32_t dispersion : 2;  ///< Dispersion of the surface; always: the subpath has scattered by wavelength
   uint32_t primitive;
   Vec2 barycentric;
 
   RELUME_HD bool connectable() const { return !is_black(throughput); }
-  /// Whether the light that leaves towards `w` depends on the wavelength.
+  /// Whether the light that leaves along `w` depends on the wavelength.
   RELUME_HD bool disperses(const Vec3& w) const {
     return relume::disperses(static_cast<Dispersion>(dispersion), glm::dot(ng, w));
   }
@@ -41,7 +41,7 @@ RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& 
   v.ng = sp.ng;
   v.ns = sp.ns;
   v.wo = sp.wo;
-  const bool plain = is_lambert(sp.bsdf) && !bent(sp);  // bent frames are looked up for their view dependence
+  const bool plain = is_lambert(sp.bsdf) && !bent(sp);  // bent frames depend on the view and are looked up
   v.albedo = plain ? sp.bsdf.lobes[0].color : Rgb(-1);
   v.weights = weights;
   v.instance = sp.instance & 0x3fffffffu;
@@ -51,15 +51,14 @@ RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& 
   return v;
 }
 
-/// The surface point that the vertex was made of, with the wavelength of its subpath. Textures are read at their finest
-/// level.
+/// Recomputes the surface point of the vertex at the wavelength of its subpath. Reads textures at their finest level.
 RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, float wavelength_nm, SurfacePoint& sp) {
   const Ray arrived{v.position, -v.wo, kInfinity};
   make_surface_point(scene, arrived, {v.instance, v.primitive, v.barycentric.x, v.barycentric.y, 0.0f}, 0.0f, sp,
                      wavelength_nm);
 }
 
-/// Scattering of a stored vertex towards `w`.
+/// Evaluates the scattering of a stored vertex towards `w`.
 RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVertex& v, const Vec3& w,
                                          float wavelength_nm) {
   if (v.albedo.r >= 0.0f) {

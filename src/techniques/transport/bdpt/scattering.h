@@ -1,23 +1,23 @@
-// Scattering as both directions of transport see it. The image is what paths from the camera make of it, so wherever
-// a surface's answer depends on which of the two directions is the viewer's, light subpaths take the camera's side.
+// Scattering for both directions of transport. Paths from the camera define the image. Where scattering depends on
+// which of the two directions is the viewer's, light subpaths therefore use the camera's side.
 #pragma once
 
 #include "scene/surface_point.h"
 
 namespace relume {
 
-/// Whether the shading frame is bent towards a viewer below the horizon of the shading normal.
+/// Whether the shading frame is bent because the viewer is below the horizon of the shading normal.
 RELUME_HD inline bool bent(const SurfacePoint& sp) { return glm::dot(sp.ns, sp.wo) < kMinShadingCosine; }
 
-/// Whether the shading frame is the same for a viewer along sp.wo and for one along `w`. It is not where one of them
-/// bends it; only camera subpaths scatter there.
+/// Whether viewers along sp.wo and along `w` have the same shading frame. If one of them bends it, only camera subpaths
+/// scatter there.
 RELUME_HD inline bool scatters_alike(const SurfacePoint& sp, const Vec3& w) {
   if (bent(sp)) return false;
   const float cosine = glm::dot(sp.ns, w);
   return (glm::dot(sp.ng, w) < 0.0f ? -cosine : cosine) >= kMinShadingCosine;
 }
 
-/// Density with which a subpath that arrives along −w goes on along sp.wo.
+/// Density with which a subpath arriving along −w continues along sp.wo.
 RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
   if (!scatters_alike(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
@@ -25,16 +25,16 @@ RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
   return reverse_pdf(sp.bsdf, sp.wo_local, local);
 }
 
-/// Density of delta scattering from w to sp.wo over that from sp.wo to w, where `w` came out of a delta lobe.
+/// Density of delta scattering from w to sp.wo over that from sp.wo to w. `w` is sampled from a delta lobe.
 RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w) {
   if (!scatters_alike(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
   const bool own_normal = sp.bsdf.layered && sp.bsdf.coat_has_normal;
-  // Reflection: the angles are equal, and so is everything that follows from them.
+  // Reflection: the angles are equal, so all factors are equal.
   if (local.z > 0.0f && !own_normal) return 1.0f;
   float probabilities[kMaxLobes];
   if (local.z > 0.0f) {
-    // Either the base or the coat reflected it; the angles to the normal of the base are equal in the first case.
+    // Either the base or the coat reflected. The angles to the base normal are equal only for the base.
     const Vec3 mirrored(-sp.wo_local.x, -sp.wo_local.y, sp.wo_local.z);
     const Vec3 by_coat = reflect(sp.wo_local, sp.bsdf.detail.coat_normal);
     if (length_squared(local - mirrored) < length_squared(local - by_coat)) return 1.0f;
@@ -45,14 +45,14 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
     if (!is_delta(lobe.kind) || !transmits(lobe.kind)) continue;
-    // Solid angles change by η² cos θ from one side to the other ([Veach97], §5.2).
+    // Refraction scales solid angles by η² cos θ from one side to the other ([Veach97], §5.2).
     const float jacobian = sp.wo_local.z / (sqr(lobe.eta) * -local.z);
     return probabilities[i] / lobe.probability * jacobian;
   }
   return 0.0f;
 }
 
-/// Transforms the directions in a BSDF from one local frame to another.
+/// Transforms the directions stored in a BSDF between two local frames.
 RELUME_HD inline void transform_to_frame(Bsdf& bsdf, const Frame& from, const Frame& to) {
   if (!bsdf.layered) return;
   if (bsdf.coat_has_normal) {
@@ -68,7 +68,7 @@ RELUME_HD inline void transform_to_frame(Bsdf& bsdf, const Frame& from, const Fr
   if (length > 0.0f) tangent = {along.x / length, along.y / length};
 }
 
-/// The same surface with another viewer.
+/// The same surface for another viewer.
 RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) {
   SurfacePoint other = sp;
   other.wo = wo;
@@ -85,14 +85,14 @@ RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) 
   return other;
 }
 
-/// A vertex of a light subpath, connected to something on the camera's side.
+/// Scattering at a vertex of a light subpath, towards the camera's side.
 struct AdjointEval {
-  Rgb f{0};              ///< BSDF times |ns · light| / |ng · light| ([Veach97], §5.3): what the camera's side sees
-  float pdf_light = 0;   ///< pdf_w with which the light subpath would have gone there
-  float pdf_camera = 0;  ///< pdf_w with which a camera subpath from there would have gone to the light
+  Rgb f{0};             ///< BSDF times |ns · light| / |ng · light| ([Veach97], §5.3), as seen from the camera's side
+  float pdf_light = 0;  ///< density of this direction for the light subpath, per solid angle
+  float pdf_camera = 0;  ///< density of the light's direction for a camera subpath, per solid angle
 };
 
-/// `sp` is seen from the light, `w` points to the camera's side.
+/// `sp` is seen from the light; `w` points to the camera's side.
 RELUME_HD inline AdjointEval eval_adjoint(const SurfacePoint& sp, const Vec3& w) {
   const float cos_geometric = glm::dot(sp.ng, sp.wo);
   if (scatters_alike(sp, w)) {
@@ -104,7 +104,7 @@ RELUME_HD inline AdjointEval eval_adjoint(const SurfacePoint& sp, const Vec3& w)
   return {e.f * (shading_cosine(viewed, sp.wo) / cos_geometric), 0.0f, e.pdf_forward};
 }
 
-/// Factor for the throughput of light that arrived along −sp.wo and is sent along `w` ([Veach97], §5.3).
+/// Throughput factor for light that arrived along −sp.wo and leaves along `w` ([Veach97], §5.3).
 RELUME_HD inline float adjoint_correction(const SurfacePoint& sp, const Vec3& w) {
   return sp.wo_local.z * std::fabs(glm::dot(sp.ng, w)) / (glm::dot(sp.ng, sp.wo) * shading_cosine(sp, w));
 }

@@ -1,4 +1,4 @@
-// Weights that the subpaths compute step by step, against all strategies' densities of the whole path, multiplied out.
+// Compares the incremental weights of the subpaths with weights from all strategies' densities of the whole path.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace relume::testing {
 namespace {
 
-/// A vertex on a surface, and whether the subpath that found it scattered it by a delta lobe.
+/// A surface vertex, and whether its subpath scattered there by a delta lobe.
 struct Place {
   Hit hit;
   Vec3 position;
@@ -24,16 +24,16 @@ struct TracedLight {
   EmissionSample emission;
   LightId light = kNoLight;
   std::vector<Place> places;
-  std::vector<LightSubpath> states;  ///< on arrival at each place
+  std::vector<LightSubpath> states;  ///< state on arrival at each vertex
 };
 
 struct TracedCamera {
-  Ray ray;  ///< the camera's
+  Ray ray;  ///< camera ray
   std::vector<Place> places;
   std::vector<CameraSubpath> states;
 };
 
-/// Surface point of a place for a viewer at `from`.
+/// Surface point of a vertex for a viewer along `wo`.
 SurfacePoint seen(const SceneView& scene, const Place& place, const Vec3& wo) {
   SurfacePoint sp;
   make_surface_point(scene, {place.position, -wo, kInfinity}, place.hit, 0.0f, sp);
@@ -83,7 +83,7 @@ TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler&
   return t;
 }
 
-/// All that decides the densities of a whole path: from the light, over surfaces, to the camera.
+/// All inputs to the densities of a whole path, from the light over surfaces to the camera.
 struct WholePath {
   LightId light;
   bool infinite;
@@ -96,7 +96,7 @@ struct WholePath {
   bool camera_can_be_hit;
 };
 
-/// p_s for s = 0 … k + 1, zero where a strategy is impossible.
+/// p_s for s = 0 … k + 1, zero for impossible strategies.
 class Densities {
  public:
   Densities(const BdptContext& c, const WholePath& path) : c_(c), path_(path), k_(path.surfaces.size() + 1) {
@@ -109,8 +109,8 @@ class Densities {
   double of(size_t s) const {
     if (s == 0 && !path_.light_can_be_hit) return 0;
     if (s == k_ + 1 && !path_.camera_can_be_hit) return 0;
-    if (s > 1 && s <= k_ && delta(s - 1)) return 0;  // cannot connect x(s − 1) …
-    if (s >= 1 && s < k_ && delta(s)) return 0;      // … to xs
+    if (s > 1 && s <= k_ && delta(s - 1)) return 0;  // x(s − 1) cannot be connected
+    if (s >= 1 && s < k_ && delta(s)) return 0;      // xs cannot be connected
     double p = 1;
     for (size_t i = 0; i <= k_; ++i) p *= i < s ? light_[i] : camera_[i];
     const double direct = static_cast<double>(weighting_pmf(c_, path_.light) / c_.emission.pmf(path_.light));
@@ -133,7 +133,7 @@ class Densities {
     if (path_.infinite && to == 0) return -path_.from_light;
     return glm::normalize(position(to) - position(from));
   }
-  /// Turns a density per solid angle at `from` into one per area at `to`.
+  /// Converts a density per solid angle at `from` to one per area at `to`.
   double per_area(size_t from, size_t to) const {
     if (path_.infinite && (from == 0 || to == 0)) return to == 0 ? 1 : cosine(to, from);
     return cosine(to, from) / static_cast<double>(length_squared(position(to) - position(from)));
@@ -192,7 +192,7 @@ class Densities {
 
 enum Strategy : int { kVertexConnection, kCameraConnection, kLightConnection, kLightMet, kLensMet, kKinds };
 
-/// Compares the weights of every strategy on random paths of one scene.
+/// Compares the weights of all strategies on random paths of one scene.
 class WeightCheck {
  public:
   WeightCheck(ZooLight light, ZooCamera camera, LightSelectorKind selector)
@@ -219,7 +219,7 @@ class WeightCheck {
 
   int compared[kKinds] = {};
   int wrong[kKinds] = {};
-  std::string example;  ///< of a wrong weight
+  std::string example;  ///< last wrong weight
 
  private:
   static BdptOptions options(LightSelectorKind selector) {
@@ -257,7 +257,7 @@ class WeightCheck {
   Vec2 barycentric(const TracedLight& t) const {
     const Light& light = c_.scene().lights.lights[t.light];
     if (light.kind != LightKind::triangle) return Vec2(0);
-    // Least squares in the triangle's plane.
+    // Least-squares solution in the plane of the triangle.
     const TriangleLight& tri = light.triangle;
     const Vec3 d = t.emission.origin - tri.v0;
     const Vec3 n = glm::cross(tri.e1, tri.e2);
@@ -310,7 +310,7 @@ class WeightCheck {
     const float pdf_a = std::fabs(glm::dot(sp.ng, sample.wi)) * sample.importance / sample.pdf_w;
     compare(weight_of_camera_connection(l, sample, e, pdf_a), path, s + 1, kCameraConnection);
     if (sample.delta || !(e.pdf_light > 0.0f)) return;
-    // The lens, met by going on in this direction.
+    // Meets the lens by continuing in this direction.
     LightSubpath onwards = l;
     onwards.weights.leave(std::fabs(glm::dot(sp.ng, sample.wi)), e.pdf_light, e.pdf_camera);
     const LensHit hit = meet_lens(c_.scene().camera, {sp.position, sample.wi, kInfinity});
@@ -332,7 +332,7 @@ class WeightCheck {
     compare(weight_of_light_connection(c_, sp, e, pick, bsdf), path, 1, kLightConnection);
   }
 
-  /// The last of `t` places is on a light, or the ray after it left the scene.
+  /// Compares the weight where vertex `t` is on a light.
   void light_met(const TracedCamera& camera, size_t t) {
     const CameraSubpath& e = camera.states[t - 1];
     const SurfacePoint sp = seen(c_.scene(), camera.places[t - 1], -e.path.ray.direction);
@@ -362,7 +362,7 @@ class WeightCheck {
   BdptContext c_;
 };
 
-/// Rounding: a direction can fall into the next texel of an environment, which has another density.
+/// Allows for rounding: a direction may fall into the neighbouring texel of an environment, which has another density.
 void expect_few_wrong(const WeightCheck& check) {
   for (int kind = 0; kind < kKinds; ++kind)
     EXPECT_LE(check.wrong[kind] * 1000, check.compared[kind]) << "strategy " << kind << ": " << check.example;
@@ -371,7 +371,7 @@ void expect_few_wrong(const WeightCheck& check) {
 TEST(BdptWeights, EqualThoseOfAllDensitiesMultipliedOut) {
   int compared[kKinds] = {};
   for (const ZooLight light : kZooLights) {
-    if (light == ZooLight::constant) continue;  // left to meeting it: one strategy
+    if (light == ZooLight::constant) continue;  // found by s = 0 only: a single strategy
     for (const ZooCamera camera : kZooCameras) {
       SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
                    kZooCameraNames[static_cast<int>(camera)]);

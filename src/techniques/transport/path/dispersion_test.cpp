@@ -1,4 +1,4 @@
-// Dispersive bodies whose image is known in closed form.
+// Dispersive bodies with images known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kIor = 1.5f;
 constexpr float kThickness = 1;
-constexpr float kGap = 0.2f;  // between slab and plate, metres
+constexpr float kGap = 0.2f;  // distance between slab and plate, metres
 constexpr float kAngle = kPi / 3;
 
 Material dispersive_glass(float dispersion) {
@@ -50,7 +50,7 @@ void look(Scene& scene, float angle, const Vec3& from) {
   scene.nodes[1].transform.rotation = glm::angleAxis(angle, Vec3(0, 0, 1)) * glm::angleAxis(-kPi / 2, Vec3(1, 0, 0));
 }
 
-/// A slab above a plate whose radiance is 0.5 + 5 x; every ray enters the slab at x = −1 m, 60° off its normal.
+/// A slab above a plate of radiance 0.5 + 5 x. Every ray enters the slab at x = −1 m, 60° off its normal.
 Scene slab_above_scale() {
   Material scale = matte(Rgb(1));
   scale.unlit = true;
@@ -58,12 +58,12 @@ Scene slab_above_scale() {
   scene.meshes[0].colors = {Vec4(0, 0, 0, 1), Vec4(0, 0, 0, 1), Vec4(1), Vec4(1)};
   look(scene, kAngle, {-1 - std::tan(kAngle), kGap + kThickness + 1, 0});
   Material glass = dispersive_glass(2);
-  glass.specular = 0;  // nothing is reflected between the faces
+  glass.specular = 0;  // no reflection between the faces
   add_body(scene, glass, kGap + kThickness, kGap);
   return scene;
 }
 
-/// Where a ray through the slab meets the plate, by Snell's law, metres.
+/// Position where a ray through the slab meets the plate by Snell's law, metres.
 double landing(double index) {
   const double sine = std::sin(double{kAngle}) / index;
   return -1 + double{kThickness} * sine / std::sqrt(1 - sine * sine) + double{kGap} * std::tan(double{kAngle});
@@ -73,7 +73,7 @@ double index_of(float wavelength_nm) {
   return kIor + (kIor - 1.0) / 10.0 * (523655.0 / (double{wavelength_nm} * wavelength_nm) - 1.5168);
 }
 
-/// ∫ s_c(λ) f(λ) dλ for each channel.
+/// ∫ s_c(λ) f(λ) dλ per channel.
 template <typename F>
 glm::dvec3 seen_by_channels(const F& f) {
   constexpr int kSteps = 4000;
@@ -116,8 +116,8 @@ TEST(Dispersion, FurnaceIsWhiteInAllChannels) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 1.0f, 1.5e-3f) << "channel " << c;
 }
 
-/// From within a medium, at an angle where short wavelengths are reflected totally, to a plate of radiance 1, and long
-/// ones see the sky, whose radiance grows by n² on the way in.
+/// Seen from inside a medium. Short wavelengths are reflected totally, to a plate of radiance 1. Long ones reach the
+/// sky, whose radiance grows by n² on entry.
 TEST(Dispersion, TotalReflectionChoosesColors) {
   constexpr float kInside = 0.73f;
   Material glow = matte(Rgb(1));
@@ -138,7 +138,7 @@ TEST(Dispersion, TotalReflectionChoosesColors) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 0.01) << "channel " << c;
 }
 
-/// Windows do not refract: dispersion changes no bit of their images, and no wavelengths are drawn.
+/// Thin walls do not refract: dispersion changes no bit of their images, and no wavelengths are drawn.
 TEST(Dispersion, ThinWallsHaveNone) {
   Scene scene = slab_above_scale();
   scene.materials.back().thickness = 0;

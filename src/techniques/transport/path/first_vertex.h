@@ -1,5 +1,5 @@
-// What a sample found at its first vertex: which directions it took from there, and the light that came from them.
-// Histories need it to judge what a sample is worth from another viewpoint or under moved lights.
+// Record of a sample at its first vertex: the directions taken from there, and the light from them. Histories use it to
+// evaluate a sample for another viewpoint or under moved lights.
 #pragma once
 
 #include "framebuffer/buffer_key.h"
@@ -9,21 +9,21 @@ namespace relume {
 
 struct FirstVertex {
   Vec3 scatter{0};   ///< direction sampled from the BSDF; zero: none
-  Rgb indirect{0};   ///< what arrived from there, times cos / pdf: the BSDF times this was reflected
+  Rgb indirect{0};   ///< arriving light times cos / pdf along `scatter`; the BSDF times this was reflected
   Vec3 to_light{0};  ///< direction of next event estimation; zero: none
-  Rgb direct{0};     ///< what arrived from there, alike
+  Rgb direct{0};     ///< the same along `to_light`
   LightId light = kNoLight;
-  Vec2 light_u{0};        ///< with which its point was chosen
-  float light_value = 0;  ///< luminance of radiance · cos / pdf_w of that point, 0 if hidden
+  Vec2 light_u{0};        ///< random numbers of its point
+  float light_value = 0;  ///< luminance of radiance · cos / pdf_w at that point; 0 if hidden
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };
 
-/// What each pixel's path found at its first vertex.
+/// First vertex of the path of each pixel.
 inline constexpr BufferKey<FirstVertex> kFirstVertices{"first-vertices"};
 
-/// Fills the record of a path's first vertex.
+/// Records the first vertex of a path.
 struct FirstVertexPolicy : NoPolicy {
-  FirstVertex* vertex;  ///< empty at first
+  FirstVertex* vertex;  ///< empty at the start
   Rgb radiance_before{0};
   Rgb throughput{0};
 
@@ -42,7 +42,7 @@ struct FirstVertexPolicy : NoPolicy {
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
     throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
-    // The BSDF does not have the weight of the wavelength: `indirect` keeps it.
+    // The wavelength weight is not part of the BSDF, so `indirect` includes it.
     if (after.dispersed) throughput /= wavelength_weight(after.wavelength_nm);
   }
   RELUME_HD void finished(const PathState& path) {
@@ -51,7 +51,7 @@ struct FirstVertexPolicy : NoPolicy {
   }
 };
 
-/// The first vertex of each path.
+/// Output of the first vertex of each path.
 struct FirstVertexOutput {
   using Policy = FirstVertexPolicy;
 

@@ -12,12 +12,11 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 53;  // no multiple of tiles or batches
+constexpr uint32_t kWidth = 53;  // not a multiple of tiles or batches
 constexpr uint32_t kHeight = 47;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// First vertices of one sample of every pixel of the Cornell box that `allocation` gives one, element by element or in
-/// tiles.
+/// First vertices of one sample per allocated pixel of the Cornell box, pixel by pixel or in tiles.
 std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool tiles) {
   const CompiledScene scene(find_builtin_scene("cornell")->build(),
                             CompileOptions{.camera = {}, .width = kWidth, .height = kHeight});
@@ -50,7 +49,7 @@ TEST(FirstVertex, TilesLeaveWhatElementsLeave) {
     different += a.direct == b.direct && a.indirect == b.indirect && a.light_value == b.light_value ? 0u : 1u;
   }
   EXPECT_GT(lit, kPixels / 4);
-  // Shadow rays in packets round differently, which shows where they graze an edge.
+  // Packets of shadow rays round differently, with visible effects where rays graze an edge.
   EXPECT_LE(different, kPixels / 500);
 }
 

@@ -1,5 +1,5 @@
 // Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97],
-// ch. 9 and 10). The steps are functions of their own, which trace_path() strings together.
+// ch. 9 and 10). Each step is a separate function; trace_path() runs them in order.
 #pragma once
 
 #include "sampling/mis.h"
@@ -12,33 +12,34 @@
 
 namespace relume {
 
-/// What a path carries from vertex to vertex.
+/// State of a path between vertices.
 struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
-  float eta_scale = 1;  ///< product of the factors in the throughput that roulette must ignore: 1/η² and the largest
-                        ///< component of the wavelength's weight
-  float rr_reference = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
-  float pdf_w = 0;         ///< with which the ray's direction was sampled
-  float wavelength_nm = kNoWavelength;  ///< of the whole path; none in scenes without dispersion
-  bool dispersed = false;  ///< some vertex scattered by wavelength; throughput has its weight, except of light subpaths
-  bool delta = true;       ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
-  Rgb medium{0};           ///< absorption along the ray, per metre: that of all bodies it is in
-  float cone_width = 0;    ///< metres, at the ray's origin
-  float cone_spread = 0;   ///< growth a metre
-  uint32_t bounce = 0;     ///< scattering events so far
+  float eta_scale = 1;  ///< product of the throughput factors ignored by roulette: 1/η² and the largest component of
+                        ///< the wavelength weight
+  float rr_reference = 1;  ///< largest component of the throughput after the first bounce: reference of roulette
+  float pdf_w = 0;         ///< density of the ray's direction
+  float wavelength_nm = kNoWavelength;  ///< of the whole path; kNoWavelength in scenes without dispersion
+  bool dispersed = false;  ///< whether a vertex scattered by wavelength; throughput then includes the weight, except on
+                           ///< light subpaths
+  bool delta = true;  ///< whether the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
+  Rgb medium{0};      ///< absorption along the ray, per metre: the sum over all bodies around it
+  float cone_width = 0;   ///< footprint at the ray's origin, metres
+  float cone_spread = 0;  ///< growth per metre
+  uint32_t bounce = 0;    ///< scattering events so far
   uint32_t rays = 0;
 };
 
-/// A sampled connection to a light, to be added if nothing is in between.
+/// A sampled connection to a light, added if it is not blocked.
 struct Connection {
   Ray ray;
   Rgb contribution{0};
   uint32_t ray_id = 0;
   LightId light = kNoLight;
-  Vec2 u{0};          ///< with which the point on the light was chosen
-  Rgb irradiance{0};  ///< radiance · cos / pdf_w of that point
+  Vec2 u{0};          ///< random numbers of the point on the light
+  Rgb irradiance{0};  ///< radiance · cos / pdf_w at that point
   float scale = 0;  ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale · dispersion_weight()
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
@@ -52,40 +53,40 @@ struct PathContext {
   bool russian_roulette = true;
 };
 
-/// The end of a shadow ray stays clear of what is there by this share of the distance.
+/// Shadow rays are shortened by this fraction of the distance, to avoid hitting the light.
 inline constexpr float kShadowMargin = 1e-4f;
 
-/// From a surface to what is `distance` metres away in direction `w`: meets neither of the two, only what is between.
+/// Ray from a surface towards a point `distance` metres away along `w`. It avoids hits at both ends.
 RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const Vec3& w, float distance) {
   Ray ray = sp.spawn_ray(w);
   ray.t_max = distance * (1.0f - kShadowMargin);
   return ray;
 }
 
-/// The same to a light.
+/// Shadow ray towards a light sample.
 RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const LightSample& light) {
   Ray ray = shadow_ray(sp, light.wi, light.distance);
   ray.t_max = relume::min(ray.t_max, relume::max(light.distance - light.clearance, 0.0f));
   return ray;
 }
 
-/// The sampler's dimension of the wavelength, beyond those of the longest paths from camera and light.
+/// Sampler dimension of the wavelength, beyond those of the longest camera and light paths.
 inline constexpr uint32_t kWavelengthDimension = 8192;
 
-/// The wavelength of a pixel's sample, nanometres; of its path and, in bidirectional tracing, of both subpaths.
+/// Wavelength of a pixel's sample, nanometres. In bidirectional tracing both subpaths share it.
 RELUME_HD inline float path_wavelength(const SceneView& scene, const Sampler& sampler) {
   return scene.disperses ? sample_wavelength(sampler.number_of(kWavelengthDimension)) : kNoWavelength;
 }
 
-/// Factor of a connection from `sp` towards `w`: the weight of the path's wavelength if scattering there depends on it
-/// and the throughput does not have it yet, else 1.
+/// Wavelength factor of a connection from `sp` towards `w`. It is the weight of the path's wavelength if scattering
+/// there depends on it and the throughput excludes it, else 1.
 RELUME_HD inline Rgb dispersion_weight(const SceneView& scene, const SurfacePoint& sp, const Vec3& w,
                                        const PathState& path) {
   return !path.dispersed && disperses(scene, sp, w) ? wavelength_weight(path.wavelength_nm) : Rgb(1);
 }
 
-/// Emission at the hit surface, weighted against next event estimation from the previous vertex. Returns whether that
-/// could have found it.
+/// Adds the emission of the hit surface, weighted against next event estimation from the previous vertex. Returns
+/// whether that strategy could have sampled it.
 RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
                                            PathState& path) {
   if (is_black(sp.emission)) return false;
@@ -100,7 +101,7 @@ RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePo
   return lights_know;
 }
 
-/// Light from infinity along a ray that left the scene. Returns whether next event estimation could have found it.
+/// Adds light from infinity along a ray that left the scene. Returns whether light sampling could have found it.
 RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
   const LightsView& lights = c.scene.lights;
   const Vec3& wi = path.ray.direction;
@@ -119,12 +120,12 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
   return lights_know;
 }
 
-/// A light and a point on it, as seen from a surface.
+/// A light and a point on it, sampled from a surface.
 struct LightPick {
   LightId id = kNoLight;
-  float pmf = 0;  ///< of the selector
+  float pmf = 0;  ///< probability of the light under the selector
   LightSample light;
-  Vec2 u{0};  ///< what placed the sample on the light
+  Vec2 u{0};  ///< random numbers of the point on the light
 };
 
 RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& sp, Sampler& sampler) {
@@ -135,8 +136,8 @@ RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& 
   return {selection.light, selection.pmf, sample_li(c.scene.lights, selection.light, sp.position, u), u};
 }
 
-/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight. Filled in place, for
-/// hosts keep many. False, and `connection` undefined, if nothing arrives.
+/// Samples a connection to a light. Its contribution includes throughput, BSDF and MIS weight. Returns false, with
+/// `connection` undefined, if it carries no light. It is filled in place, because host batches store many.
 RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                         Sampler& sampler, Connection& connection) {
   const LightPick pick = pick_light(c, sp, sampler);
@@ -160,17 +161,17 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
   return connection.valid();
 }
 
-/// Absorption along the segment that ends at a surface.
+/// Applies the absorption along the segment that ends at a surface.
 RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, float distance, PathState& path) {
   path.throughput *= transmittance_to(scene, sp, distance, path.medium);
 }
 
-/// Roulette begins where throughput, relative to that of the first bounce, falls below the inverse of this, and keeps
-/// it there. Relative, because a pixel's noise is seen against the albedo of what it shows. Larger: less noise, more
-/// rays.
+/// Inverse of the relative throughput below which roulette starts, and at which it keeps surviving paths. The
+/// throughput is relative to that of the first bounce, because noise is seen against the albedo of the visible surface.
+/// Larger values reduce noise and trace more rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
-/// Applies the weight of the wavelength at the first vertex that scatters by it, where the path continues towards `w`.
+/// Applies the wavelength weight at the first vertex that scatters by wavelength, where the path continues towards `w`.
 /// Light subpaths (importance) leave the weight to their connections.
 RELUME_HD inline void disperse(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, TransportMode mode,
                                PathState& path) {
@@ -182,14 +183,14 @@ RELUME_HD inline void disperse(const SceneView& scene, const SurfacePoint& sp, c
   path.eta_scale *= max_component(weight);
 }
 
-/// Takes the path on along a sampled direction; false if it ends here.
+/// Continues the path along a sampled direction. Returns false if it ends here.
 RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const BsdfSample& s, PathState& path,
                              Sampler& sampler, TransportMode mode = TransportMode::radiance) {
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
   if (c.scene.disperses) disperse(c.scene, sp, s.wi, mode, path);
-  // Black ends the path. So does what is not a number, but that the pixel must report.
+  // A black throughput ends the path. So does NaN, which is added to the radiance for the pixel to report.
   if (!(path.throughput.r + path.throughput.g + path.throughput.b > 0.0f)) {
     path.radiance += path.throughput;
     return false;
@@ -208,21 +209,21 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
   path.pdf_w = s.pdf_w;
   path.delta = s.delta;
   path.cone_width = sp.footprint;
-  // A rough lobe fans the cone out; half of α is about the lobe's angular width ([Akenine21], §4).
+  // A rough lobe widens the cone; half of α is about the angular width of the lobe ([Akenine21], §4).
   path.cone_spread = relume::max(path.cone_spread, 0.25f * s.alpha);
   ++path.bounce;
   return true;
 }
 
-/// Next direction; false if the path ends here.
+/// Samples the next direction. Returns false if the path ends here.
 RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
   return follow(c, sp, c.directions.sample(sp, sampler), path, sampler);
 }
 
-/// Pairs of random numbers of each bounce, after the camera's: one for the light and one for the direction.
+/// Pairs of random numbers per bounce, after those of the camera: one for the light, one for the direction.
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
-/// A path before its first hit.
+/// State of a path before its first hit.
 RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler) {
   PathState path;
   path.ray = camera_ray(c.scene.camera, x, y, sampler);
@@ -234,7 +235,7 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
   return path;
 }
 
-/// The vertex at the end of the path's ray: fills `sp` and adds what it emits. False if the path ends here.
+/// Evaluates the vertex at the end of the ray: fills `sp` and adds its emission. Returns false if the path ends here.
 template <typename Policy>
 RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const SurfacePoint& previous, SurfacePoint& sp,
                              PathState& path, Policy& policy) {
@@ -248,15 +249,15 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
 }
 
-/// Next event estimation at a vertex: whether there is a connection to be tested; none where only delta lobes scatter.
+/// Next event estimation at a vertex. Returns whether to test a connection; false where only delta lobes scatter.
 RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler,
                               Connection& connection) {
   sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
   return has_non_delta(sp.bsdf) && sample_connection(c, sp, path, sampler, connection);
 }
 
-/// Takes a path on from what its ray has hit until it ends. The vertex there goes into points[bounce & 1]; the other
-/// one is the vertex before.
+/// Traces a path from the hit of its ray until it ends. The current vertex is stored in points[bounce & 1], the
+/// previous one in the other element.
 template <typename Policy>
 RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)[2], PathState& path, Sampler& sampler,
                            Policy& policy) {
@@ -282,7 +283,7 @@ RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)
   policy.finished(path);
 }
 
-/// Radiance of one sample of pixel (x, y) from its primary hit on.
+/// Traces one sample of pixel (x, y) from its primary hit.
 template <typename Policy = NoPolicy>
 RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, const Hit& hit,
                                       Policy&& policy = Policy{}) {

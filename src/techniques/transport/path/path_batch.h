@@ -1,25 +1,25 @@
-// How a host thread runs kernels that trace one path a pixel: the paths of neighbouring pixels side by side, each step
-// for all of them before the next. A processor then works on one path while it waits for another, which it cannot do
-// along a single path, and shadow rays travel in packets. Steps, random numbers and results are those of trace_path.
+// Host execution of kernels that trace one path per pixel. A batch runs the paths of neighbouring pixels side by side,
+// one step for all of them before the next. The processor then works on one path while another waits for memory, and
+// shadow rays travel in packets. Steps, random numbers and results are those of trace_path().
 #pragma once
 
 #include "techniques/transport/path/path.h"
 
 namespace relume {
 
-/// Paths that have all scattered equally often, and their connections to lights.
+/// Paths with equal numbers of bounces, and their connections to lights.
 struct PathBatch {
-  static constexpr uint32_t kSize = 32;  ///< few, so that what they touch stays in the first-level cache
+  static constexpr uint32_t kSize = 32;  ///< small enough for the first-level cache
 
   PathState paths[kSize];
   Sampler samplers[kSize];
   Hit hits[kSize];
-  SurfacePoint points[2][kSize];  ///< this vertex and the previous one, in turn
-  uint32_t active[kSize];         ///< paths that go on
+  SurfacePoint points[2][kSize];  ///< current and previous vertex, alternating
+  uint32_t active[kSize];         ///< paths that continue
   uint32_t count = 0;
 
   Connection connections[kSize];
-  uint32_t owners[kSize];  ///< path of each connection, ascending
+  uint32_t owners[kSize];  ///< path of each connection, in ascending order
   uint32_t connection_count = 0;
 };
 
@@ -37,7 +37,7 @@ inline void filter(PathBatch& b, const Step& step) {
   b.count = kept;
 }
 
-/// Adds the contributions whose rays reach their light.
+/// Adds the contributions of connections that are not blocked.
 template <typename Policy>
 inline void add_visible(const AccelView& accel, const SurfacePoint* points, PathBatch& b, Policy* policies) {
   for (uint32_t first = 0; first < b.connection_count; first += kPacketSize) {
@@ -73,7 +73,7 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
   add_visible(c.scene.accel, points, b, policies);
 }
 
-/// Follows all paths from their primary hits to their ends; one policy a path.
+/// Traces all paths from their primary hits to their ends, with one policy per path.
 template <typename Policy>
 inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
@@ -96,7 +96,7 @@ inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
   }
 }
 
-/// The tile form of PathKernel.
+/// PathKernel for a tile.
 template <typename Kernel>
 inline void trace_tile(const Kernel& kernel, const Tile& tile) {
   using Policies = decltype(kernel.policies(0u, 0u));

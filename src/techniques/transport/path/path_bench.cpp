@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Bars of one texel around holes of seven: three quarters of it are open.
+/// Bars of one texel around holes of seven, three quarters open.
 Texture lattice() {
   Texture texture;
   texture.name = "lattice";
@@ -23,7 +23,7 @@ Texture lattice() {
   return texture;
 }
 
-/// The Cornell box with eight lattices, one behind the other, between the camera and the rest.
+/// The Cornell box behind eight lattices in a row.
 Scene masked_cornell() {
   Scene scene = find_builtin_scene("cornell")->build();
   scene.textures.push_back(lattice());
@@ -51,7 +51,7 @@ Scene masked_cornell() {
   return scene;
 }
 
-/// One frame of one sample a pixel on one thread.
+/// Renders frames of one sample per pixel on one thread.
 void bm_frame(benchmark::State& state, Scene scene) {
   RenderSettings settings;
   settings.width = settings.height = 128;

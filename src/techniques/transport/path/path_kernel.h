@@ -1,4 +1,4 @@
-// The pass kernel of everything that traces one path a pixel.
+// Kernel of all passes that trace one path per pixel.
 #pragma once
 
 #include "techniques/transport/path/path_batch.h"
@@ -7,9 +7,9 @@ namespace relume {
 
 /// The outputs of a kernel, each with the policy that fills it. An output has
 ///   Policy                          its path policy (path_policy.h)
-///   policy(index, x, y, pixel)      for the path of a pixel
-///   finish(pixel, policy, path)     keeps the results of a complete path
-///   leave_out(pixel)                for a pixel without a path
+///   policy(index, x, y, pixel)      returns the policy of a pixel's path
+///   finish(pixel, policy, path)     stores the results of a complete path
+///   leave_out(pixel)                stores the results of a pixel without a path
 template <typename... Outputs>
 struct PathOutputs;
 
@@ -49,13 +49,13 @@ RELUME_HD inline PathOutputs<First, Others...> path_outputs(const First& first, 
   }
 }
 
-/// Traces one path a pixel from the primary hits.
+/// Traces one path per pixel from the primary hits.
 template <typename... Outputs>
 struct PathKernel {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
+  View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
   View<uint32_t> rays;              ///< of this sample
   uint32_t width = 0;
   PathOutputs<Outputs...> outputs;
@@ -69,7 +69,7 @@ struct PathKernel {
     finish(pixel, policies, path);
   }
 
-  /// Host: some paths of the tile side by side.
+  /// Host: traces several paths of the tile side by side.
   void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
 
   RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
@@ -85,7 +85,7 @@ struct PathKernel {
   }
 };
 
-/// The radiance of each path.
+/// Output of the radiance of each path.
 struct RadianceOutput {
   using Policy = NoPolicy;
 

@@ -44,7 +44,7 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so outputs that no pass reads cost nothing.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing.
 
 template <typename... Outputs>
 bool trace_with_specular(const PathSource& source, const FrameContext& frame, bool wanted, const Outputs&... outputs) {

@@ -1,4 +1,4 @@
-// The estimator "path" as a pass.
+// The pass of the estimator "path".
 #pragma once
 
 #include "frame/pass.h"
@@ -11,26 +11,26 @@ namespace relume {
 
 struct PathContext;
 
-/// What paths are traced with. The samplers belong to passes that prepare them in each frame.
+/// Inputs of path tracing. The samplers belong to passes that prepare them every frame.
 struct PathSource {
   PathSettings settings;
   const LightSelector& selector;
   const DirectionSampler& directions;
 };
 
-/// What paths of this frame have in common.
+/// Data shared by all paths of this frame.
 PathContext make_path_context(const PathSource& source, const FrameContext& frame);
 
-/// What paths leave for later passes besides estimator_buffers().
+/// Outputs of paths for later passes, besides estimator_buffers().
 struct PathRecords {
-  bool first_vertices = false;  ///< fill kFirstVertices
-  bool specular = false;        ///< fill kRadianceSpecular
+  bool first_vertices = false;  ///< fills kFirstVertices
+  bool specular = false;        ///< fills kRadianceSpecular
 };
 
-/// Traces one path for each pixel that the allocation gives one.
+/// Traces one path for each pixel with a path in the allocation.
 class PathPass final : public Pass {
  public:
-  /// `recording`: where paths store samples for learning; nullptr: they store none.
+  /// `recording`: destination of samples for learning; nullptr: none.
   PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr)
       : source_(source), records_(records), recording_(recording) {}
 
@@ -44,7 +44,7 @@ class PathPass final : public Pass {
   const PathRecording* recording_;
 };
 
-/// Buffers that every estimator owns: kRadiance and kRays of this frame's sample.
+/// Buffers owned by every estimator: kRadiance and kRays of this frame's sample.
 std::vector<BufferDescription> estimator_buffers();
 
 }  // namespace relume

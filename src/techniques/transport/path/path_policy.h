@@ -1,4 +1,4 @@
-// Policies: operations of caches, histories and learning along a path, beside the estimate.
+// Policies: operations of caches, histories and learning along a path, in addition to the estimate.
 #pragma once
 
 #include <concepts>
@@ -10,30 +10,33 @@ namespace relume {
 struct PathState;
 struct Connection;
 
-/// The default policy does nothing and compiles away. A policy watches if it takes paths and surfaces as constants; it
-/// steers if it changes them.
+/// The default policy does nothing and compiles away. A watching policy takes paths and surfaces as constants; a
+/// steering policy changes them.
 struct NoPolicy {
-  /// The emission at the end of the path's ray is added. `lights_know`: next event estimation could have found it, too.
+  /// Called after the emission at the end of the path's ray was added. `lights_know`: next event estimation could also
+  /// have sampled it.
   RELUME_HD void emitted(const PathState&, bool /*lights_know*/) {}
-  /// The path has reached a surface whose own emission is already added. False ends the path. A policy that steers may
-  /// change the surface's lobes and region, and take radiance and throughput out of the path, here and in scattered().
+  /// Called at a surface whose own emission is already added. Returning false ends the path. A steering policy may
+  /// change the lobes and region of the surface. It may also remove radiance and throughput from the path, here and in
+  /// scattered().
   RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
-  /// Next event estimation at the surface; `visible`: the shadow ray was not blocked.
+  /// Called after next event estimation at the surface; `visible`: the shadow ray was not blocked.
   RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
-  /// A direction was sampled; `after`: the path with its new ray.
+  /// Called after a direction was sampled; `after`: the path with its new ray.
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
-  /// The path is complete.
+  /// Called when the path is complete.
   RELUME_HD void finished(const PathState&) {}
 };
 
-/// A policy whose goes_on() is asked after arrived() whether to continue the path. Its arrived() prefetches what
-/// goes_on() looks up, and hosts reach the vertices of many paths in between.
+/// A policy whose goes_on() decides after arrived() whether the path continues. arrived() prefetches the data of
+/// goes_on(); hosts process arrivals of many paths in between.
 template <typename Policy>
 concept DecidesLater = requires(Policy& policy, PathState& path) {
   { policy.goes_on(path) } -> std::same_as<bool>;
 };
 
-/// Any number of policies of one path. Each operation runs them in their order; one that ends the path ends it for all.
+/// Combines any number of policies for one path. Each operation runs in their order. If one policy ends the path, it
+/// ends for all.
 template <typename... Policies>
 struct PathPolicies;
 

@@ -17,10 +17,10 @@ constexpr uint32_t kWidth = 40;
 constexpr uint32_t kHeight = 30;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// Darkens paths that reach surfaces of odd instances, and ends every third path there.
+/// Darkens paths at surfaces of odd instances, and ends every third path there.
 struct SteeringPolicy : NoPolicy {
-  bool reached = false;  ///< such a surface
-  bool arrives = false;  ///< at one, in this step
+  bool reached = false;  ///< whether the path reached such a surface
+  bool arrives = false;  ///< whether it reached one in this step
   bool ends_here = false;
 
   bool arrived(const SurfacePoint& sp, PathState& path) {

@@ -1,4 +1,4 @@
-// Scenes whose image is known in closed form, rendered at low resolution.
+// Scenes with images known in closed form, rendered at low resolution.
 #include "techniques/transport/path/path.h"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(Path, PlateUnderConstantSkyReflectsItsAlbedo) {
   RenderSettings settings = small(8, 4);
   settings.path.russian_roulette = false;
   const Rendered r = render(scene, 8, settings);
-  // A convex body: ρ L, without noise, since every weight is the albedo.
+  // A convex body reflects ρ L without noise, since every weight is the albedo.
   EXPECT_NEAR(r.mean.r, 0.8f, 1e-4f);
   EXPECT_NEAR(r.mean.g, 1.0f, 1e-4f);
   EXPECT_NEAR(r.mean.b, 0.6f, 1e-4f);
@@ -83,13 +83,13 @@ TEST(Path, DirectionalLightsGiveTheirIrradiance) {
     sun.angular_diameter_rad = diameter;
     add_light(scene, sun, Vec3(0, 3, 0));
     const Rendered r = render(scene, 64, small(16, 2));
-    // E ρ / π for light from straight above; the disk's irradiance is stated for a facing plane.
+    // E ρ / π for light from straight above. The irradiance of the disk refers to a facing plane.
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(r.mean[c] / (Rgb(2, 3, 4)[c] * 0.5f / kPi), 1.0f, 2e-3f) << diameter;
   }
 }
 
 TEST(Path, PointLightFollowsTheInverseSquareAndTheCosine) {
-  // Seen area tiny, so that the light is 2 m above all of it: E = I / d².
+  // The visible area is tiny, so the light is 2 m above all of it: E = I / d².
   Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   add_light(scene, {"point", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
   EXPECT_NEAR(render(scene, 2, small(4, 2)).mean.r, 2.0f * 0.5f / kPi, 1e-4f);
@@ -98,8 +98,8 @@ TEST(Path, PointLightFollowsTheInverseSquareAndTheCosine) {
   EXPECT_NEAR(render(slanted, 2, small(4, 2)).mean.r, 8.0f / 8.0f * std::sqrt(0.5f) * 0.5f / kPi, 1e-4f);
 }
 
-/// Form factor of a parallel square of half-width a at distance h above a point below its centre: four equal corners of
-/// (1/2π) · 2 · x/√(1 + x²) · atan(x/√(1 + x²)) each, x = a/h.
+/// Form factor of a parallel square of half-width a at height h above a point below its centre. Each of four equal
+/// corners contributes (1/2π) · 2 · x/√(1 + x²) · atan(x/√(1 + x²)), x = a/h.
 double square_factor(double a, double h) {
   const double x = a / h;
   const double s = x / std::sqrt(1.0 + x * x);
@@ -122,12 +122,12 @@ TEST(Path, BouncesCountScatteringEvents) {
   scene.environment.kind = EnvironmentKind::constant;
   RenderSettings settings = small(4, 0);
   settings.path.russian_roulette = false;
-  EXPECT_EQ(render(scene, 2, settings).mean.r, 0.0f);  // the plate is seen, its light is not
+  EXPECT_EQ(render(scene, 2, settings).mean.r, 0.0f);  // the plate is visible, its illumination is not
   settings.path.max_bounces = 1;
   EXPECT_NEAR(render(scene, 2, settings).mean.r, 0.5f, 1e-4f);
 }
 
-/// Expects equal means of the Cornell box, as far as images of several seeds tell: well below one percent.
+/// Expects equal means of the Cornell box within the error of several seeds, well below one percent.
 void expect_equal_means(RenderSettings a, RenderSettings b) {
   constexpr int kSeeds = 16;
   const Scene scene = find_builtin_scene("cornell")->build();
@@ -204,12 +204,12 @@ TEST(Path, BodiesAbsorbTheLightOfLampsInside) {
   add_body(scene, tint(kAbsorption), 4, -1);
   add_light(scene, {"lamp", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
   const Rgb mean = render(scene, 4, small(4, 2)).mean;
-  // 2 m from the lamp to the plate, 4 m from there to the surface.
+  // 2 m from the lamp to the plate, 4 m from the plate to the surface.
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 8.0f / 4.0f * 0.5f / kPi * std::exp(-kAbsorption[c] * 6), 1e-4f);
 }
 
-/// E at the origin of a plane from a parallel rectangle of radiance 1 at height h, through an absorbing medium:
-/// midpoint rule for ∫ cos² exp(−σ r) / r² dA.
+/// E at the origin of a plane from a parallel rectangle of radiance 1 at height h, through an absorbing medium.
+/// Midpoint rule for ∫ cos² exp(−σ r) / r² dA.
 double absorbed_irradiance(double x0, double x1, double half_z, double h, double absorption) {
   constexpr int kSteps = 400;
   const double dx = (x1 - x0) / kSteps;
@@ -230,18 +230,18 @@ TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
   Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
   add_body(scene, tint(kAbsorption), 4, -1);
-  // So wide and near that neither strategy does the work alone; not above the point that is seen.
+  // Wide and near enough that both strategies contribute; not above the visible point.
   Material lamp = matte(Rgb(0));
   lamp.emission = Rgb(1);
   Mesh mesh;
   mesh.positions = {{0.1f, 0.5f, -3}, {3, 0.5f, -3}, {3, 0.5f, 3}, {0.1f, 0.5f, 3}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   testing::add_mesh(scene, lamp, mesh);
-  // The camera's ray passes the surface first: lighting is the second event.
+  // The camera ray passes the surface first, so lighting is the second event.
   const Rgb mean = render(scene, 512, small(16, 2)).mean;
   for (int c = 0; c < 3; ++c) {
     const double expected = absorbed_irradiance(0.1, 3, 3, 0.5, kAbsorption[c]) * 0.5 * kInvPi;
-    // 131,072 paths, standard deviation below twice the mean: three standard errors.
+    // 131,072 paths with a standard deviation below twice the mean: three standard errors.
     EXPECT_NEAR(mean[c] / (expected * std::exp(-4.0 * kAbsorption[c])), 1.0, 0.016);
   }
 }
@@ -261,7 +261,7 @@ TEST(Path, ThroughputThatIsNotANumberIsReported) {
   EXPECT_FALSE(is_finite(path.radiance));
 }
 
-/// Radiance and rays of one sample of every pixel, element by element or in tiles.
+/// Radiance and rays of one sample per pixel, pixel by pixel or in tiles.
 struct Traced {
   std::vector<Rgb> radiance;
   std::vector<uint32_t> rays;
@@ -275,7 +275,7 @@ Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32
 }
 
 TEST(Path, TilesTraceWhatElementsTrace) {
-  constexpr uint32_t kWidth = 53;  // no multiple of tiles or batches
+  constexpr uint32_t kWidth = 53;  // not a multiple of tiles or batches
   constexpr uint32_t kHeight = 47;
   for (const char* name : {"cornell", "turntable"}) {
     const CompiledScene scene(find_builtin_scene(name)->build(),
@@ -288,7 +288,7 @@ TEST(Path, TilesTraceWhatElementsTrace) {
         ASSERT_EQ(elements.rays[i], tiles.rays[i]) << name << " pixel " << i;
         if (elements.radiance[i] != tiles.radiance[i]) ++different;
       }
-      // Shadow rays in packets round differently, which shows where they graze an edge.
+      // Packets of shadow rays round differently, with visible effects where rays graze an edge.
       EXPECT_LE(different, elements.rays.size() / 500) << name << " in tiles of " << tile_size;
     }
   }

@@ -1,4 +1,4 @@
-// Paths that leave samples for learning in the regions of the octree.
+// Output of samples for learning into the regions of the octree.
 #pragma once
 
 #include "techniques/spatial/octree/path_recording.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Records of the first vertices of each path.
+/// Records the first vertices of each path.
 struct RecordingOutput {
   using Policy = PathRecorder;
 

@@ -1,12 +1,12 @@
-// The part of a sample's radiance that specular lobes of the first vertex scattered towards the camera. Histories keep
-// it apart, because reflections move differently from the surface that shows them.
+// Part of a sample's radiance scattered towards the camera by specular lobes of the first vertex. Histories store it
+// separately, because reflections move differently from their surface.
 #pragma once
 
 #include "techniques/transport/path/path_kernel.h"
 
 namespace relume {
 
-/// Share of the BSDF's value in direction `wi` that its specular lobes contribute.
+/// Share of the specular lobes in the value of the BSDF along `wi`.
 RELUME_HD inline Rgb specular_share(const SurfacePoint& sp, const Vec3& wi) {
   const SpecularLobes lobes = specular_lobes(sp.bsdf);
   if (lobes != SpecularLobes::some) return Rgb(lobes == SpecularLobes::all ? 1.0f : 0.0f);
@@ -18,11 +18,11 @@ RELUME_HD inline Rgb specular_share(const SurfacePoint& sp, const Vec3& wi) {
   return share;
 }
 
-/// Splits both estimates at the first vertex by the lobes' shares in the BSDF, so each part is unbiased. Radiance
-/// emitted towards the camera is in neither.
+/// Splits both estimates at the first vertex by the lobes' shares in the BSDF, so each part is unbiased. Emission
+/// towards the camera belongs to neither part.
 struct SpecularPolicy : NoPolicy {
   Rgb specular{0};
-  Rgb share{0};  ///< of the light that arrives along the sampled direction
+  Rgb share{0};  ///< share of the light along the sampled direction
   Rgb radiance_before{0};
 
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
@@ -36,7 +36,7 @@ struct SpecularPolicy : NoPolicy {
   RELUME_HD void finished(const PathState& path) { specular += (path.radiance - radiance_before) * share; }
 };
 
-/// The specular part of each path's radiance.
+/// Output of the specular part of each path's radiance.
 struct SpecularOutput {
   using Policy = SpecularPolicy;
 

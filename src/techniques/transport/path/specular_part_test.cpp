@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 53;  // no multiple of tiles or batches
+constexpr uint32_t kWidth = 53;  // not a multiple of tiles or batches
 constexpr uint32_t kHeight = 47;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
@@ -22,7 +22,7 @@ struct Parts {
   std::vector<Rgb> specular = std::vector<Rgb>(kPixels, Rgb(7));
 };
 
-/// One sample of every pixel of a compiled scene.
+/// Traces one sample per pixel of a compiled scene.
 struct Tracer {
   const CompiledScene& scene;
   uint32_t max_bounces = 3;
@@ -67,7 +67,7 @@ Means means_of(const Scene& scene, uint32_t max_bounces, uint32_t samples = 1) {
   return means;
 }
 
-/// A plate below a lamp and a sky.
+/// A plate under a lamp and a sky.
 Scene lit_plate(const Material& material) {
   Scene scene = testing::plate(material, 5, 2);
   testing::add_square_lamp(scene, Rgb(9, 6, 3));
@@ -94,7 +94,7 @@ TEST(SpecularPart, TilesLeaveWhatElementsLeave) {
     specular += is_black(elements.specular[i]) ? 0u : 1u;
   }
   EXPECT_GT(specular, kPixels / 16);
-  // Shadow rays in packets round differently, which shows where they graze an edge.
+  // Packets of shadow rays round differently, with visible effects where rays graze an edge.
   EXPECT_LE(different, kPixels / 500);
 }
 
@@ -124,7 +124,7 @@ TEST(SpecularPart, MirrorsAreSpecularAndLambertSurfacesAreNot) {
   EXPECT_EQ(of_lambert.specular, glm::dvec3(0));
 }
 
-/// With a black base nothing but the interface scatters.
+/// With a black base, only the interface scatters.
 TEST(SpecularPart, AgreesWithTheInterfaceAlone) {
   for (const float roughness : {0.0f, 0.2f, 0.6f}) {
     constexpr uint32_t kSamples = 128;
@@ -137,7 +137,7 @@ TEST(SpecularPart, AgreesWithTheInterfaceAlone) {
   }
 }
 
-/// A coat's light is specular, and what it lets through is split by the lobes below.
+/// Reflection by the coat is specular. The lobes below split the transmitted light.
 TEST(SpecularPart, CoatsAreSpecular) {
   Material coated = testing::matte(Rgb(0.5f));
   coated.clearcoat = 1;

@@ -1,4 +1,4 @@
-// How passes launch the kernel that traces one path a pixel.
+// Launch of the kernel that traces one path per pixel.
 #pragma once
 
 #include "techniques/transport/path/path_kernel.h"
@@ -6,8 +6,8 @@
 
 namespace relume {
 
-/// Traces a path for each pixel that the allocation gives one, for a pass that owns estimator_buffers(); `outputs` as
-/// for PathOutputs. False if a stop was requested first.
+/// Traces a path for each pixel with a path in the allocation, for a pass that owns estimator_buffers(). `outputs`:
+/// those of PathOutputs. Returns false if a stop was requested first.
 template <typename... Outputs>
 bool trace_paths(const PathSource& source, const FrameContext& frame, const Outputs&... outputs) {
   const PathKernel<Outputs...> kernel{.context = make_path_context(source, frame),

@@ -1,4 +1,4 @@
-// Runs the kernels of bidirectional path tracing without a session, so that tests see every buffer.
+// Runs the kernels of bidirectional path tracing without a session, to give tests access to every buffer.
 #pragma once
 
 #include <memory>
@@ -63,7 +63,7 @@ class BdptFrame {
     return c;
   }
 
-  /// Takes sample `sample` of every pixel.
+  /// Traces sample `sample` of every pixel.
   void run(uint32_t seed, uint32_t sample) {
     const SampleIndex index{.seed = seed, .sample = sample, .frame = sample, .age = sample};
     const SceneView& view = compiled.view();
@@ -93,7 +93,7 @@ class BdptFrame {
   std::vector<AliasEntry> emission;
   std::vector<Rgb> light_medium;
   std::vector<Hit> hits;
-  std::vector<uint32_t> allocation;  ///< empty: one path for each pixel
+  std::vector<uint32_t> allocation;  ///< empty: one path per pixel
   std::vector<Rgb> radiance;
   std::vector<uint32_t> rays;
   std::vector<FixedPointRgb> splats;
@@ -101,7 +101,7 @@ class BdptFrame {
   uint64_t nonfinite = 0;
 };
 
-/// Mean of `spp` samples a pixel.
+/// Mean of `spp` samples per pixel.
 inline std::vector<Rgb> render_bdpt(Scene scene, const BdptOptions& options, int spp, uint32_t seed = 0) {
   BdptFrame frame(std::move(scene), options);
   std::vector<Rgb> image(frame.radiance.size(), Rgb(0));

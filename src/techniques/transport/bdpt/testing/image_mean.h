@@ -1,4 +1,4 @@
-// Compares the estimators by the means of whole images.
+// Comparison of estimators by the means of whole images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 
 namespace relume::testing {
 
-/// Of all pixels, over samples of the whole image.
+/// Mean over all pixels, and its variance estimated from samples of whole images.
 struct ImageMean {
   glm::dvec3 value{0};
-  glm::dvec3 variance{0};  ///< of `value`; stratification makes it smaller
+  glm::dvec3 variance{0};  ///< of `value`, an upper estimate that ignores stratification
 };
 
 inline ImageMean mean_of(const Scene& scene, const BdptOptions& options, int spp) {
@@ -41,7 +41,7 @@ inline void expect_same_mean(const ImageMean& a, const ImageMean& b, const std::
 
 inline const BdptOptions kCameraAlone{.max_light_vertices = 1};
 
-/// Paths from the camera alone, bidirectional ones and paths from the light alone have the same mean.
+/// Expects equal means from camera paths, bidirectional paths and light paths.
 inline void expect_agreement(const Scene& scene, const std::string& name, int samples = 512) {
   const ImageMean camera_alone = mean_of(scene, kCameraAlone, samples);
   expect_same_mean(mean_of(scene, {}, samples), camera_alone, name);

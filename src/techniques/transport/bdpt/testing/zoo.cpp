@@ -11,7 +11,7 @@
 namespace relume::testing {
 namespace {
 
-/// Texture of four floats a texel from `value(x, y)`.
+/// Adds a texture of four floats per texel from `value(x, y)`.
 template <typename Value>
 Index add_zoo_texture(SceneBuilder& b, int size, const Value& value) {
   Texture t;
@@ -33,12 +33,12 @@ void add_zoo_surfaces(SceneBuilder& b, bool smooth, bool bent) {
     t.translation = p;
     return t;
   };
-  // Steep bumps and a coarse sphere with interpolated normals: many directions below the shading horizon.
+  // Steep bumps and a coarse sphere with interpolated normals put many directions below the shading horizon.
   const Index bumps = add_zoo_texture(b, 4, [](int x, int y) {
     const auto i = static_cast<uint32_t>(4 * y + x);
     return Vec4(to_unit_float(hash(i, 1u)), to_unit_float(hash(i, 2u)), 0.75f, 1);
   });
-  // Texels larger than the footprints of cones, or camera subpaths would see smoother bumps than light subpaths do.
+  // Texels exceed the footprints of cones: both kinds of subpath see the same bumps.
   const auto use_bumps = [&](Material& m) {
     if (!bent) return;
     m.normal_texture.texture = bumps;
@@ -79,7 +79,7 @@ void add_zoo_surfaces(SceneBuilder& b, bool smooth, bool bent) {
   if (!smooth) return;
   b.add("glass", icosphere(0.3f, 3), b.add_material(glass("glass", 1.5f, {0.9f, 0.5f, 0.4f}, 0.4f)),
         at({-0.3f, 0.31f, 0.5f}));
-  // Half mirror, half diffuse; and a smooth coat over smooth glass that also scatters.
+  // A half mirror, half diffuse; and a smooth coat over smooth glass with diffuse scattering.
   b.add("varnish", box({1.3f, 0.01f, -1.5f}, {1.9f, 1.0f, -0.9f}), b.add_material(glossy("varnish", Rgb(0.6f), 0)));
   Material mixed = glass("milky", 1.4f);
   mixed.transmission = 0.6f;
@@ -137,7 +137,7 @@ Camera zoo_camera(ZooCamera kind) {
   switch (kind) {
     case ZooCamera::pinhole: break;
     case ZooCamera::thin_lens:
-      camera.lens_radius = 0.35f;  // large enough for light subpaths to meet
+      camera.lens_radius = 0.35f;  // large enough to be hit by light subpaths
       camera.focus_distance = 3.2f;
       break;
     case ZooCamera::orthographic:

@@ -1,4 +1,4 @@
-// A small scene with most kinds of surfaces, under one kind of light, seen by one kind of camera.
+// Small scene with most kinds of surfaces, one kind of light and one kind of camera.
 #pragma once
 
 #include "scene/scene.h"
@@ -31,17 +31,17 @@ inline constexpr ZooCamera kZooCameras[] = {ZooCamera::pinhole, ZooCamera::thin_
                                             ZooCamera::panoramic};
 inline constexpr const char* kZooCameraNames[] = {"pinhole", "thin_lens", "orthographic", "panoramic"};
 
-/// `smooth`: with delta scattering too. `bent`: with shading normals that are not those of the surface, at which light
+/// `smooth`: adds delta scattering. `bent`: adds shading normals that differ from the geometric ones, where light
 /// tracing loses some light.
 Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth = true, bool bent = true);
 
-/// The inside of a sphere that shines and reflects, seen by a panoramic camera: every place sees every other.
+/// Inside of an emitting, reflecting sphere, seen by a panoramic camera. All its points see one another.
 Scene make_closed_sphere(float albedo);
 
-/// A lamp, a floor and a wall in a block of dark glass, seen from outside or from within.
+/// A lamp, a floor and a wall in a block of dark glass, seen from outside or from inside.
 Scene make_lamp_in_glass(bool from_within = false);
 
-/// The same from within, with a lamp that stands half out of the block.
+/// The same from inside, with a lamp halfway out of the block.
 Scene make_lamp_half_in_glass();
 
 }  // namespace relume::testing

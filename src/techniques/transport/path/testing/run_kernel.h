@@ -1,4 +1,4 @@
-// Runs the two kernels of a path, one after the other, for tests that compare the forms of the second.
+// Runs the two kernels of a path in sequence, for tests that compare forms of the second.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace relume::testing {
 
-/// Primary hits of width × height pixels and their paths, pixel by pixel (`tile_size` 0) or in tiles.
+/// Finds the primary hits of width × height pixels and traces their paths, pixel by pixel (`tile_size` 0) or in tiles.
 template <typename Kernel>
 void run_kernel(const PrimaryHitsKernel& primary, const Kernel& kernel, uint32_t width, uint32_t height,
                 uint32_t tile_size) {
@@ -34,7 +34,7 @@ struct TraceSettings {
   View<const uint32_t> allocation = {};  ///< as for PathKernel
 };
 
-/// Traces one sample of each pixel, with uniform light selection. Returns the rays of each.
+/// Traces one sample per pixel with uniform light selection. Returns the number of rays per pixel.
 template <typename... Outputs>
 std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettings& settings,
                                    const Outputs&... outputs) {
