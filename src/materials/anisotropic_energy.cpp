@@ -11,10 +11,10 @@ namespace {
 
 using namespace anisotropic_grid;
 
-constexpr int kPolar = 32;      // midpoints over √(1 − u), which crowd in the tail
-constexpr int kAzimuthal = 32;  // midpoints over a turn
+constexpr int kPolar = 32;      // midpoints over √(1 − u), dense in the tail
+constexpr int kAzimuthal = 32;  // midpoints over a full turn
 
-/// (total, grazing) of the lobe seen from `wo`, over the random numbers that sample it: the mean of G2 / G1.
+/// Albedo shares (total, grazing) of the lobe seen from `wo`: the mean of G2 / G1 over its random numbers.
 Vec2 integrate(const AnisotropicGgx& mf, const Vec3& wo) {
   const float lambda_o = mf.lambda(wo);
   double total = 0;
@@ -35,7 +35,7 @@ Vec2 integrate(const AnisotropicGgx& mf, const Vec3& wo) {
   return {static_cast<float>(std::fmin(total / kCount, 1.0)), static_cast<float>(grazing / kCount)};
 }
 
-/// Inverse of azimuth_coordinate, by bisection: radians.
+/// Inverse of azimuth_coordinate by bisection, radians.
 float azimuth_at(float place, float stretch) {
   float low = 0;
   float high = 0.5f * kPi;
@@ -71,14 +71,14 @@ void fill(const AnisotropicGgx& mf, Vec2* entries) {
   }
 }
 
-/// 2 ∫ E(μ) μ dμ of the interpolated table, as the look-up returns it, in the mean over azimuths.
+/// 2 ∫ E(μ) μ dμ of the interpolated table, averaged over azimuths.
 Vec2 average_of(const AnisotropicEnergyTable& table, const AnisotropicGgx& mf) {
   constexpr int kSteps = 64;
   constexpr int kTurns = 32;
   double total = 0;
   double grazing = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const float s = (static_cast<float>(i) + 0.5f) / kSteps;  // μ = s², which resolves grazing angles
+    const float s = (static_cast<float>(i) + 0.5f) / kSteps;  // μ = s²: resolves grazing angles
     const float sin_theta = safe_sqrt(1.0f - s * s * s * s);
     for (int k = 0; k < kTurns; ++k) {
       const float phi = 0.5f * kPi * (static_cast<float>(k) + 0.5f) / kTurns;

@@ -10,25 +10,25 @@ namespace relume {
 
 namespace anisotropic_grid {
 
-inline constexpr uint32_t kRows = 12;  ///< over √α across the tangent
+inline constexpr uint32_t kRows = 12;  ///< over √α perpendicular to the tangent
 inline constexpr uint32_t kStrengths = 8;
-inline constexpr uint32_t kAzimuths = 8;  ///< a quarter turn from the tangent; the others mirror it
+inline constexpr uint32_t kAzimuths = 8;  ///< a quarter turn from the tangent; the other quarters mirror it
 inline constexpr uint32_t kColumns = 16;
 
-/// α that a viewer at azimuth (cos φ, sin φ) from the tangent sees.
+/// Apparent α for a viewer at azimuth (cos φ, sin φ) from the tangent.
 RELUME_HD inline float projected_alpha(float alpha_t, float alpha_b, float cos_phi, float sin_phi) {
   return std::sqrt(sqr(alpha_t * cos_phi) + sqr(alpha_b * sin_phi));
 }
 
-/// The albedo changes fastest across the tangent: the mean of φ and of φ in the space where both widths are equal,
-/// from 0 to 1.
+/// Table coordinate of the azimuth, from 0 to 1: the mean of φ and of φ in the space of equal widths. It is dense
+/// across the tangent, where the albedo changes fastest.
 RELUME_HD inline float azimuth_coordinate(float cos_phi, float sin_phi, float stretch) {
   return (std::atan2(sin_phi, cos_phi) + std::atan2(sin_phi, cos_phi * stretch)) * kInvPi;
 }
 
 }  // namespace anisotropic_grid
 
-/// View of the tables. Look-ups are within 0.03 of the albedo for cos θ ≥ 0.03, in the mean within 0.01.
+/// View of the tables. For cos θ ≥ 0.03, look-ups are within 0.03 of the albedo; their mean deviation is below 0.01.
 struct AnisotropicEnergyTable {
   View<const Vec2> directional;  ///< (total, grazing) by row, strength, azimuth, column; empty: not built
   View<const Vec2> average;      ///< by row, strength: 2 ∫ (…) cos θ d cos θ over all azimuths
@@ -72,7 +72,7 @@ struct AnisotropicEnergyTable {
   }
 };
 
-/// The tables, integrated once a process; thread-safe.
+/// The tables, integrated once per process; thread-safe.
 AnisotropicEnergyTable anisotropic_energy_table();
 
 }  // namespace relume

@@ -1,5 +1,4 @@
-// GGX whose width differs along a tangent direction and across it, in the local frame of microfacet.h ([Heitz14],
-// §5.3): as of brushed metal, hair, satin.
+// Anisotropic GGX in the local frame of microfacet.h ([Heitz14], §5.3), as of brushed metal, hair and satin.
 #pragma once
 
 #include "materials/microfacet.h"
@@ -8,9 +7,9 @@ namespace relume {
 
 struct AnisotropicGgx {
   float alpha_t;   ///< along the tangent
-  float alpha_b;   ///< across it
-  float strength;  ///< alpha_t = lerp(alpha_b, 1, strength²), as KHR_materials_anisotropy has it
-  Vec2 tangent;    ///< unit, in the x-y plane of the local frame; its sign does not matter
+  float alpha_b;   ///< perpendicular to the tangent
+  float strength;  ///< alpha_t = lerp(alpha_b, 1, strength²), as in KHR_materials_anisotropy
+  Vec2 tangent;    ///< unit, in the x-y plane of the local frame; the sign is irrelevant
 
   RELUME_HD Vec3 to_tangent(const Vec3& w) const {
     return {w.x * tangent.x + w.y * tangent.y, w.y * tangent.x - w.x * tangent.y, w.z};
@@ -19,7 +18,7 @@ struct AnisotropicGgx {
     return {w.x * tangent.x - w.y * tangent.y, w.x * tangent.y + w.y * tangent.x, w.z};
   }
 
-  /// As Microfacet::d().
+  /// Density of normals, as Microfacet::d().
   RELUME_HD float d(const Vec3& m) const {
     if (m.z <= 0.0f) return 0.0f;
     const Vec3 t = to_tangent(m);
@@ -34,10 +33,10 @@ struct AnisotropicGgx {
   }
 
   RELUME_HD float g1(const Vec3& w) const { return 1.0f / (1.0f + lambda(w)); }
-  /// Height-correlated, both directions on the same side.
+  /// Height-correlated masking-shadowing of two directions on the same side.
   RELUME_HD float g2(const Vec3& wo, const Vec3& wi) const { return 1.0f / (1.0f + lambda(wo) + lambda(wi)); }
 
-  /// A normal that is visible from `wo` (z > 0): the isotropic ones of α = 1 in the stretched space ([Dupuy23]).
+  /// Samples a normal visible from `wo` (z > 0): an isotropic one of α = 1 in the stretched space ([Dupuy23]).
   RELUME_HD_NOINLINE Vec3 sample(const Vec3& wo, const Vec2& u) const {
     const Vec3 t = to_tangent(wo);
     const Vec3 stretched = glm::normalize(Vec3(t.x * alpha_t, t.y * alpha_b, t.z));
@@ -45,7 +44,7 @@ struct AnisotropicGgx {
     return from_tangent(glm::normalize(Vec3(m.x * alpha_t, m.y * alpha_b, m.z)));
   }
 
-  /// pdf_w of sample().
+  /// Density of sample(), per solid angle.
   RELUME_HD float pdf(const Vec3& wo, const Vec3& m) const {
     return g1(wo) * relume::max(0.0f, glm::dot(wo, m)) * d(m) / wo.z;
   }

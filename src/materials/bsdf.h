@@ -1,5 +1,5 @@
-// The BSDF at one surface point: a few lobes, one switch. All directions are local: +Z is the shading normal on the
-// side of wo. `f` excludes the cosine; densities are per solid angle of wi.
+// The BSDF at one surface point: a few lobes, evaluated by a switch. All directions are local: +Z is the shading normal
+// on the side of wo. `f` excludes the cosine; densities are per solid angle of wi.
 #pragma once
 
 #include <cstddef>
@@ -17,33 +17,32 @@ inline constexpr int kMaxLobes = 8;
 
 struct BsdfEval {
   Rgb f{0};               ///< 1/sr
-  float pdf_forward = 0;  ///< pdf_w of wi given wo; delta lobes contribute nothing
-  float pdf_reverse = 0;  ///< pdf_w of wo given wi; filled by eval_pdf<true> only
+  float pdf_forward = 0;  ///< density of wi given wo, excluding delta lobes
+  float pdf_reverse = 0;  ///< density of wo given wi; only from eval_pdf<true>
 };
 
 struct BsdfSample {
   Vec3 wi{0};
-  Rgb weight{0};        ///< f · |cos θ| / pdf; zero: the path ends
-  float pdf_w = 0;      ///< density of the whole mixture; meaningless for delta
-  float alpha = 1;      ///< width of the lobe that was chosen (diffuse: 1), for ray cones
-  float eta_scale = 1;  ///< factor 1/η² of refraction in `weight`, apart from how much light it carries
+  Rgb weight{0};        ///< f · |cos θ| / pdf; zero ends the path
+  float pdf_w = 0;      ///< density of the whole mixture; undefined for delta
+  float alpha = 1;      ///< width of the chosen lobe (diffuse: 1), for ray cones
+  float eta_scale = 1;  ///< factor 1/η² of refraction within `weight`, which does not change the energy
   bool delta = false;
   bool valid = false;
-  float guide_pdf_w = 0;  ///< density of the path guide alone, where one shares in `pdf_w`
+  float guide_pdf_w = 0;  ///< density of the path guide alone, if a guide is part of `pdf_w`
 
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
 
-/// Lobes of one surface point, ready for wo. Those of make_bsdf() fit into the first 320 bytes; what follows is
-/// neither written nor read for them.
+/// Lobes of one surface point, prepared for wo. Those of make_bsdf() use the first 320 bytes only.
 struct Bsdf {
   const EnergyTables* tables;
   int lobe_count;
-  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
-  bool layered;           ///< uses `sheen` and `detail`, which only make_layered_bsdf() sets
+  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat
+  bool layered;           ///< whether `sheen` and `detail` are used; set by make_layered_bsdf() only
   bool coat_has_normal;   ///< layered: the coat has the normal detail.coat_normal
-  Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
-  float sheen;            ///< largest component of the sheen's colour, above all lobes after it; 0: none
+  Lobe lobes[kMaxLobes];  ///< lobe_count valid elements
+  float sheen;            ///< largest component of the sheen colour, above all later lobes; 0: none
   InterfaceDetail detail;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
@@ -53,7 +52,7 @@ struct Bsdf {
   RELUME_HD int sheen_lobe() const { return has_coat() ? 1 : 0; }  ///< if has_sheen()
 };
 
-/// Lobes that make_bsdf() adds at most: coat, reflection, multiple reflection, diffuse base, transmission.
+/// Maximum number of lobes from make_bsdf(): coat, reflection, multiple reflection, diffuse base, transmission.
 inline constexpr int kMaxPlainLobes = 5;
 static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= 320);
 
@@ -66,7 +65,7 @@ RELUME_HD inline void clear(Bsdf& bsdf) {
 
 enum class SpecularLobes : uint8_t { none, some, all };
 
-/// How many of the lobes are specular; none of an empty BSDF.
+/// Whether none, some or all lobes are specular; none in an empty BSDF.
 RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
   int count = 0;
   for (int i = 0; i < bsdf.lobe_count; ++i) count += is_specular(bsdf.lobes[i].kind) ? 1 : 0;
@@ -74,7 +73,7 @@ RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
   return count == bsdf.lobe_count ? SpecularLobes::all : SpecularLobes::some;
 }
 
-/// Whether any lobe can be evaluated, so that next event estimation makes sense.
+/// Whether any lobe can be evaluated, as next event estimation requires.
 RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     if (!is_delta(bsdf.lobes[i].kind)) return true;
@@ -82,7 +81,7 @@ RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   return false;
 }
 
-/// Value and density of lobe i, as it is in `bsdf` or flipped; zero for delta lobes. `kLayered`: bsdf.layered.
+/// Value and density of lobe i, either as stored or flipped; zero for delta lobes. `kLayered`: bsdf.layered.
 template <bool kLayered>
 RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, const Vec3& wo, const Vec3& wi,
                                     TransportMode mode) {
@@ -106,7 +105,7 @@ RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, c
   return {};
 }
 
-/// A direction from a lobe; for delta lobes with its weight. `u_side` decides between reflection and refraction.
+/// Samples a direction, for delta lobes with its weight. `u_side` chooses between reflection and refraction.
 template <bool kLayered>
 RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo, float u_side, const Vec2& u,
                                         TransportMode mode) {
@@ -129,8 +128,8 @@ RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo,
   return {};
 }
 
-/// How much light the lobe returns for directions at `cos_theta`: decides how often it is sampled. Exact for
-/// reflection, an estimate for transmission, anisotropic microfacets and films.
+/// Directional albedo of the lobe at `cos_theta`, for sampling probabilities. Exact for reflection; an estimate for
+/// transmission, anisotropic microfacets and films.
 RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
   const EnergyTable& table = tables.of(lobe.microfacet.model);
   switch (lobe.kind) {
@@ -153,13 +152,13 @@ RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
   return Rgb(0);
 }
 
-/// Share of light that the clearcoat lets through at `cos_theta` to its normal.
+/// Transmittance of the clearcoat at `cos_theta` to its normal.
 RELUME_HD inline float coat_transmittance(const Bsdf& bsdf, float cos_theta) {
   if (!bsdf.has_coat()) return 1.0f;
   return 1.0f - luminance(lobe_albedo(bsdf.lobes[0], *bsdf.tables, std::fabs(cos_theta)));
 }
 
-/// Share of light that the sheen leaves to what is below it.
+/// Transmittance of the sheen.
 RELUME_HD inline float sheen_transmittance(const Bsdf& bsdf, float cos_theta) {
   if (!bsdf.has_sheen()) return 1.0f;
   return 1.0f - bsdf.sheen * sheen::albedo(bsdf.lobes[bsdf.sheen_lobe()], *bsdf.tables, cos_theta);
@@ -176,15 +175,15 @@ struct LayerTransmittance {
   }
 };
 
-/// In one direction.
+/// Transmittance along one direction.
 RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, float cos_theta) {
   if (!bsdf.has_coat() && !bsdf.has_sheen()) return {1.0f, 1.0f};
   const float below_coat = coat_transmittance(bsdf, cos_theta);
   return {below_coat, below_coat * sheen_transmittance(bsdf, cos_theta)};
 }
 
-/// On the way in and out: through the coat twice; below sheen the smaller share of the two ways, which is reciprocal
-/// and conserves energy (KHR_materials_sheen).
+/// Transmittance on the way in and out. The coat is passed twice. Below sheen it is the smaller transmittance of the
+/// two directions, which is reciprocal and conserves energy (KHR_materials_sheen).
 template <bool kLayered>
 RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   LayerTransmittance t{1.0f, 1.0f};
@@ -207,9 +206,9 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
-enum class Side : uint8_t { same, other };  ///< of the surface, as seen by the viewer of a BSDF
+enum class Side : uint8_t { same, other };  ///< side of the surface relative to the viewer of a BSDF
 
-/// Probability with which a viewer at `cos_theta` on that side samples each lobe. False: nothing is reflected.
+/// Probabilities of the lobes for a viewer at `cos_theta` on that side. Returns false if nothing is reflected.
 RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
   if (bsdf.lobe_count == 1) {
     probabilities[0] = 1.0f;
@@ -228,7 +227,7 @@ RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side
   return true;
 }
 
-/// Fills the lobes' sampling probabilities for wo. A BSDF that reflects nothing loses its lobes.
+/// Computes the sampling probabilities of the lobes for wo. Removes all lobes of a BSDF that reflects nothing.
 RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
   float probabilities[kMaxLobes];
   if (!lobe_probabilities(bsdf, cos_theta_o, Side::same, probabilities)) bsdf.lobe_count = 0;
@@ -237,7 +236,7 @@ RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
 
 namespace bsdf_detail {
 
-/// reverse_pdf() by lobes with these probabilities.
+/// reverse_pdf() for given lobe probabilities.
 template <bool kLayered>
 RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const float probabilities[kMaxLobes], const Vec3& from,
                                    const Vec3& to, Side side) {
@@ -251,7 +250,7 @@ RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const float probabilities[k
 
 }  // namespace bsdf_detail
 
-/// pdf_w with which wo would be sampled by a viewer at wi, whose lobes have probabilities of their own.
+/// Density of sampling wo for a viewer at wi, whose lobe probabilities differ.
 RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const Side side = wi.z > 0.0f ? Side::same : Side::other;
   float probabilities[kMaxLobes];
@@ -262,7 +261,7 @@ RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
                       : bsdf_detail::mixture_pdf<false>(bsdf, probabilities, from, to, side);
 }
 
-/// The most frequent surface by far; worth a shorter way through.
+/// Whether the BSDF is a single Lambert lobe: by far the most frequent case, with a faster code path.
 RELUME_HD inline bool is_lambert(const Bsdf& bsdf) {
   return bsdf.lobe_count == 1 && bsdf.lobes[0].kind == LobeKind::lambert;
 }
@@ -291,7 +290,7 @@ RELUME_HD_NOINLINE inline BsdfEval eval_pdf_of_layers(const Bsdf& bsdf, const Ve
 
 }  // namespace bsdf_detail
 
-/// BSDF value and densities of all lobes but delta ones. wo.z > 0.
+/// BSDF value and densities of all non-delta lobes. Requires wo.z > 0.
 template <bool kReverse = false>
 RELUME_HD_INLINE BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
                                    TransportMode mode = TransportMode::radiance) {
@@ -320,13 +319,13 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 
 }  // namespace bsdf_detail
 
-/// The part of eval_pdf().f that specular lobes contribute.
+/// Part of eval_pdf().f from specular lobes.
 RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   return bsdf.layered ? bsdf_detail::eval_specular<true>(bsdf, wo, wi)
                       : bsdf_detail::eval_specular<false>(bsdf, wo, wi);
 }
 
-/// Factor 1/η² in the value of the BSDF for directions on the viewer's other side, which all lobes share.
+/// Factor 1/η² in the BSDF for directions on the viewer's other side, shared by all lobes.
 RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     if (!is_rough_transmission(bsdf.lobes[i].kind)) continue;
@@ -376,7 +375,7 @@ RELUME_HD_NOINLINE inline BsdfSample sample_layered_mixture(const Bsdf& bsdf, co
 
 }  // namespace bsdf_detail
 
-/// A direction from the mixture of all lobes.
+/// Samples a direction from the mixture of all lobes.
 RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
                                    TransportMode mode = TransportMode::radiance) {
   if (is_lambert(bsdf)) {
@@ -387,7 +386,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   return bsdf_detail::sample_mixture<false>(bsdf, wo, u_lobe, u, mode);
 }
 
-/// Directional albedo of everything that is reflected or transmitted: what demodulation divides by.
+/// Directional albedo of all reflected and transmitted light: the divisor of demodulation.
 RELUME_HD inline Rgb albedo(const Bsdf& bsdf, float cos_theta_o) {
   const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta_o);
   Rgb sum(0);

@@ -1,4 +1,4 @@
-// White furnaces: what a surface returns of light that comes from everywhere.
+// White furnaces: the light returned by a surface under uniform illumination.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using testing::Mean;
 using testing::Random;
 using testing::white;
 
-constexpr double kWhite = 1e-3;  // what a white furnace may miss
+constexpr double kWhite = 1e-3;  // tolerance of a white furnace
 const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f};
 const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
 
@@ -61,7 +61,7 @@ TEST(BsdfEnergy, SmoothMetalAndGlassLoseNothing) {
   }
 }
 
-/// Mean weight of samples of delta lobes, by the side that they go to.
+/// Mean weight of samples of delta lobes, per side.
 struct Shares {
   Rgb reflected{0};
   Rgb transmitted{0};
@@ -83,7 +83,7 @@ TEST(BsdfEnergy, SmoothInterfacesShareLightAsFresnelSays) {
   const Rgb gold(1.0f, 0.77f, 0.34f);
   MaterialCase metal = white("metal", 1, 0, false);
   metal.sample.base_color = gold;
-  MaterialCase gilded = white("gilded glass", 0, 1, true);  // F0 of 0.4, 0.3, 0.14 for the half that specular leaves
+  MaterialCase gilded = white("gilded glass", 0, 1, true);  // F0 of 0.4, 0.3, 0.14 and F90 of 0.5
   gilded.sample.specular = 0.5f;
   gilded.sample.specular_color = Rgb(20, 15, 7);
   MaterialCase dull = white("glass without reflections", 0, 1, true);
@@ -180,7 +180,7 @@ TEST(BsdfEnergy, SamplingAndQuadratureAgree) {
 }
 
 TEST(BsdfEnergy, AlbedoIsWhatIsReflected) {
-  // The sum that sampling and demodulation rely on; exact for opaque materials.
+  // The sum used by sampling and demodulation; exact for opaque materials.
   for (const MaterialCase& m :
        {white("metal", 1, 0, false), white("plastic", 0, 0, false), white("half metal", 0.5f, 0, false)}) {
     for (const float r : kRoughness) {
@@ -193,7 +193,7 @@ TEST(BsdfEnergy, AlbedoIsWhatIsReflected) {
   }
 }
 
-/// Losses in percent by row in the table of docs/materials.md below `title`.
+/// Losses in percent, by row, from the table of docs/materials.md below `title`.
 std::vector<std::vector<double>> documented_losses(const std::string& title) {
   std::ifstream page(RELUME_SOURCE_DIR "/docs/materials.md");
   std::string line;
@@ -205,12 +205,12 @@ std::vector<std::vector<double>> documented_losses(const std::string& title) {
     std::replace(line.begin(), line.end(), '|', ' ');
     std::istringstream cells(line);
     const std::vector<double> row(std::istream_iterator<double>(cells), std::istream_iterator<double>{});
-    rows.emplace_back(row.begin() + 1, row.end());  // without the roughness
+    rows.emplace_back(row.begin() + 1, row.end());  // drops the roughness
   }
   return rows;
 }
 
-/// Prints the rows of a table of losses, and expects them to be those of docs/materials.md.
+/// Prints a table of losses and expects equality with docs/materials.md.
 void expect_documented_losses(const std::string& title, const MaterialCase& m) {
   const std::vector<std::vector<double>> documented = documented_losses(title);
   ASSERT_EQ(documented.size(), kRoughness.size()) << title;

@@ -1,5 +1,5 @@
-// The contract of every lobe and every material: samples follow the density, weights are f cos / pdf, and the reverse
-// density is the forward one of the reversed pair.
+// Contract of every lobe and every material: samples follow the density, weights are f cos / pdf, and the reverse
+// density is the forward density of the reversed pair.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -27,8 +27,8 @@ std::vector<BsdfCase> all_cases() {
   return cases;
 }
 
-/// χ² over both hemispheres. Whatever density misses of one is expected as samples without a direction: invalid ones,
-/// and those of delta lobes.
+/// χ² test over both hemispheres. If the density integrates to less than one, the remainder is the expected share of
+/// samples without a direction: invalid samples and those of delta lobes.
 testing::Chi2Result chi2_of(const BsdfCase& c, const Vec3& wo, bool front_face) {
   constexpr int kBins = 14;
   constexpr int kSamples = 40000;
@@ -63,11 +63,11 @@ testing::Chi2Result chi2_of(const BsdfCase& c, const Vec3& wo, bool front_face) 
       inside += p;
     }
   }
-  bool ends_abruptly = false;  // at the horizon, as the density of sheen does
+  bool ends_abruptly = false;  // at the horizon, as for sheen
   for (int i = 0; i < bsdf.lobe_count; ++i) ends_abruptly = ends_abruptly || bsdf.lobes[i].kind == LobeKind::sheen;
-  EXPECT_LT(inside, 1.0 + (ends_abruptly ? 1.5e-3 : 3e-4)) << c.name;  // the accuracy of the quadrature
+  EXPECT_LT(inside, 1.0 + (ends_abruptly ? 1.5e-3 : 3e-4)) << c.name;  // accuracy of the quadrature
   expected.push_back(std::max(1.0 - inside, 0.0) * kSamples);
-  // The horizon cuts bins, and quadrature misses slips of them. That no sample has a density of zero is another test.
+  // The horizon cuts bins, and quadrature misses slivers of them. Another test ensures that no sample has zero density.
   constexpr double kMaxStrays = 5e-4;
   return testing::chi2_test(counts, expected, kMaxStrays);
 }
@@ -104,7 +104,7 @@ TEST(BsdfSampling, WeightIsValueTimesCosineOverDensity) {
         ASSERT_GT(e.pdf_forward, 0.0f) << c.name;
         ASSERT_FLOAT_EQ(e.pdf_forward, s.pdf_w) << c.name;
         const Rgb expected = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
-        // The same formula: only the order of roundings may differ.
+        // Both sides use the same formula; only the order of roundings may differ.
         ASSERT_LT(max_component(abs(s.weight - expected)), 1e-5f * (1.0f + max_component(expected))) << c.name;
       }
     }
@@ -129,7 +129,7 @@ TEST(BsdfSampling, SurvivesTheEdgesOfTheRandomNumbers) {
   }
 }
 
-/// Pairs of directions that matter: half of them sampled, half of them uniform.
+/// A direction for pairs: half of them sampled, half uniform.
 Vec3 some_wi(const Bsdf& bsdf, const Vec3& wo, Random& random) {
   if (random.next() < 0.5f) {
     const float u_lobe = random.next();
@@ -142,8 +142,8 @@ Vec3 some_wi(const Bsdf& bsdf, const Vec3& wo, Random& random) {
   }
 }
 
-/// Calls check(bsdf, wo, wi, reversed bsdf, reversed wo, reversed wi) for many pairs of every case; the reversed pair
-/// is what a viewer at wi sees of light from wo, in its own frame.
+/// Calls check(bsdf, wo, wi, reversed bsdf, reversed wo, reversed wi) for many pairs of every case. The reversed pair
+/// has the viewer at wi and the light from wo, in the viewer's own frame.
 template <typename Check>
 void for_reversed_pairs(const Check& check) {
   Random random(33);
@@ -168,7 +168,7 @@ TEST(BsdfSampling, ReverseDensityIsTheForwardOneOfTheReversedPair) {
                         const Vec3& ro, const Vec3& ri) {
     const float reverse = eval_pdf<true>(bsdf, wo, wi).pdf_reverse;
     const float forward = eval_pdf(reversed, ro, ri).pdf_forward;
-    // Normalising half vectors of nearly grazing pairs costs a few digits of a narrow lobe.
+    // Normalising the half vectors of nearly grazing pairs loses a few digits for a narrow lobe.
     ASSERT_NEAR(reverse, forward, 2e-3f * forward + 1e-6f) << c.name << " wo.z " << wo.z << " wi.z " << wi.z;
   });
 }

@@ -48,7 +48,7 @@ TEST(Dispersion, WeightsAreWhiteInTheMean) {
   for (int i = 0; i < kSteps; ++i) {
     const Rgb w = wavelength_weight(kShortestWavelength + static_cast<float>(i * kStepNm));
     EXPECT_NEAR(w.r + w.g + w.b, 3.0f, 1e-5f);
-    EXPECT_GT(min(w.r, min(w.g, w.b)), 5e-4f);  // throughput can be divided by it
+    EXPECT_GT(min(w.r, min(w.g, w.b)), 5e-4f);  // throughput can be divided by the weight
   }
 }
 
@@ -103,8 +103,8 @@ TEST(Dispersion, IsNoneWithoutParameterOrWavelength) {
   EXPECT_EQ(index_at(1.5f, 1000, 700), 1.0f) << "no medium is thinner than air";
 }
 
-/// Light that a smooth dispersive interface lets pass, weighted by its wavelength, and reflects: all of it in each
-/// channel. From inside, reflected light has the weight, too.
+/// Light transmitted, weighted by its wavelength, and reflected at a smooth dispersive interface. The sum is complete
+/// in each channel. From inside, reflected light has the weight, too.
 TEST(Dispersion, SmoothInterfacesLoseNoChannel) {
   constexpr float kIor = 1.7f;
   constexpr float kDispersion = 1;
@@ -126,7 +126,7 @@ TEST(Dispersion, SmoothInterfacesLoseNoChannel) {
         const Rgb without = front_face ? Rgb(1) : weight;
         return (without * reflected + weight * (1.0f - reflected)) * wavelength_pdf(nm);
       });
-      // Reflectance at normal incidence is that of the d line; further out it depends on the wavelength a little.
+      // Reflectance at normal incidence is that of the d line; at other angles it depends slightly on the wavelength.
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(total[c], 1.0, front_face ? 1e-3 : 1e-5) << cosine << ", channel " << c;
     }
   }

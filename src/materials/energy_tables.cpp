@@ -7,8 +7,8 @@
 namespace relume {
 namespace {
 
-constexpr int kPolar = 64;    // Gauss-Legendre points over the random number that chooses the polar angle
-constexpr int kAzimuth = 32;  // midpoints over half a turn; the other half mirrors it
+constexpr int kPolar = 64;    // Gauss-Legendre points over the random number of the polar angle
+constexpr int kAzimuth = 32;  // midpoints over half a turn; symmetry covers the other half
 
 struct Quadrature {
   float u[kPolar];  ///< 1 − random number
@@ -17,7 +17,7 @@ struct Quadrature {
   float sin_phi[kAzimuth];
 };
 
-/// Gauss-Legendre points on [0, 1] by Newton's method, squared: they crowd where 1 − u is small, in the tails of the
+/// Gauss-Legendre points on [0, 1] by Newton's method, squared. They are dense at small 1 − u, in the tails of the
 /// distributions, where light is lost below the horizon.
 Quadrature make_quadrature() {
   Quadrature q;
@@ -47,7 +47,7 @@ Quadrature make_quadrature() {
   return q;
 }
 
-/// Microfacet normals that one value of the polar number leads to, (x, ·, z) each, as Microfacet::sample makes them.
+/// Microfacet normals for one value of the polar number, (x, ·, z) each, as sampled by Microfacet::sample.
 struct Normals {
   float x[kAzimuth];
   float z[kAzimuth];
@@ -77,10 +77,10 @@ void sample_beckmann(const Quadrature& q, float u, float alpha, Normals& m) {
   }
 }
 
-/// The larger of the two; unlike std::fmax, compilers turn it into one vector instruction.
+/// Maximum of two numbers. Unlike std::fmax, it compiles to one vector instruction.
 float at_least(float x, float low) { return x > low ? x : low; }
 
-/// Microfacet::lambda as a function of tan²θ, without branches.
+/// Branch-free Microfacet::lambda as a function of tan²θ.
 float lambda_ggx(float alpha, float tan2) { return 0.5f * (std::sqrt(1.0f + alpha * alpha * tan2) - 1.0f); }
 float lambda_beckmann(float alpha, float tan2) {
   const float a = 1.0f / (alpha * std::sqrt(tan2));
@@ -88,9 +88,9 @@ float lambda_beckmann(float alpha, float tan2) {
   return a < kBeckmannLambdaEnd ? value : 0.0f;
 }
 
-/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, over the random numbers that sample the lobe: the
-/// mean of G2 / G1 for GGX, of G2 (wo·m) / (cos θo cos θm) for Beckmann. One pass over the azimuths at a time, in lanes
-/// that do not depend on each other.
+/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5. It is a mean over the random numbers that sample
+/// the lobe: of G2 / G1 for GGX, of G2 (wo·m) / (cos θo cos θm) for Beckmann. Each loop runs over the azimuths in
+/// independent lanes.
 template <MicrofacetModel kModel>
 Vec2 integrate(const Quadrature& q, float alpha, float cos_o) {
   constexpr bool kGgx = kModel == MicrofacetModel::ggx;
@@ -124,7 +124,7 @@ Vec2 integrate(const Quadrature& q, float alpha, float cos_o) {
     sum += total[k];
     grazing_sum += grazing[k];
   }
-  // Quadrature and the fit of Λ leave the albedo of a nearly smooth surface a little above one.
+  // Clamped: quadrature and the fit of Λ raise the albedo of nearly smooth surfaces slightly above one.
   return {static_cast<float>(std::fmin(sum / kAzimuth, 1.0)), static_cast<float>(grazing_sum / kAzimuth)};
 }
 
@@ -134,16 +134,16 @@ struct TableStorage {
   EnergyTable view() const { return {view_of(directional), view_of(average)}; }
 };
 
-/// 2 ∫ E(μ) μ dμ of the interpolated row, so that what the look-up returns is what is integrated.
+/// 2 ∫ E(μ) μ dμ of the interpolated row, so the integral matches look-ups.
 Vec2 average_of_row(const EnergyTable& table, float r) {
   constexpr int kSteps = 1024;
   double total = 0;
   double grazing = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const float s = (static_cast<float>(i) + 0.5f) / kSteps;  // μ = s², which resolves grazing angles
+    const float s = (static_cast<float>(i) + 0.5f) / kSteps;  // μ = s²: resolves grazing angles
     const EnergyShares shares = table.directional_shares(s * s, r);
     const double weight = 4.0 * s * s * s / kSteps;
-    total += (1.0 - shares.total) * weight;  // the small difference, lest it is rounded away
+    total += (1.0 - shares.total) * weight;  // sums the small difference to avoid rounding
     grazing += shares.grazing * weight;
   }
   return {static_cast<float>(1.0 - total), static_cast<float>(grazing)};

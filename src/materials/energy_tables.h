@@ -1,5 +1,5 @@
-// How much a microfacet surface reflects: directional albedo, tabulated over angle and roughness. What single
-// scattering loses is given back by a second lobe ([Kulla17]), and what a coat reflects is missing below it.
+// Directional albedo of microfacet surfaces, tabulated over angle and roughness. A second lobe returns the loss of
+// single scattering ([Kulla17]). The base below an interface receives the light that the interface does not reflect.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct EnergyTable {
   View<const Vec2> directional;  ///< kEnergyTableSize² entries (total, grazing)
   View<const Vec2> average;      ///< kEnergyTableSize entries: 2 ∫ (…) cos θ d cos θ
 
-  /// `r` = √α. Exact for smooth surfaces.
+  /// Shares of the albedo; `r` = √α. Exact for smooth surfaces.
   RELUME_HD EnergyShares directional_shares(float cos_theta, float r) const {
     if (r < energy_grid::kMinR) return {1.0f, pow5(saturate(1.0f - cos_theta))};
     const energy_grid::Cell x = energy_grid::cell(energy_grid::column_from_cosine(cos_theta, r), kEnergyTableSize);
@@ -45,24 +45,24 @@ struct EnergyTable {
 struct EnergyTables {
   EnergyTable ggx;
   EnergyTable beckmann;
-  AnisotropicEnergyTable anisotropic;  ///< empty unless asked for
-  SheenEnergyTable sheen;              ///< likewise
+  AnisotropicEnergyTable anisotropic;  ///< empty unless requested
+  SheenEnergyTable sheen;              ///< empty unless requested
 
   RELUME_HD const EnergyTable& of(MicrofacetModel model) const {
     return model == MicrofacetModel::ggx ? ggx : beckmann;
   }
 };
 
-/// The tables, integrated by quadrature once a process; thread-safe.
+/// The tables, integrated by quadrature once per process; thread-safe.
 const EnergyTables& energy_tables();
 
-/// Layers that have tables of their own.
+/// Layers with separate tables.
 struct LayerTables {
   bool anisotropic = true;
   bool sheen = true;
 };
 
-/// The same with those that `needed` names; the others are empty. Each is integrated where it is first needed.
+/// The same with the tables in `needed`; others are empty. Each is integrated on first use.
 const EnergyTables& layered_energy_tables(const LayerTables& needed = {});
 
 }  // namespace relume

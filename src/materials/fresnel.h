@@ -15,7 +15,7 @@ RELUME_HD inline Rgb fresnel_schlick(const Rgb& f0, const Rgb& f90, float cos_th
   return f0 + (f90 - f0) * pow5(saturate(1.0f - cos_theta));
 }
 
-/// Unpolarised reflectance of a dielectric. `cos_i` ≥ 0 on the incident side; `eta` = index of the far side over
+/// Unpolarised reflectance of a dielectric. `cos_i` ≥ 0 on the incident side; `eta`: index of the far side over that of
 /// the near side. 1 in total internal reflection.
 RELUME_HD inline float fresnel_dielectric(float cos_i, float eta) {
   const float sin2_t = (1.0f - cos_i * cos_i) / (eta * eta);
@@ -29,7 +29,7 @@ RELUME_HD inline float fresnel_dielectric(float cos_i, float eta) {
 /// Reflectance at normal incidence.
 RELUME_HD inline float f0_from_ior(float ior) { return sqr((ior - 1.0f) / (ior + 1.0f)); }
 
-/// Direction of the refracted ray for unit `wo` and unit `m` with wo·m > 0. False in total internal reflection.
+/// Direction of the refracted ray for unit `wo` and unit `m` with wo·m > 0. Returns false in total internal reflection.
 RELUME_HD inline bool refract(const Vec3& wo, const Vec3& m, float eta, Vec3* wi) {
   const float cos_o = glm::dot(wo, m);
   const float sin2_t = (1.0f - cos_o * cos_o) / (eta * eta);

@@ -1,4 +1,4 @@
-// White furnaces of the layers that make_layered_bsdf.h adds.
+// White furnaces of the layers from make_layered_bsdf.h.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -17,8 +17,8 @@ using testing::Mean;
 using testing::Random;
 using testing::white;
 
-constexpr double kWhite = 1e-3;             // what a white furnace may miss
-constexpr double kAnisotropicError = 0.03;  // where the tables of anisotropic surfaces are used
+constexpr double kWhite = 1e-3;             // tolerance of a white furnace
+constexpr double kAnisotropicError = 0.03;  // tolerance with the tables of anisotropic surfaces
 const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f};
 const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
 
@@ -39,7 +39,7 @@ TEST(LayeredEnergy, NoLayerCreatesLight) {
   }
 }
 
-/// The bound of AnisotropicEnergyTable, from both sides.
+/// Tests the bound of AnisotropicEnergyTable from both sides.
 TEST(LayeredEnergy, AnisotropicMetalIsNearlyWhite) {
   double sum = 0;
   int count = 0;
@@ -64,7 +64,7 @@ TEST(LayeredEnergy, AnisotropicMetalIsNearlyWhite) {
   EXPECT_LT(sum / count, 0.01);
 }
 
-/// Cloth over a white base returns no more than all, and loses little where the fibres take little.
+/// Cloth over a white base never returns more than all light, and loses little where the fibres absorb little.
 TEST(LayeredEnergy, SheenTakesWhatItReturnsFromTheBase) {
   for (const float sheen_roughness : {0.1f, 0.3f, 0.6f, 1.0f}) {
     MaterialCase cloth = white("cloth", 0, 0, false);
@@ -117,7 +117,7 @@ TEST(LayeredEnergy, DiffuseTransmissionScalesLikeRefraction) {
   }
 }
 
-/// From within a medium, what does not pass is reflected.
+/// From inside a medium, light that does not pass is reflected.
 TEST(LayeredEnergy, DiffuseTransmissionOutOfAMediumLosesNothing) {
   MaterialCase m = white("medium", 0, 0, true);
   m.sample.specular = 0;

@@ -1,4 +1,4 @@
-// Parameters that few materials have, kept apart from those that every hit reads; relume/scene.h documents them.
+// Parameters that few materials have, stored apart from those read at every hit. relume/scene.h documents them.
 #pragma once
 
 #include "core/vec.h"
@@ -28,14 +28,13 @@ struct LayerData {
   TextureUse diffuse_transmission_color_texture;
   TextureUse clearcoat_normal_texture;
 
-  bool coat_has_normal = false;  ///< the clearcoat has normals of its own
+  bool coat_has_normal = false;  ///< the clearcoat has separate normals
 };
 
-/// The parameters at one point, textures applied, and the directions that they need in the frame of the point.
+/// The parameters at one point with textures applied, and their directions in the frame of the point.
 struct LayerSample {
   float anisotropy = 0;
-  Vec2 anisotropy_direction{1,
-                            0};  ///< from sample_layers(): in the plane of tangent and bitangent; later: of the frame
+  Vec2 anisotropy_direction{1, 0};  ///< along tangent and bitangent from sample_layers(); later in the frame
   Rgb sheen_color{0};
   float sheen_roughness = 0;
   float iridescence = 0;
@@ -47,7 +46,7 @@ struct LayerSample {
   Vec3 coat_normal{0, 0, 1};  ///< unit, if coat_has_normal
 };
 
-/// `fetch(use)` looks a texture up at that point.
+/// `fetch(use)` samples a texture at that point.
 template <typename Fetch>
 RELUME_HD inline LayerSample sample_layers(const LayerData& d, const Fetch& fetch) {
   LayerSample s;

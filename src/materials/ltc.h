@@ -1,5 +1,5 @@
-// Linearly transformed cosines: lobes whose integral over a polygon has a closed form ([Heitz16]). relume uses them to
-// judge which light matters, never for shading.
+// Linearly transformed cosines: lobes with closed-form integrals over polygons ([Heitz16]). relume uses them to
+// estimate the importance of lights, never for shading.
 #pragma once
 
 #include "core/lanes.h"
@@ -10,7 +10,7 @@ namespace relume {
 
 inline constexpr uint32_t kLtcTableSize = 24;
 
-/// Inverse transform of a lobe in the frame whose x-z plane holds the viewer: rows (a 0 b), (0 c 0), (d 0 1).
+/// Inverse transform of a lobe, in the frame whose x-z plane contains the viewer: rows (a 0 b), (0 c 0), (d 0 1).
 struct LtcMatrix {
   float a = 1;
   float b = 0;
@@ -20,15 +20,15 @@ struct LtcMatrix {
   RELUME_HD float determinant() const { return c * (a - b * d); }
 };
 
-/// Fits to GGX reflection with height-correlated masking and F = 1, divided by its albedo. Columns go with
-/// √(1 − cos θ) of the viewer, rows with r = √α from kLtcMinR to 1.
+/// Fits to GGX reflection with height-correlated masking and F = 1, divided by its albedo. Columns are over
+/// √(1 − cos θ) of the viewer, rows over r = √α from kLtcMinR to 1.
 struct LtcTable {
   View<const LtcMatrix> entries;
 
   RELUME_HD LtcMatrix at(float cos_theta, float r) const;
 };
 
-inline constexpr float kLtcMinR = 0.1f;  ///< rougher lobes stand in for smoother ones
+inline constexpr float kLtcMinR = 0.1f;  ///< also used for smoother lobes
 
 RELUME_HD inline LtcMatrix LtcTable::at(float cos_theta, float r) const {
   constexpr float kLast = static_cast<float>(kLtcTableSize - 1);
@@ -47,7 +47,7 @@ RELUME_HD inline LtcMatrix LtcTable::at(float cos_theta, float r) const {
   return {mix(&LtcMatrix::a), mix(&LtcMatrix::b), mix(&LtcMatrix::c), mix(&LtcMatrix::d)};
 }
 
-/// The table in the program.
+/// The built-in table.
 LtcTable ltc_table();
 
 /// Density per solid angle of the transformed cosine in direction `w` (local, x-z plane through the viewer).
@@ -58,7 +58,7 @@ RELUME_HD inline float ltc_pdf(const LtcMatrix& m, const Vec3& w) {
   return kInvPi * std::fabs(m.determinant()) * q.z / (length2 * length2);
 }
 
-/// Three numbers of type T, float or lanes of them.
+/// Three numbers of type T: float or SIMD lanes.
 template <typename T>
 struct Triple {
   T x, y, z;
@@ -78,8 +78,8 @@ RELUME_HD inline Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
 
 namespace ltc {
 
-/// The z component of ∫ over one edge of a polygon seen from the origin: its angle times the unit normal of its plane
-/// (Lambert's formula). acos by [Abramowitz64, 4.4.45], in a form that needs no special case at small angles.
+/// z component of the integral over one polygon edge seen from the origin: its angle times the unit normal of its plane
+/// (Lambert's formula). acos follows [Abramowitz64, 4.4.45], in a form without a special case at small angles.
 template <typename T>
 RELUME_HD inline T edge_integral(const Triple<T>& a, const Triple<T>& b) {
   const T scale = T(1.0f) / square_root(max(dot(a, a) * dot(b, b), T(1e-30f)));
@@ -97,20 +97,18 @@ RELUME_HD inline Triple<T> select(const MaskOf<T>& condition, const Triple<T>& y
           relume::select(condition, yes.z, no.z)};
 }
 
-/// Triangles that are seen under less than the root of this (radians) count as points: their outline's integral would
-/// be lost in rounding.
+/// Triangles seen under less than the root of this (radians) count as points: rounding dominates their integral.
 inline constexpr float kSmallTriangle = 4e-4f;
 
-/// Form factor of the triangle v0 v1 v2 for a receiver at the origin that faces +Z: ∫ cos θ / π dω over what lies above
-/// the horizon.
+/// Form factor of the triangle v0 v1 v2 for a receiver at the origin facing +Z: ∫ cos θ / π dω above the horizon.
 template <typename T>
 RELUME_HD inline T form_factor(const Triple<T>& v0, const Triple<T>& v1, const Triple<T>& v2) {
   using Mask = MaskOf<T>;
   const T zero(0.0f);
   const Triple<T> v[4] = {v0, v1, v2, v0};
   T sum = zero;
-  Triple<T> leaves{zero, zero, zero};   // where the outline goes below the horizon
-  Triple<T> returns{zero, zero, zero};  // and comes back
+  Triple<T> leaves{zero, zero, zero};   // crossing to below the horizon
+  Triple<T> returns{zero, zero, zero};  // crossing back above it
   Mask cut = zero > zero;               // NOLINT(misc-redundant-expression): false in every lane
   for (int i = 0; i < 3; ++i) {
     const Triple<T>& a = v[i];

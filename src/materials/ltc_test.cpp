@@ -11,15 +11,15 @@ namespace {
 
 Triple<float> triple(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// ∫ cos θ / π dω over the triangle's part above the horizon, by points on the triangle.
+/// ∫ cos θ / π dω over the part of the triangle above the horizon, from points on the triangle.
 double form_factor_by_points(const Vec3& v0, const Vec3& v1, const Vec3& v2, int n) {
   const glm::dvec3 a(v0);
   const glm::dvec3 e1 = glm::dvec3(v1) - a;
   const glm::dvec3 e2 = glm::dvec3(v2) - a;
-  const glm::dvec3 normal = glm::cross(e1, e2);  // twice the area
+  const glm::dvec3 normal = glm::cross(e1, e2);  // length is twice the area
   double sum = 0;
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < 2 * i + 1; ++j) {  // n² small triangles of equal area, by their centres
+    for (int j = 0; j < 2 * i + 1; ++j) {  // centres of n² small triangles of equal area
       const double s = (j / 2 + (j % 2 == 0 ? 1.0 / 3 : 2.0 / 3)) / n;
       const double t = (i - j / 2 + (j % 2 == 0 ? 1.0 / 3 : -1.0 / 3)) / n;
       const glm::dvec3 p = a + s * e1 + t * e2;
@@ -39,7 +39,7 @@ TEST(Ltc, FormFactorIsTheIntegralOfTheCosine) {
     const bool above = v[0].z > 0;
     clipped += (v[1].z > 0) != above || (v[2].z > 0) != above;
     const double expected = form_factor_by_points(v[0], v[1], v[2], 300);
-    // The points resolve an edge at the horizon to about a part in 300 of its length.
+    // The points resolve an edge at the horizon to about 1/300 of its length.
     EXPECT_NEAR(ltc::form_factor(triple(v[0]), triple(v[1]), triple(v[2])), expected, 2e-4 + 2e-3 * expected) << i;
   }
   EXPECT_GE(clipped, 40);
@@ -56,7 +56,7 @@ TEST(Ltc, FormFactorStaysExactForSmallTriangles) {
 }
 
 TEST(Ltc, FormFactorOfHalfTheWorldIsOne) {
-  // A large triangle close above covers nearly the whole hemisphere; below the horizon there is nothing.
+  // A large triangle close above covers nearly the whole hemisphere; one below the horizon contributes nothing.
   EXPECT_NEAR(ltc::form_factor<float>({-1e4f, -1e4f, 1}, {2e4f, -1e4f, 1}, {-1e4f, 2e4f, 1}), 1.0f, 1e-3f);
   EXPECT_EQ(ltc::form_factor<float>({-1, -1, -1}, {2, -1, -1}, {-1, 2, -1}), 0.0f);
 }
@@ -72,7 +72,7 @@ TEST(Ltc, DensityOfEveryEntryIntegratesToOne) {
   }
 }
 
-/// Half of ∫ |f − g| over directions: the share of samples that one density would have to move to become the other.
+/// Half of ∫ |f − g| over directions: the share of samples to move to turn one density into the other.
 double distance(float cos_theta, float r) {
   const Microfacet ggx{MicrofacetModel::ggx, r * r};
   const LtcMatrix m = ltc_table().at(cos_theta, r);
@@ -91,7 +91,7 @@ double distance(float cos_theta, float r) {
 }
 
 TEST(Ltc, TableFollowsTheReflectionOfGgx) {
-  // No transformed cosine is GGX: a tenth has to move at best. At grazing angles up to a third does ([Heitz16], §3.4).
+  // No transformed cosine is GGX: the distance is at least a tenth. At grazing angles: up to a third ([Heitz16], §3.4).
   for (const float r : {0.2f, 0.35f, 0.6f, 0.9f}) {
     EXPECT_LT(distance(0.99f, r), 0.15) << r;
     EXPECT_LT(distance(0.6f, r), 0.2) << r;

@@ -1,4 +1,4 @@
-// From glTF's parameters to lobes: metallic-roughness, specular, transmission, clearcoat.
+// Converts glTF parameters to lobes: metallic-roughness, specular, transmission, clearcoat.
 #pragma once
 
 #include "materials/bsdf.h"
@@ -17,8 +17,8 @@ RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfac
   return lobe;
 }
 
-/// Below this mean share of light multiple scattering is left out. So small because at grazing angles a
-/// hundred times the mean is missing.
+/// Multiple scattering below this mean share of light is omitted. The limit is small because at grazing angles the loss
+/// is a hundred times the mean.
 inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 
 RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
@@ -37,8 +37,8 @@ RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90,
   return lobe;
 }
 
-/// Multiple scattering between the microfacets of a metal. `average`: mean albedo of single scattering for F = 1. Null
-/// where that is negligible.
+/// Adds multiple scattering between the microfacets of a metal. `average`: mean albedo of single scattering for F = 1.
+/// Returns nullptr if it is negligible.
 RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float metallic, float average,
                                                const Microfacet& microfacet) {
   const Rgb color = multiple_reflection::color(f0, Rgb(1), average) * metallic;
@@ -48,10 +48,10 @@ RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float 
   return &lobe;
 }
 
-/// Whether refraction bends light visibly. Where it does not, microfacets do nothing, and half vectors are rounding.
+/// Whether refraction bends light visibly. Otherwise microfacets have no effect, and half vectors are rounding errors.
 RELUME_HD inline bool bends(float ior) { return std::fabs(ior - 1.0f) > 1e-3f; }
 
-/// Index beyond the surface over that on the viewer's side, of a material with a volume.
+/// Index beyond the surface over that on the viewer's side, for a material with a volume.
 RELUME_HD inline float relative_index(float ior, bool front_face) { return front_face ? ior : 1.0f / ior; }
 
 RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
@@ -69,11 +69,11 @@ RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, con
   return lobe;
 }
 
-/// How the interface over the base divides light between what lies below it.
+/// Shares of the light between the bases under the interface.
 struct BaseShares {
   float transparent;
   float diffuse;
-  float interface_share;  ///< of the dielectric reflection: a refracting interface brings its own
+  float interface_share;  ///< of the dielectric reflection; a refracting interface has its own reflection
   Rgb dielectric_f0;
   Rgb dielectric_f90;
 };
@@ -82,13 +82,13 @@ RELUME_HD inline BaseShares base_shares(const MaterialSample& m, const MaterialD
   BaseShares b;
   b.transparent = (1.0f - m.metallic) * m.transmission;
   b.diffuse = (1.0f - m.metallic) * (1.0f - m.transmission);
-  b.interface_share = material.volume ? b.diffuse : 1.0f - m.metallic;  // a thin wall shares the opaque part's
+  b.interface_share = material.volume ? b.diffuse : 1.0f - m.metallic;  // thin walls share the opaque part's
   b.dielectric_f0 = glm::min(f0_from_ior(material.ior) * m.specular_color, Rgb(1)) * m.specular;
   b.dielectric_f90 = Rgb(m.specular);
   return b;
 }
 
-/// Whether nothing lies over or mixes with the diffuse base.
+/// Whether the diffuse base is uncovered and unmixed.
 RELUME_HD inline bool is_bare(const MaterialSample& m) {
   return m.specular == 0.0f && m.metallic == 0.0f && m.transmission == 0.0f && m.clearcoat == 0.0f;
 }
@@ -126,10 +126,10 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
 
 }  // namespace bsdf_assembly
 
-/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base
-/// or, by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base
-/// colour. Light is refracted with the index of `m`; the reflectance at normal incidence is that of `material`, the
-/// same at all wavelengths.
+/// Builds the lobes of a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a
+/// diffuse base or, by the share `transmission`, over a transparent one. Metallic blends towards a metal whose F0 is
+/// the base colour. Refraction uses the index of `m`. Reflectance at normal incidence is that of `material`, the same
+/// at all wavelengths.
 RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
                                 const EnergyTables& tables, float cos_theta_o, bool front_face) {
   using namespace bsdf_assembly;

@@ -1,5 +1,5 @@
-// From glTF's parameters to lobes where a material has more layers than make_bsdf.h knows: sheen, an iridescent film,
-// anisotropic microfacets, diffuse transmission, a clearcoat with its own normal.
+// Converts glTF parameters to lobes for materials with layers beyond make_bsdf.h: sheen, an iridescent film,
+// anisotropic microfacets, diffuse transmission, a clearcoat with separate normals.
 #pragma once
 
 #include "materials/layers.h"
@@ -18,8 +18,8 @@ RELUME_HD inline void add_sheen(Bsdf& bsdf, const LayerSample& l) {
   bsdf.sheen = max_component(l.sheen_color);
 }
 
-/// Fills bsdf.detail.anisotropy (KHR_materials_anisotropy: α along the tangent goes to 1 with the square of the
-/// strength). Returns the microfacets whose width is the geometric mean of both; `plain` without anisotropy.
+/// Fills bsdf.detail.anisotropy (KHR_materials_anisotropy: α along the tangent approaches 1 with the square of the
+/// strength). Returns microfacets with the geometric mean of both widths; `plain` without anisotropy.
 RELUME_HD inline Microfacet fill_anisotropy(Bsdf& bsdf, const LayerSample& l, const Microfacet& plain) {
   if (!(l.anisotropy > 0.0f)) return plain;
   AnisotropicGgx& mf = bsdf.detail.anisotropy;
@@ -38,7 +38,7 @@ struct LayeredBase {
   const BaseShares shares;
   const Microfacet microfacet;
   const bool anisotropic;
-  Rgb f0[2];  ///< of the dielectric and of the metal, as albedos see them
+  Rgb f0[2];  ///< of dielectric and metal, for albedos
   Rgb f90;    ///< of the dielectric
   bool film;
 
@@ -91,8 +91,8 @@ struct LayeredBase {
 
 }  // namespace bsdf_assembly
 
-/// As make_bsdf(), with `l` in addition; `tables` are layered_energy_tables() with those of the material's layers.
-/// Transmission through rough interfaces is isotropic.
+/// As make_bsdf(), with the additional layers of `l`. `tables`: layered_energy_tables() with those of the material's
+/// layers. Transmission through rough interfaces is isotropic.
 RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, const LayerSample& l,
                                         const MaterialData& material, const EnergyTables& tables, float cos_theta_o,
                                         bool front_face) {

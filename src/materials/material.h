@@ -1,4 +1,4 @@
-// Materials as kernels see them; relume/scene.h documents the meaning of each parameter.
+// Materials for kernels; relume/scene.h documents each parameter.
 #pragma once
 
 #include "materials/dispersion.h"
@@ -18,8 +18,8 @@ struct MaterialData {
   float alpha_cutoff = 0.5f;
   Rgb specular_color{1};
   float specular = 1;
-  float ior = 1.5f;      ///< at the line d
-  float dispersion = 0;  ///< 20 over the Abbe number; 0 where nothing is refracted
+  float ior = 1.5f;      ///< at the d line
+  float dispersion = 0;  ///< 20 over the Abbe number; 0 without refraction
   float transmission = 0;
   Rgb absorption{0};  ///< per metre, inside
   float clearcoat = 0;
@@ -39,36 +39,36 @@ struct MaterialData {
   bool mask = false;   ///< covered where alpha ≥ alpha_cutoff
   bool blend = false;  ///< covered with probability alpha
   bool double_sided = false;
-  bool cull_back_faces = false;  ///< the camera sees through the back; never of a volume
+  bool cull_back_faces = false;  ///< the camera sees through backs; never set with a volume
   bool unlit = false;
-  bool volume = false;   ///< the surface bounds a medium: refraction and absorption
-  bool uses_uv = false;  ///< any texture at all
+  bool volume = false;   ///< whether the surface bounds a medium with refraction and absorption
+  bool uses_uv = false;  ///< whether any texture is used
   int32_t layers = -1;   ///< index into SceneView::layers; −1: none
 
   RELUME_HD bool emissive() const { return !unlit && !is_black(emission); }
   RELUME_HD bool has_alpha() const { return mask || blend; }
 };
 
-/// Share of emission that a smooth clearcoat over it lets through at `cos_theta` to the geometric normal
-/// (KHR_materials_clearcoat). Lights and the paths that meet them both use it, with the same `clearcoat`.
+/// Transmittance of a smooth clearcoat for the emission below it, at `cos_theta` to the geometric normal
+/// (KHR_materials_clearcoat). Light sampling and paths that hit the emitter both use it, with the same `clearcoat`.
 RELUME_HD inline float emission_below_coat(float clearcoat, float cos_theta) {
   return 1.0f - clearcoat * (0.04f + 0.96f * pow5(saturate(1.0f - std::fabs(cos_theta))));
 }
 
-/// A material's parameters at one point, textures applied.
+/// Parameters of a material at one point, with textures applied.
 struct MaterialSample {
   Rgb base_color{1};
   float metallic = 0;
   float roughness = 1;
   float specular = 1;
   Rgb specular_color{1};
-  float ior = 1.5f;  ///< at the wavelength of the path
+  float ior = 1.5f;  ///< at the path's wavelength
   float transmission = 0;
   float clearcoat = 0;
   float clearcoat_roughness = 0;
 };
 
-/// `fetch(use)` looks a texture up at that point. `wavelength_nm`: of the path, or kNoWavelength.
+/// `fetch(use)` samples a texture at that point. `wavelength_nm`: of the path, or kNoWavelength.
 template <typename Fetch>
 RELUME_HD_INLINE MaterialSample sample_material(const MaterialData& m, float wavelength_nm, const Fetch& fetch) {
   MaterialSample s;

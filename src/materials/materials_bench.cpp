@@ -7,7 +7,7 @@ namespace {
 
 using testing::MaterialCase;
 
-/// Materials that scenes are made of, by index.
+/// Common materials, by index.
 MaterialCase common_material(int64_t i) {
   const char* names[] = {"diffuse", "plastic", "metal", "glass", "thin wall", "coated plastic"};
   for (const MaterialCase& m : testing::material_list()) {

@@ -1,5 +1,5 @@
-// Isotropic microfacet distributions in the local frame (+Z is the macroscopic normal): GGX with visible normals,
-// Beckmann; height-correlated Smith masking-shadowing ([Heitz14]).
+// Isotropic microfacet distributions in the local frame (+Z is the macroscopic normal): GGX with visible normals and
+// Beckmann, both with height-correlated Smith masking-shadowing ([Heitz14]).
 #pragma once
 
 #include "core/vec.h"
@@ -8,11 +8,11 @@
 
 namespace relume {
 
-/// Below this α a surface is treated as perfectly smooth: lobes become delta lobes.
+/// Surfaces of lower α are perfectly smooth, with delta lobes.
 inline constexpr float kMinAlpha = 1e-3f;
 
-/// Where the fit of Beckmann's Λ reaches zero, as a function of 1/(α tan θ). [Walter07] ends it at 1.6, beyond that
-/// root, and lets it dip below zero in between.
+/// Root of the fit of Beckmann's Λ as a function of 1/(α tan θ). [Walter07] ends the fit at 1.6, beyond the root, where
+/// Λ is slightly negative.
 inline constexpr float kBeckmannLambdaEnd = 1.548f;
 
 struct Microfacet {
@@ -42,23 +42,23 @@ struct Microfacet {
   }
 
   RELUME_HD float g1(const Vec3& w) const { return 1.0f / (1.0f + lambda(w)); }
-  /// Height-correlated, both directions on the same side.
+  /// Height-correlated masking-shadowing of two directions on the same side.
   RELUME_HD float g2(const Vec3& wo, const Vec3& wi) const { return 1.0f / (1.0f + lambda(wo) + lambda(wi)); }
 
-  /// A normal for `wo` (z > 0): visible normals for GGX ([Dupuy23]), all normals for Beckmann.
+  /// Samples a normal for `wo` (z > 0): visible normals for GGX ([Dupuy23]), all normals for Beckmann.
   RELUME_HD Vec3 sample(const Vec3& wo, const Vec2& u) const {
     return model == MicrofacetModel::ggx ? sample_ggx(wo, u) : sample_beckmann(u);
   }
 
-  /// pdf_w of sample().
+  /// Density of sample(), per solid angle.
   RELUME_HD float pdf(const Vec3& wo, const Vec3& m) const {
     if (model == MicrofacetModel::ggx) return g1(wo) * relume::max(0.0f, glm::dot(wo, m)) * d(m) / wo.z;
     return d(m) * m.z;
   }
 
  private:
-  /// Visible normals of GGX are those of a hemisphere seen from the stretched direction; there they are the half
-  /// vectors towards a uniformly sampled spherical cap.
+  /// Visible normals of GGX are those of a hemisphere seen from the stretched direction. There they are half vectors
+  /// towards a uniformly sampled spherical cap.
   RELUME_HD Vec3 sample_ggx(const Vec3& wo, const Vec2& u) const {
     const Vec3 wo_std = glm::normalize(Vec3(wo.x * alpha, wo.y * alpha, wo.z));
     const float phi = 2.0f * kPi * u.x;
@@ -71,7 +71,7 @@ struct Microfacet {
   RELUME_HD Vec3 sample_beckmann(const Vec2& u) const {
     const float tan2 = -alpha * alpha * std::log(1.0f - u.y);
     const float z = 1.0f / std::sqrt(1.0f + tan2);
-    const float r = z * std::sqrt(tan2);  // 1 − z² would cancel for small α
+    const float r = z * std::sqrt(tan2);  // 1 − z² cancels at small α
     const float phi = 2.0f * kPi * u.x;
     return {r * std::cos(phi), r * std::sin(phi), z};
   }

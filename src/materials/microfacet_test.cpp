@@ -40,7 +40,7 @@ TEST(Microfacet, ProjectedNormalsCoverTheSurface) {
 }
 
 TEST(Microfacet, VisibleNormalsProjectToTheViewer) {
-  // ∫ G1 ⟨wo, m⟩ D dm = cos θo ([Heitz14], eq. 14). Beckmann's Λ is a fit that is off by up to 0.4 %.
+  // ∫ G1 ⟨wo, m⟩ D dm = cos θo ([Heitz14], eq. 14). The fit of Beckmann's Λ is off by up to 0.4 %.
   for (const Microfacet& mf : distributions()) {
     for (const float cos_o : {0.95f, 0.5f, 0.1f}) {
       const Vec3 wo = testing::viewer(cos_o);
@@ -85,7 +85,7 @@ TEST(Microfacet, MaskingStaysBetweenZeroAndOne) {
       const float g2 = mf.g2(wo, wi);
       ASSERT_GE(g2, 0.0f);
       ASSERT_LE(g2, std::fmin(mf.g1(wo), mf.g1(wi)));
-      ASSERT_GE(g2, mf.g1(wo) * mf.g1(wi) - 1e-6f);  // correlated heights hide less
+      ASSERT_GE(g2, mf.g1(wo) * mf.g1(wi) - 1e-6f);  // correlated heights mask less
     }
     for (int i = 0; i < 1000; ++i) {
       const float angle = (static_cast<float>(i) + 0.5f) / 1000 * 0.5f * kPi;
@@ -101,8 +101,8 @@ TEST(Fresnel, MatchesKnownValues) {
   EXPECT_NEAR(fresnel_dielectric(1.0f, 1.0f / 1.5f), 0.04f, 1e-6f);
   EXPECT_NEAR(f0_from_ior(1.5f), 0.04f, 1e-7f);
   EXPECT_NEAR(fresnel_dielectric(0.0f, 1.5f), 1.0f, 1e-6f);
-  // 60° on n = 1.5: sin² t = 1/3 by Snell, so cos t = √(2/3); rs = (cos i − n cos t)/(cos i + n cos t), rp = (n cos i −
-  // cos t)/(…).
+  // 60° on n = 1.5: sin² t = 1/3 by Snell, so cos t = √(2/3).
+  // rs = (cos i − n cos t)/(cos i + n cos t), rp = (n cos i − cos t)/(n cos i + cos t).
   const double root = std::sqrt(2.0 / 3.0);
   const double rs = (0.5 - 1.5 * root) / (0.5 + 1.5 * root);
   const double rp = (0.75 - root) / (0.75 + root);
@@ -110,7 +110,7 @@ TEST(Fresnel, MatchesKnownValues) {
 }
 
 TEST(Fresnel, ParallelLightVanishesAtBrewstersAngle) {
-  // tan θB = n: only the perpendicular part is left, ((1 − n²)/(1 + n²))² of it.
+  // tan θB = n: only the perpendicular part is reflected, by ((1 − n²)/(1 + n²))².
   for (const double n : {1.33, 1.5, 2.4}) {
     const double perpendicular = std::pow((1.0 - n * n) / (1.0 + n * n), 2);
     const auto cos_b = static_cast<float>(1.0 / std::sqrt(1.0 + n * n));
@@ -134,7 +134,7 @@ TEST(Fresnel, IsTheSameFromBothSides) {
     Vec3 wi;
     ASSERT_TRUE(refract(testing::viewer(cos_o), Vec3(0, 0, 1), 1.5f, &wi));
     EXPECT_NEAR(glm::length(wi), 1.0f, 1e-6f);
-    EXPECT_NEAR(std::hypot(wi.x, wi.y) * 1.5f, safe_sqrt(1.0f - cos_o * cos_o), 1e-6f);  // Snell
+    EXPECT_NEAR(std::hypot(wi.x, wi.y) * 1.5f, safe_sqrt(1.0f - cos_o * cos_o), 1e-6f);  // Snell's law
     EXPECT_NEAR(fresnel_dielectric(cos_o, 1.5f), fresnel_dielectric(-wi.z, 1.0f / 1.5f), 1e-5f);
   }
 }
@@ -155,7 +155,7 @@ TEST(EnergyTables, LookUpsMatchQuadrature) {
         double grazing = 0;
         constexpr int kPoints = 200;
         for (int i = 0; i < kPoints * kPoints; ++i) {
-          // Squared, so that points crowd in the tail.
+          // Squared: dense points in the tail.
           const double t = (i / kPoints + 0.5) / kPoints;
           const Vec3 m =
               mf.sample(wo, {static_cast<float>((i % kPoints + 0.5) / kPoints), static_cast<float>(1.0 - t * t)});

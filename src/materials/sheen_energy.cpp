@@ -8,10 +8,10 @@
 namespace relume {
 namespace {
 
-/// ∫ f cos θi over the hemisphere, by midpoints that crowd at the horizon.
+/// ∫ f cos θi over the hemisphere, by midpoints that are dense at the horizon.
 float integrate(float cos_o, float alpha) {
   constexpr int kPolar = 96;
-  constexpr int kAzimuth = 48;  // over half a turn; the other half mirrors it
+  constexpr int kAzimuth = 48;  // over half a turn; symmetry covers the other half
   const float sin_o = safe_sqrt(1.0f - cos_o * cos_o);
   double sum = 0;
   for (int i = 0; i < kPolar; ++i) {

@@ -1,4 +1,4 @@
-// The sheen of cloth: distribution and masking of upright fibres ([Estevez17], KHR_materials_sheen), and its albedo.
+// Sheen of cloth: distribution and masking of upright fibres ([Estevez17], KHR_materials_sheen), and its albedo.
 #pragma once
 
 #include "core/view.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Smaller α are raised to this, whose fibres glow within 1° of the horizon only.
+/// Lower bound of α; smaller values are raised to it. Such fibres are bright within 1° of the horizon only.
 inline constexpr float kMinSheenAlpha = 1e-4f;
 
 namespace sheen {
@@ -39,7 +39,7 @@ RELUME_HD inline float value(float cos_m, float cos_o, float cos_i, float alpha)
 inline constexpr uint32_t kTableSize = 48;
 inline constexpr float kFirstRow = 0.1f;  ///< fourth root of kMinSheenAlpha
 
-/// Rows lie over the fourth root of α.
+/// Table row: linear in the fourth root of α.
 RELUME_HD inline float row_from_alpha(float alpha) {
   return (std::sqrt(std::sqrt(alpha)) - kFirstRow) * (1.0f / (1.0f - kFirstRow));
 }
@@ -47,8 +47,8 @@ RELUME_HD inline float alpha_from_row(float y) { return sqr(sqr(lerp(kFirstRow, 
 
 }  // namespace sheen
 
-/// Directional albedo of white fibres; above 1 where thin ones are seen edge-on. Look-ups are within 5e-3 of it, below
-/// α = 0.001 within 0.01 where it is less than 1/2, and within 8 % beyond.
+/// Directional albedo of white fibres; above 1 for thin ones seen edge-on. Look-ups are within 5e-3 of it. Below α =
+/// 0.001 they are within 0.01 for albedos below 1/2, and within 8 % above.
 struct SheenEnergyTable {
   View<const float> albedo;  ///< kTableSize² entries over rows and √cos θ; empty: not built
 
@@ -63,7 +63,7 @@ struct SheenEnergyTable {
   }
 };
 
-/// The table, integrated once a process; thread-safe.
+/// The table, integrated once per process; thread-safe.
 SheenEnergyTable sheen_energy_table();
 
 }  // namespace relume

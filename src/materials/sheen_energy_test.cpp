@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-/// ∫ f cos over the hemisphere with other points than the table's.
+/// ∫ f cos over the hemisphere, at points other than those of the table.
 double albedo(float cos_o, float alpha) {
   constexpr int kPolar = 400;
   constexpr int kAzimuth = 200;
@@ -28,7 +28,7 @@ double albedo(float cos_o, float alpha) {
   return sum;
 }
 
-/// Against [Estevez17], eq. 2, §3 and table 1, evaluated apart in double precision.
+/// Reference: [Estevez17], eq. 2, §3 and table 1, evaluated separately in double precision.
 TEST(SheenEnergy, ValuesAreThoseOfThePaper) {
   struct Case {
     float alpha, cos_o, cos_i, cos_m;
@@ -51,7 +51,7 @@ TEST(SheenEnergy, LookUpsMatchQuadrature) {
   }
 }
 
-/// Fibres of very small α glow only within 1° of the horizon, so the table is coarser there.
+/// Fibres of very small α are bright only within 1° of the horizon, so the table is coarser for them.
 TEST(SheenEnergy, ThinFibresMatchQuadrature) {
   const SheenEnergyTable table = sheen_energy_table();
   for (const float alpha : {kMinSheenAlpha, 3e-4f, 8e-4f}) {

@@ -1,4 +1,4 @@
-// Texture look-up: tiled texels, mip levels, a level chosen stochastically between the two nearest.
+// Texture look-up: tiled texels, mip levels, stochastic choice between the two nearest levels.
 #pragma once
 
 #include "core/hash.h"
@@ -8,8 +8,8 @@
 
 namespace relume {
 
-/// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does,
-/// between the sRGB codes and always at full resolution; that darkens busy textures.
+/// Interpolation of textures. `linear`: after decoding, as in glTF, with mip levels. `encoded`: as in Cycles, between
+/// sRGB codes and at full resolution; it darkens textures with fine detail.
 enum class TextureFilter : int { linear, encoded };
 
 inline constexpr uint32_t kMaxMipLevels = 16;
@@ -24,7 +24,7 @@ struct UvTransform {
   RELUME_HD float area_scale() const { return std::fabs(m00 * m11 - m01 * m10); }
 };
 
-/// One texture. Texels lie in 4 × 4 blocks, so that a bilinear look-up mostly stays in one cache line.
+/// One texture. Texels are stored in 4 × 4 blocks, to keep most bilinear look-ups within one cache line.
 struct TextureView {
   const void* texels = nullptr;
   const float* srgb_table = nullptr;          ///< linear value of each 8-bit sRGB code
@@ -36,12 +36,12 @@ struct TextureView {
   WrapMode wrap_u = WrapMode::repeat;
   WrapMode wrap_v = WrapMode::repeat;
   bool nearest = false;
-  bool encoded = false;  ///< TextureFilter::encoded applies
+  bool encoded = false;  ///< whether TextureFilter::encoded applies
 
   RELUME_HD int level_width(int level) const { return width >> level > 1 ? width >> level : 1; }
   RELUME_HD int level_height(int level) const { return height >> level > 1 ? height >> level : 1; }
 
-  /// Texel of a level, linear RGBA. Coordinates in range.
+  /// Texel of a level, linear RGBA. Coordinates must be in range.
   RELUME_HD Vec4 texel(int level, int x, int y) const {
     const Vec4 stored = stored_texel(level, x, y);
     return encoded ? decode(stored) : stored;
@@ -68,8 +68,8 @@ struct TextureView {
     return encoded ? decode(value) : value;
   }
 
-  /// Look-up with a footprint of `lod` = log2(texels) at level 0. The level is dithered by a hash of the coordinates,
-  /// whose mean is the trilinear value.
+  /// Look-up with a footprint of `lod` = log2(texels) at level 0. A hash of the coordinates dithers the level, with the
+  /// trilinear value as expectation.
   RELUME_HD Vec4 sample(const Vec2& uv, float lod) const {
     if (!(lod > 0.0f)) return sample_level(uv, 0);
     const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
@@ -78,7 +78,7 @@ struct TextureView {
   }
 
  private:
-  /// Texel as it takes part in interpolation: linear, or sRGB codes in [0, 1] if `encoded`.
+  /// Texel as used by interpolation: linear, or sRGB codes in [0, 1] if `encoded`.
   RELUME_HD Vec4 stored_texel(int level, int x, int y) const {
     const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
     const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
@@ -94,7 +94,7 @@ struct TextureView {
             alpha};
   }
 
-  /// Linear value of a colour of sRGB codes, between two of them by interpolation of the table.
+  /// Linear value of a colour of sRGB codes; interpolates the table between codes.
   RELUME_HD Vec4 decode(const Vec4& c) const {
     Vec4 linear = c;
     for (int k = 0; k < 3; ++k) {
@@ -105,7 +105,7 @@ struct TextureView {
     return linear;
   }
 
-  /// To [0, 1]; mirror folds.
+  /// Maps a coordinate to [0, 1]; mirror mode folds it.
   RELUME_HD static float wrap_coordinate(float x, WrapMode wrap) {
     if (!is_finite(x)) return 0.0f;
     if (wrap == WrapMode::clamp) return saturate(x);
@@ -114,7 +114,7 @@ struct TextureView {
     return t;
   }
   RELUME_HD static int clamp_index(int i, int count) { return i < 0 ? 0 : (i < count ? i : count - 1); }
-  /// Neighbours across the border; i in [-1, count].
+  /// Wraps the index of a neighbour across the border; i in [-1, count].
   RELUME_HD static int wrap_index(int i, int count, WrapMode wrap) {
     if (wrap != WrapMode::repeat) return clamp_index(i, count);
     return i < 0 ? count - 1 : (i >= count ? (i == count ? 0 : count - 1) : i);

@@ -8,20 +8,20 @@ namespace relume {
 /// Material under the film.
 enum class FilmBase : uint8_t { none, dielectric, metal };
 
-/// A film, and the reflectances that the two kinds of base would have without it.
+/// A film, and the reflectances of both kinds of base without it.
 struct ThinFilm {
   float weight;  ///< share of the surface with the film
   float ior;
   float thickness_nm;
   Rgb dielectric_f0;
   float dielectric_f90;
-  Rgb metal_f0;  ///< rises to 1 at grazing angles
+  Rgb metal_f0;  ///< approaches 1 at grazing angles
 };
 
 namespace thin_film {
 
-/// Spectral response of the eye to cos(2π · path_nm / wavelength + shift), as Rec. 709: the Fourier transform of
-/// Gaussian fits to the CIE 1931 curves, with the constants of the authors' supplement ([Belcour17], eq. 10). X has a
+/// Spectral response of the eye to cos(2π · path_nm / wavelength + shift), in Rec. 709. It is the Fourier transform of
+/// Gaussian fits to the CIE 1931 curves, with constants from the authors' supplement ([Belcour17], eq. 10). X has a
 /// second lobe.
 RELUME_HD inline Rgb interference(float path_nm, const Rgb& shift) {
   const float phase = 2.0f * kPi * path_nm * 1e-9f;
@@ -38,10 +38,10 @@ RELUME_HD inline Rgb interference(float path_nm, const Rgb& shift) {
           0.0556434f * x - 0.2040259f * y + 1.0572252f * z};
 }
 
-/// Below this the film fades out: two orders of interference do not add up to the bare base.
+/// Thinner films fade out, because two orders of interference do not sum to the bare base.
 inline constexpr float kFadingThickness = 0.03f;  // nm
 
-/// Reflectance of film and base at `cos_theta` ≥ 0 in the air outside. Clamped to [0, 1]; the colour may leave the
+/// Reflectance of film and base at `cos_theta` ≥ 0 in the air outside. Clamped to [0, 1]: the colour may leave the
 /// gamut.
 RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rgb& base_f0, float cos_theta) {
   const float fade = saturate(thickness_nm / kFadingThickness);
@@ -50,7 +50,7 @@ RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rg
   const float top = eta > 1.0f ? fresnel_dielectric(cos_theta, eta) : 0.0f;
   const float through = 1.0f - top;
   Rgb base(0);
-  Rgb shift(0);  // half a wave in all, a whole one over a base that is rarer than the film
+  Rgb shift(0);  // half a wave in total; a whole one over a base of lower index than the film
   for (int c = 0; c < 3; ++c) {
     const float root = std::sqrt(clamp(base_f0[c], 0.0f, 0.9999f));
     const float base_ior = (1.0f + root) / (1.0f - root);
@@ -72,7 +72,7 @@ RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rg
 
 }  // namespace thin_film
 
-/// Reflectance at `cos_theta` ≥ 0 outside of a surface with the film over a part of it.
+/// Reflectance at `cos_theta` ≥ 0 outside a surface that the film covers in part.
 RELUME_HD_NOINLINE inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, float cos_theta) {
   const bool metal = base == FilmBase::metal;
   const Rgb f0 = metal ? film.metal_f0 : film.dielectric_f0;
@@ -82,12 +82,12 @@ RELUME_HD_NOINLINE inline Rgb film_reflectance(const ThinFilm& film, FilmBase ba
   return bare + (covered - bare) * film.weight;
 }
 
-/// An F0 with which Schlick's curve to 1 lies above film_reflectance(), or at most 2e-3 below it for films of up to
-/// 2000 nm. What lies below the surface gets what this curve leaves.
+/// F0 of a Schlick curve to 1 that lies above film_reflectance(), or at most 2e-3 below it for films of up to 2000 nm.
+/// Layers below the surface receive the light that this curve transmits.
 RELUME_HD_NOINLINE inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
   constexpr int kAngles = 20;
   constexpr float kLowestCosine = 0.005f;
-  constexpr float kMargin = 4e-3f;  // what peaks between the angles, fitted by parabolas, may rise above them
+  constexpr float kMargin = 4e-3f;  // margin for peaks between the angles, beyond their parabolic fits
   Rgb bound(0);
   Rgb before(0);
   Rgb last(0);

@@ -23,19 +23,19 @@ TEST(ThinFilm, WithoutWeightIsTheBase) {
   EXPECT_EQ(film_reflectance(film, FilmBase::metal, 0.7f), fresnel_schlick(film.metal_f0, Rgb(1), 0.7f));
 }
 
-/// A film of the base's own index changes nothing, however thick it is: R = R12 at its top, nothing at its bottom.
+/// A film with the index of its base changes nothing at any thickness: R = R12 at its top, 0 at its bottom.
 TEST(ThinFilm, OfTheSameIndexAsItsBaseReflectsAtItsTopOnly) {
   const float ior = 1.5f;
   for (const float thickness : {50.0f, 300.0f, 900.0f}) {
     for (const float cos_theta : {1.0f, 0.8f, 0.6f}) {
       const Rgb r = film_reflectance(film_over(Rgb(f0_from_ior(ior)), ior, thickness), FilmBase::dielectric, cos_theta);
-      // Schlick's curve inside the film, which has angles up to 41° only, is what differs.
+      // The difference is Schlick's curve inside the film, which has angles up to 41° only.
       EXPECT_NEAR(r.y, fresnel_dielectric(cos_theta, ior), 0.02f) << thickness << ", cos " << cos_theta;
     }
   }
 }
 
-/// Where the wavelengths average out, the two reflections add up in energy: R12 + T12² R23 / (1 − R12 R23).
+/// Where wavelengths average out, the energies of the two reflections add up: R12 + T12² R23 / (1 − R12 R23).
 TEST(ThinFilm, OfGreatThicknessHasNoColor) {
   const Rgb base(0.3f);
   const Rgb r = film_reflectance(film_over(base, 1.5f, 50000), FilmBase::metal, 1);
@@ -46,7 +46,7 @@ TEST(ThinFilm, OfGreatThicknessHasNoColor) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(r[c], expected, 1e-3f);
 }
 
-/// At normal incidence a film of index n over n² darkens where it is a quarter of a wave thick ([Belcour17], §2).
+/// At normal incidence, a film of index n over n² darkens at a thickness of a quarter wave ([Belcour17], §2).
 TEST(ThinFilm, OfAQuarterWaveDarkens) {
   const float ior = 1.3f;
   const Rgb base(f0_from_ior(ior * ior));
@@ -58,7 +58,7 @@ TEST(ThinFilm, OfAQuarterWaveDarkens) {
 }
 
 TEST(ThinFilm, StaysBelowItsBound) {
-  constexpr float kTolerance = 2e-3f;  // as film_f0_bound() says
+  constexpr float kTolerance = 2e-3f;  // bound stated by film_f0_bound()
   for (const float base : {0.0f, 0.04f, 0.2f, 0.5f, 1.0f}) {
     for (const float ior : {1.0f, 1.05f, 1.3f, 1.8f, 2.5f}) {
       for (const float thickness : {0.0f, 5.0f, 80.0f, 120.0f, 350.0f, 700.0f, 960.0f, 1200.0f, 2000.0f}) {
@@ -77,7 +77,7 @@ TEST(ThinFilm, StaysBelowItsBound) {
   }
 }
 
-/// The bound is not far above the film either, where its curve touches the reflectance.
+/// The bound is also tight where its curve touches the reflectance.
 TEST(ThinFilm, HasATightBound) {
   for (const float thickness : {80.0f, 350.0f, 960.0f}) {
     const ThinFilm film = film_over(Rgb(0.04f), 1.3f, thickness);

@@ -1,4 +1,4 @@
-// A clearcoat whose normal differs from that of its base (KHR_materials_clearcoat).
+// A clearcoat with a normal other than that of its base (KHR_materials_clearcoat).
 #pragma once
 
 #include "core/frame.h"
@@ -6,8 +6,8 @@
 
 namespace relume::coat_with_normal {
 
-/// Light falls on the surface with one cosine and on the coat with another. Dividing by the larger of the two keeps the
-/// coat reciprocal, and it never returns more than in its own frame.
+/// Ratio of the cosine on the coat to the larger of the cosines on coat and surface. Dividing by the larger of the two
+/// keeps the coat reciprocal, and it never returns more than in its own frame.
 RELUME_HD inline float cosine_ratio(float cos_coat, float cos_surface) {
   return cos_coat / relume::max(cos_coat, cos_surface);
 }
@@ -37,7 +37,7 @@ RELUME_HD_NOINLINE inline LobeSample sample(const Lobe& lobe, const InterfaceDet
   }
   const Vec3 wi = reflect(wo, detail.coat_normal);
   if (wi.z <= 0.0f) return {};
-  // f cos θ, where the surface's cosine replaces the coat's.
+  // f cos θ, with the cosine of the surface instead of the coat.
   const float share = cosine_ratio(o.z, wo.z) * wi.z / relume::max(o.z, wi.z);
   return {wi, fresnel<true>(lobe, detail, o.z) * share, true};
 }

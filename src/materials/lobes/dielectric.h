@@ -1,4 +1,4 @@
-// The interface of a transparent medium: reflection and refraction, rough ([Walter07]) or smooth.
+// Interface of a transparent medium: reflection and refraction, rough ([Walter07]) or smooth.
 #pragma once
 
 #include "materials/lobes/lobe.h"
@@ -6,7 +6,7 @@
 namespace relume::dielectric {
 
 /// Reflectance at `cos_i`: exact for lobe.f0 = f0_from_ior(η) and lobe.f90 = 1. KHR_materials_specular may lower both;
-/// the curve then goes from the one to the other as the exact one does. Total internal reflection stays total.
+/// the curve is then scaled to run between them. Total internal reflection stays total.
 RELUME_HD inline Rgb reflectance(const Lobe& lobe, float cos_i) {
   const float exact = fresnel_dielectric(cos_i, lobe.eta);
   if (exact >= 1.0f) return Rgb(1);
@@ -14,7 +14,7 @@ RELUME_HD inline Rgb reflectance(const Lobe& lobe, float cos_i) {
   return lobe.f0 + (lobe.f90 - lobe.f0) * saturate((exact - f0) / (1.0f - f0));
 }
 
-/// The same where a film may lie on the outside, in whichever direction light passes.
+/// The same with a possible film on the outside, for both directions of light.
 template <bool kLayered>
 RELUME_HD inline Rgb reflectance(const Lobe& lobe, const InterfaceDetail& detail, float cos_i) {
   if (!kLayered || lobe.film == FilmBase::none) return reflectance(lobe, cos_i);
@@ -24,7 +24,7 @@ RELUME_HD inline Rgb reflectance(const Lobe& lobe, const InterfaceDetail& detail
   return film_reflectance(detail.film, lobe.film, safe_sqrt(1.0f - sin2_outside));
 }
 
-/// With which probability reflection is chosen: the share of light that it takes, as far as the tint lets both through.
+/// Probability of choosing reflection: its share of the light, if the tint absorbed nothing.
 RELUME_HD inline float reflection_probability(const Rgb& reflectance) { return saturate(luminance(reflectance)); }
 
 template <bool kLayered>
@@ -39,7 +39,7 @@ RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const InterfaceDetai
   return {reflected * f, reflection_probability(reflected) * mf.pdf(wo, m) / (4.0f * cos_om)};
 }
 
-/// [Walter07], eq. 21 and 17.
+/// Refraction ([Walter07], eq. 21 and 17).
 template <bool kLayered>
 RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
                                           const Vec3& wi, TransportMode mode) {

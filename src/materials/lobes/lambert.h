@@ -23,14 +23,14 @@ RELUME_HD inline Rgb interface_albedo(const Lobe& lobe, const EnergyShares& shar
   return lobe.f0 * (shares.total - shares.grazing) + lobe.f90 * shares.grazing;
 }
 
-/// The share of light that gets through the interface from direction `cos_theta`.
+/// Transmittance of the interface for direction `cos_theta`.
 RELUME_HD inline Rgb transmitted(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
   const float r = std::sqrt(lobe.microfacet.alpha);
   return Rgb(1) - interface_albedo(lobe, table.directional_shares(cos_theta, r));
 }
 
-/// The value of diffuse reflection below an interface that lets `through_o` and `through_i` of light pass, and
-/// `average` of what comes from everywhere.
+/// Value of diffuse reflection below an interface. `through_o`, `through_i`: transmittance along wo and wi; `average`:
+/// transmittance of uniform illumination.
 RELUME_HD inline LobeEval below(const Lobe& lobe, const Rgb& through_o, const Rgb& through_i, const Rgb& average,
                                 float cos_i) {
   Rgb f = lobe.color * kInvPi * through_o * through_i;
@@ -46,7 +46,7 @@ RELUME_HD_NOINLINE inline LobeEval eval_anisotropic(const Lobe& lobe, const Anis
                wi.z);
 }
 
-/// f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − E_avg): reciprocal, and interface plus base reflect all light if ρ = 1
+/// f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − E_avg). Reciprocal. For ρ = 1, interface and base reflect all light
 /// ([Kulla17], the energy-conserving diffuse).
 template <bool kLayered>
 RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
@@ -62,12 +62,12 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 
 namespace relume::diffuse_transmission {
 
-/// Share of light that passes. From within a medium 1 − η² is reflected diffusely: more than η² of a Lambertian
-/// distribution does not fit into the hemisphere outside, so that only this is reciprocal ([Veach97], eq. 5.14).
+/// Share of light that passes. From inside a medium, the share 1 − η² is reflected diffusely. The hemisphere outside
+/// can take no more than η² of a Lambertian distribution, so only this is reciprocal ([Veach97], eq. 5.14).
 RELUME_HD inline float passing_share(const Lobe& lobe) { return relume::min(sqr(lobe.eta), 1.0f); }
 
-/// The value of covered_lambert by the share of each side; both sides have the interface. What passes is scaled like
-/// refraction, so that light that enters in one way and leaves in the other is neither gained nor lost.
+/// Value of covered_lambert times the share of each side; both sides have the interface. Transmitted light is scaled
+/// like refraction. Light that enters one way and leaves the other is therefore neither gained nor lost.
 RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
                                         const Vec3& wo, const Vec3& wi, TransportMode mode) {
   const bool passes = wi.z < 0.0f;

@@ -5,7 +5,7 @@
 
 namespace relume::reflection {
 
-/// eval() off anisotropic microfacets with normal `m`.
+/// Evaluates reflection off anisotropic microfacets with normal `m`.
 RELUME_HD_NOINLINE inline LobeEval eval_anisotropic(const AnisotropicGgx& mf, const Rgb& reflected, const Vec3& wo,
                                                     const Vec3& wi, const Vec3& m) {
   return {reflected * (mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z)), mf.pdf(wo, m) / (4.0f * glm::dot(wo, m))};
@@ -33,7 +33,7 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& deta
   return {wi, Rgb(0), wi.z > 0.0f && glm::dot(wo, m) > 0.0f};
 }
 
-/// Albedo for Schlick's Fresnel.
+/// Albedo under Schlick's Fresnel.
 RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
   const EnergyShares e = table.directional_shares(cos_theta, std::sqrt(lobe.microfacet.alpha));
   return lobe.f0 * (e.total - e.grazing) + lobe.f90 * e.grazing;
@@ -43,7 +43,7 @@ RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float co
 
 namespace relume::multiple_reflection {
 
-/// F_ms: colour of light after two and more reflections between microfacets ([Kulla17]); 1 for a lossless mirror.
+/// F_ms: colour of light after two or more reflections between microfacets ([Kulla17]); 1 for a lossless mirror.
 RELUME_HD inline Rgb color(const Rgb& f0, const Rgb& f90, float average_albedo) {
   const Rgb f_avg = f0 + (f90 - f0) * (1.0f / 21.0f);
   return f_avg * f_avg * average_albedo / (Rgb(1) - f_avg * (1.0f - average_albedo));

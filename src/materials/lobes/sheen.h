@@ -1,4 +1,4 @@
-// Sheen: light that the fibres of cloth throw back, mostly at grazing angles ([Estevez17], KHR_materials_sheen).
+// Sheen: reflection off fibres of cloth, mostly at grazing angles ([Estevez17], KHR_materials_sheen).
 #pragma once
 
 #include "materials/lobes/lobe.h"
@@ -6,11 +6,11 @@
 
 namespace relume::sheen {
 
-/// Uniform over the hemisphere: the lobe is broad, and largest at the horizon, where a cosine has no samples.
+/// Uniform density over the hemisphere. The lobe is broad and peaks at the horizon, where cosine sampling fails.
 RELUME_HD inline float hemisphere_pdf() { return 0.5f * kInvPi; }
 
-/// Where fibres would return more than all light, the value is divided by the larger albedo of both directions, which
-/// keeps it reciprocal. lobe.microfacet.alpha: that of the fibres.
+/// Value of the sheen. If fibres would return more than all light, it is divided by the larger albedo of both
+/// directions, which keeps it reciprocal. lobe.microfacet.alpha: that of the fibres.
 RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   const float alpha = lobe.microfacet.alpha;
@@ -24,7 +24,7 @@ RELUME_HD inline LobeSample sample(const Vec2& u) {
   return {wi, Rgb(0), wi.z > 0.0f};
 }
 
-/// Share of light that fibres return at `cos_theta`, times lobe.color: the most that they can.
+/// Albedo of the fibres at `cos_theta` without lobe.color, at most 1. An upper bound where eval() reduces the value.
 RELUME_HD_NOINLINE inline float albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
   return relume::min(tables.sheen.directional(std::fabs(cos_theta), lobe.microfacet.alpha), 1.0f);
 }

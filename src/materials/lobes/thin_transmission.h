@@ -1,5 +1,5 @@
-// A wall too thin to bend light (KHR_materials_transmission without a volume): what is not reflected goes on, spread by
-// the roughness as if reflected and mirrored to the far side.
+// Transmission through a wall too thin to refract (KHR_materials_transmission without a volume). The unreflected light
+// is spread by the roughness as in reflection, and mirrored to the far side.
 #pragma once
 
 #include "materials/lobes/lobe.h"

@@ -1,4 +1,4 @@
-// Every kind of lobe and every kind of material, as data for contract tests.
+// Every kind of lobe and of material, as data for contract tests.
 #pragma once
 
 #include <functional>
@@ -13,8 +13,8 @@ namespace relume::testing {
 struct BsdfCase {
   std::string name;
   float alpha = 1;  ///< of the narrowest lobe
-  float eta = 1;    ///< refraction of what is transmitted, as seen from the front
-  /// The BSDF for a viewer at `cos_theta_o` > 0 in front of the surface or behind it.
+  float eta = 1;    ///< index ratio of transmission, seen from the front
+  /// Builds the BSDF for a viewer at `cos_theta_o` > 0 in front of or behind the surface.
   std::function<Bsdf(float cos_theta_o, bool front_face)> make;
 };
 
@@ -34,7 +34,7 @@ inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
   return lobe;
 }
 
-/// The lobe alone.
+/// A BSDF with a single lobe.
 inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughness, MicrofacetModel model,
                             float eta = 1) {
   const Microfacet microfacet{model, roughness * roughness};
@@ -49,7 +49,7 @@ inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughn
           }};
 }
 
-/// Every kind of lobe that can be evaluated, with both microfacet models.
+/// Every kind of non-delta lobe, with both microfacet models.
 inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
   std::vector<BsdfCase> cases;
   for (int k = 0; k < kLobeKindCount; ++k) {
@@ -74,7 +74,7 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
             break;
           case LobeKind::specular_reflection:
           case LobeKind::smooth_dielectric:
-          case LobeKind::null: break;  // delta: tested on their own
+          case LobeKind::null: break;  // delta: tested separately
         }
       }
     }
@@ -116,7 +116,7 @@ inline BsdfCase full_material(const MaterialCase& m, float roughness, Microfacet
           }};
 }
 
-/// Glasses at both ends of the range of wavelengths.
+/// Dispersive glasses at both ends of the range of wavelengths.
 inline void add_dispersive(std::vector<MaterialCase>& list) {
   constexpr float kFlint = 20.0f / 30.0f;
   MaterialSample clear;
@@ -127,7 +127,7 @@ inline void add_dispersive(std::vector<MaterialCase>& list) {
   list.push_back({"red without refraction", clear, true, 1.7f, {}, 1000, kLongestWavelength});
 }
 
-/// What glTF can say: metals, plastics, glass, walls, coats, and what lies between.
+/// Materials of glTF: metals, plastics, glass, walls, coats, and mixtures.
 inline std::vector<MaterialCase> material_list() {
   const Rgb gold(1.0f, 0.77f, 0.34f);
   const Rgb blue(0.2f, 0.4f, 0.9f);
@@ -172,7 +172,7 @@ inline std::vector<MaterialCase> material_list() {
 
 using LayerChange = std::function<void(MaterialCase&, LayerSample&)>;
 
-/// The material of that name, with a layer.
+/// Adds a layer to the material named `base`.
 inline void add_layered(std::vector<MaterialCase>& list, const std::string& base, const std::string& name,
                         const LayerChange& change) {
   for (MaterialCase m : material_list()) {
@@ -200,7 +200,7 @@ inline void add_iridescent(std::vector<MaterialCase>& list) {
   add_layered(list, "tinted specular", "dense film,", film(1, 2.2f, 250));
 }
 
-/// The same with the layers of make_layered_bsdf.h, each alone and several together.
+/// Materials with the layers of make_layered_bsdf.h, each alone and several combined.
 inline std::vector<MaterialCase> layered_material_list() {
   std::vector<MaterialCase> list;
   const auto add = [&](const std::string& base, const std::string& name, const LayerChange& change) {
@@ -262,7 +262,7 @@ inline std::vector<BsdfCase> material_cases(const std::vector<float>& roughnesse
     }
   }
   for (const MaterialCase& m : layered_material_list()) {
-    constexpr float kSmoothestAnisotropic = 0.15f;  // narrower highlights are beyond quadrature
+    constexpr float kSmoothestAnisotropic = 0.15f;  // narrower highlights exceed the accuracy of the quadrature
     for (const float r : roughnesses) {
       const bool anisotropic = m.layers->anisotropy > 0.0f;
       cases.push_back(full_material(m, anisotropic ? std::fmax(r, kSmoothestAnisotropic) : r, MicrofacetModel::ggx));
@@ -271,7 +271,7 @@ inline std::vector<BsdfCase> material_cases(const std::vector<float>& roughnesse
   return cases;
 }
 
-/// A direction off every axis.
+/// Unit direction away from all axes.
 inline Vec3 viewer(float cos_theta) {
   const float s = safe_sqrt(1.0f - cos_theta * cos_theta);
   return {s * std::cos(0.7f), s * std::sin(0.7f), cos_theta};

@@ -1,4 +1,4 @@
-// Charts of both hemispheres about the directions in which a BSDF may have peaks.
+// Charts of both hemispheres around the directions where a BSDF may peak.
 #pragma once
 
 #include "materials/testing/bsdf_cases.h"

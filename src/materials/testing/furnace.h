@@ -1,4 +1,4 @@
-// White furnaces: the share of light that a BSDF returns, for tests.
+// White furnaces: albedo of a BSDF, for tests.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace relume::testing {
 
-/// Largest channel of the directional albedo, by quadrature of f cos θ: reflection and refraction without the
-/// eta_scale of radiance, so that a lossless surface has 1. Delta lobes are left out.
+/// Largest channel of the directional albedo, by quadrature of f cos θ. Includes reflection and refraction without the
+/// eta_scale of radiance, so a lossless surface returns 1. Excludes delta lobes.
 inline double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
   const Vec3 wo = viewer(cos_o);
   const Bsdf bsdf = c.make(cos_o, true);
@@ -24,7 +24,7 @@ inline double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
       if ((wi.z > 0.0f) != (side == 0)) return 0.0;
       return double(max_component(eval_pdf(bsdf, wo, wi, TransportMode::importance).f) * std::fabs(wi.z));
     };
-    // The rim of the hemisphere cuts bins; 1e-4 is what that leaves.
+    // The rim of the hemisphere cuts bins, with an error of 1e-4.
     sum += integrate_square(chart.density(value), 16, 2e-5, 5);
   }
   return sum;
@@ -32,10 +32,10 @@ inline double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
 
 struct Mean {
   double value = 0;
-  double error = 0;  ///< standard
+  double error = 0;  ///< standard error
 };
 
-/// Mean weight of samples, of a grey BSDF.
+/// Mean weight of samples of a grey BSDF.
 inline Mean albedo_by_sampling(const BsdfCase& c, float cos_o, int samples) {
   const Vec3 wo = viewer(cos_o);
   const Bsdf bsdf = c.make(cos_o, true);
@@ -53,7 +53,7 @@ inline Mean albedo_by_sampling(const BsdfCase& c, float cos_o, int samples) {
   return {mean, std::sqrt(std::max(0.0, squares / samples - mean * mean) / samples)};
 }
 
-/// The same of the channel that returns the most.
+/// The same for the brightest channel.
 inline Mean largest_albedo_by_sampling(const BsdfCase& c, float cos_o, int samples) {
   const Vec3 wo = viewer(cos_o);
   const Bsdf bsdf = c.make(cos_o, true);
