@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kTexture = "_texture.";
 
-/// A member of the transform of the texture of that key: "offset", "scale" or "rotation".
+/// Finds a member of the transform of the texture with this key: "offset", "scale" or "rotation".
 ParameterMember find_transform(Material& material, std::string_view key, std::string_view member) {
   ParameterMember found;
   for_each_parameter(material, [&](const MaterialParameter& p, auto& value) {

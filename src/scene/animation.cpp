@@ -14,7 +14,7 @@ namespace {
 
 glm::quat quat_from_xyzw(const Vec4& v) { return {v.w, v.x, v.y, v.z}; }
 
-/// Value of key `i` itself, without the tangents of a cubic spline.
+/// Value of key `i`, without the tangents of a cubic spline.
 template <typename Channel>
 Vec4 key_value(const Channel& channel, size_t i) {
   return channel.interpolation == Interpolation::cubic_spline ? channel.values[3 * i + 1] : channel.values[i];
@@ -61,7 +61,7 @@ std::string known_clips(const Scene& scene) {
   return "it has " + names;
 }
 
-/// The clip of that name or number. Throws Error if there is none.
+/// Finds a clip by name or number. Throws Error if none matches.
 Index find_clip(const Scene& scene, std::string_view name) {
   const auto found = std::find(scene.clips.begin(), scene.clips.end(), name);
   if (found != scene.clips.end()) return static_cast<Index>(found - scene.clips.begin());
@@ -80,7 +80,7 @@ std::set<Index> chosen_clips(const Scene& scene, const std::string& choice) {
   } else if (choice.empty()) {
     clips.insert(0);
   } else if (std::find(scene.clips.begin(), scene.clips.end(), choice) != scene.clips.end()) {
-    clips.insert(find_clip(scene, choice));  // a name may hold a comma
+    clips.insert(find_clip(scene, choice));  // a name may contain a comma
   } else {
     for (size_t begin = 0; begin <= choice.size();) {
       const size_t end = std::min(choice.find(',', begin), choice.size());
@@ -124,7 +124,7 @@ ValueRange value_range(const AnimationChannel& channel) {
   for (size_t i = 0; i < channel.times.size(); ++i) {
     add(key_value(channel, i).x);
     if (channel.interpolation != Interpolation::cubic_spline || i + 1 == channel.times.size()) continue;
-    // A Bézier curve stays between its control points.
+    // A Bézier curve stays within its control points.
     const float third = (channel.times[i + 1] - channel.times[i]) / 3.0f;
     add(key_value(channel, i).x + channel.values[3 * i + 2].x * third);
     add(key_value(channel, i + 1).x - channel.values[3 * i + 3].x * third);

@@ -10,7 +10,7 @@ namespace {
 
 using testing::problem_of;
 
-/// Clips that move the plate along x by 1, 2 and 3, and a channel of none that scales it.
+/// A scene with clips that move the plate along x by 1, 2 and 3, and a channel outside all clips that scales it.
 Scene three_clips() {
   Scene scene = testing::plate();
   scene.clips = {"walk", "run, fast", "2"};
@@ -35,9 +35,9 @@ TEST(Animation, SelectsByNameAndNumber) {
   EXPECT_EQ(selected(""), (std::vector<Index>{0, kNone}));
   EXPECT_EQ(selected("walk"), (std::vector<Index>{0, kNone}));
   EXPECT_EQ(selected("run, fast"), (std::vector<Index>{1, kNone}));
-  EXPECT_EQ(selected("2"), (std::vector<Index>{2, kNone}));  // a name comes before a number
+  EXPECT_EQ(selected("2"), (std::vector<Index>{2, kNone}));  // names take precedence over numbers
   EXPECT_EQ(selected("1"), (std::vector<Index>{1, kNone}));
-  EXPECT_EQ(selected("all"), (std::vector<Index>{0, kNone}));  // the first one moves the plate
+  EXPECT_EQ(selected("all"), (std::vector<Index>{0, kNone}));  // the first clip moves the plate
   EXPECT_EQ(selected("2,walk"), (std::vector<Index>{0, kNone}));
 }
 
@@ -53,7 +53,7 @@ TEST(Animation, ACompiledScenePlaysWhatIsChosen) {
   CompiledScene compiled(three_clips(), {.animation = "run, fast", .width = 4, .height = 4});
   compiled.set_time(2);
   EXPECT_EQ(compiled.view().instances[0].to_world.translation, Vec3(2, 0, 0));
-  EXPECT_EQ(compiled.notes().size(), 1u);  // there is no light
+  EXPECT_EQ(compiled.notes().size(), 1u);  // the light does not exist
   const CompiledScene first(three_clips(), {.width = 4, .height = 4});
   ASSERT_EQ(first.notes().size(), 2u);
   EXPECT_EQ(first.notes()[0], "using the animation 'walk'; --animation selects another ('run, fast', '2'), or all");
@@ -70,7 +70,7 @@ TEST(Animation, RangesHoldBetweenKeys) {
     EXPECT_LE(x, range.high);
     high = std::max(high, x);
   }
-  EXPECT_GT(high, 1.2f);  // it overshoots its keys
+  EXPECT_GT(high, 1.2f);  // the spline overshoots its keys
   EXPECT_LT(range.high, 3.0f);
 }
 

@@ -1,5 +1,5 @@
-// Cameras as kernels see them: rays out of a point on the film, and the importance that light tracing and bidirectional
-// methods connect to. Film coordinates are pixels, (0, 0) the top left corner.
+// Cameras for kernels: rays through a point on the film, and the importance used by light tracing and bidirectional
+// methods. Film coordinates are pixels, with (0, 0) at the top left corner.
 #pragma once
 
 #include "core/ray.h"
@@ -12,7 +12,7 @@ struct CameraView {
   Projection projection = Projection::perspective;
   Vec3 position{0};
   Frame axes;             ///< t right, b up, n backwards
-  Vec2 half_extent{1};    ///< perspective: of the image at distance 1; orthographic: metres
+  Vec2 half_extent{1};    ///< perspective: half size of the image at distance 1; orthographic: metres
   float lens_radius = 0;  ///< metres
   float focus_distance = 1;
   Vec2 resolution{1};
@@ -31,7 +31,7 @@ struct CameraView {
   }
 };
 
-/// Whether both see the same; their resolutions do not count.
+/// Whether two cameras have the same view, ignoring resolution.
 RELUME_HD inline bool same_view(const CameraView& a, const CameraView& b) {
   return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
          a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
@@ -39,7 +39,7 @@ RELUME_HD inline bool same_view(const CameraView& a, const CameraView& b) {
 
 namespace camera_detail {
 
-/// Film position to [-1, 1]², +y up.
+/// Maps a film position to [-1, 1]², +y up.
 RELUME_HD inline Vec2 ndc_from_film(const CameraView& c, const Vec2& film) {
   return {2.0f * film.x / c.resolution.x - 1.0f, 1.0f - 2.0f * film.y / c.resolution.y};
 }
@@ -55,7 +55,7 @@ RELUME_HD inline Vec3 panoramic_direction(const CameraView& c, const Vec2& film)
 
 }  // namespace camera_detail
 
-/// Ray through a film position and, with a lens, a point on it.
+/// Ray through a film position and, with a lens, through a point on the lens.
 RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& film, const Vec2& u_lens) {
   Ray ray;
   const Vec2 ndc = camera_detail::ndc_from_film(c, film);
@@ -84,7 +84,7 @@ RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& film, const Vec2&
   return ray;
 }
 
-/// Film position that sees along `ray`. False if it lies outside the image.
+/// Finds the film position that sees along `ray`. Returns false outside the image.
 RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* film) {
   const Vec3 direction = c.axes.to_local(ray.direction);
   const Vec3 origin = c.axes.to_local(ray.origin - c.position);
@@ -101,7 +101,7 @@ RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* f
     case Projection::panoramic: {
       const float u = 0.5f + std::atan2(direction.x, -direction.z) * (0.5f * kInvPi);
       const float v = std::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi;
-      // Straight down and behind, both are 1.
+      // u is 1 straight back, v is 1 straight down.
       *film = glm::min(Vec2(u, v), Vec2(kOneMinusEpsilon)) * c.resolution;
       return true;
     }
@@ -110,9 +110,8 @@ RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* f
   return film->x >= 0.0f && film->x < c.resolution.x && film->y >= 0.0f && film->y < c.resolution.y;
 }
 
-/// Importance that the camera emits along a ray which it could have generated, normalised so that the integral over
-/// lens and directions of the whole image is 1 ([Pharr23], §16.1 of the third edition): the camera's own sampling
-/// density per unit cosine.
+/// Importance emitted along a ray that the camera could have generated. Its integral over the lens and the directions
+/// of the whole image is 1 ([Pharr23], §16.1 of the third edition). Equals the camera's density per unit cosine.
 RELUME_HD inline float we(const CameraView& c, const Ray& ray) {
   Vec2 film;
   if (!film_position(c, ray, &film)) return 0.0f;
@@ -125,7 +124,7 @@ RELUME_HD inline float we(const CameraView& c, const Ray& ray) {
     case Projection::orthographic: return 1.0f / c.image_area();
     case Projection::panoramic: {
       const Vec3 local = c.axes.to_local(ray.direction);
-      const float sin_theta = std::sqrt(sqr(local.x) + sqr(local.z));  // near the poles 1 − y² would cancel
+      const float sin_theta = std::sqrt(sqr(local.x) + sqr(local.z));  // 1 − y² cancels near the poles
       return sin_theta > 0.0f ? 1.0f / (2.0f * kPi * kPi * sin_theta) : 0.0f;
     }
   }
@@ -137,7 +136,7 @@ struct CameraPdf {
   float pdf_w = 0;  ///< of its direction; 1 for orthographic cameras (delta)
 };
 
-/// pdf_we of a ray that generate() has made: does not ask whether it lies in the image, where rounding could deny it.
+/// pdf_we of a ray from generate(). Skips the test whether the ray is inside the image: rounding may put it outside.
 RELUME_HD inline CameraPdf pdf_of_generated(const CameraView& c, const Ray& ray) {
   switch (c.projection) {
     case Projection::perspective: {
@@ -150,21 +149,21 @@ RELUME_HD inline CameraPdf pdf_of_generated(const CameraView& c, const Ray& ray)
   return {};
 }
 
-/// Densities with which generate() makes this ray when the film position is uniform over the image.
+/// Densities with which generate() samples this ray for a film position uniform over the image.
 RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
   Vec2 film;
   if (!film_position(c, ray, &film)) return {};
   return pdf_of_generated(c, ray);
 }
 
-/// Importance that reaches a point from the camera.
+/// Importance arriving at a point from the camera.
 struct CameraSample {
-  Vec3 wi{0};  ///< from the point to the camera
+  Vec3 wi{0};  ///< direction from the point to the camera
   float distance = 0;
   Vec3 normal{0};  ///< of the lens; zero for a panoramic camera
   Vec2 film{0};
   float importance = 0;  ///< We
-  float pdf_w = 0;       ///< of wi; for a point camera the squared distance alone, for orthographic 1 (both delta)
+  float pdf_w = 0;  ///< density of wi; for a point camera the squared distance alone, for orthographic 1 (both delta)
   bool delta = false;
 
   RELUME_HD bool valid() const { return pdf_w > 0.0f && importance > 0.0f; }

@@ -1,4 +1,4 @@
-// The contract of every projection: rays and film positions are inverse, importance and densities are normalised.
+// Contract of every projection: rays and film positions are inverse, importance and densities are normalised.
 #include "scene/camera_view.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(Camera, FilmPositionInvertsGenerate) {
       ASSERT_NEAR(glm::length(ray.direction), 1.0f, 1e-5f) << name;
       Vec2 back;
       const bool inside = film_position(c, ray, &back);
-      // A hundred-thousandth of the image; at its edges rounding may leave it.
+      // A tolerance of 10⁻⁵ of the image; at its edges rounding may leave the image.
       const bool at_edge =
           film.x < 0.01f || film.y < 0.01f || film.x > c.resolution.x - 0.01f || film.y > c.resolution.y - 0.01f;
       ASSERT_TRUE(inside || at_edge) << name;
@@ -77,7 +77,7 @@ TEST(Camera, TheImageIsUprightAndNotMirrored) {
       return name == "orthographic" ? r.origin - c.position : r.direction;
     };
     EXPECT_GT(glm::dot(looks(0.7f, 0.5f), c.axes.t), 0.0f) << name;  // right
-    EXPECT_GT(glm::dot(looks(0.5f, 0.3f), c.axes.b), 0.0f) << name;  // up: film y runs down
+    EXPECT_GT(glm::dot(looks(0.5f, 0.3f), c.axes.b), 0.0f) << name;  // up: film y points down
     const Ray centre = generate(c, c.resolution * 0.5f, Vec2(0.5f));
     EXPECT_LT(glm::dot(centre.direction, c.axes.n), -0.999f) << name;
   }
@@ -105,7 +105,7 @@ float lens_cosine(const CameraView& c, const Ray& ray) {
 }
 
 TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
-  // So a camera ray has weight We cos / (pdf_a pdf_w) = 1.
+  // A camera ray then has the weight We cos / (pdf_a pdf_w) = 1.
   for (const auto& [name, c] : cameras()) {
     Random random(93);
     for (int i = 0; i < 2000; ++i) {
@@ -118,7 +118,7 @@ TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
   }
 }
 
-/// χ²: film positions that are uniform over the image give the densities that pdf_we() tells.
+/// χ²: film positions uniform over the image follow the densities of pdf_we().
 TEST(Camera, RaysFollowTheirDensity) {
   constexpr int kSamples = 200000;
   for (const NamedCamera& camera : cameras()) {
@@ -127,7 +127,7 @@ TEST(Camera, RaysFollowTheirDensity) {
     Random random(96);
     testing::Histogram histogram(16);
     if (c.projection == Projection::orthographic) {
-      // The place on a square about the sensor, which is smaller.
+      // Position on a square around the smaller sensor.
       const auto place = [&c = c](double x, double y) {
         return c.position + c.axes.to_world(Vec3(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0));
       };
@@ -151,14 +151,14 @@ TEST(Camera, RaysFollowTheirDensity) {
       histogram.add(p.x, p.y);
     }
     const auto pdf = [&](const Vec3& w) { return double{pdf_we(c, {origin, w, kInfinity}).pdf_w}; };
-    constexpr double kMaxStrays = 2e-4;  // the image's edges cut bins, and quadrature misses slips of them
+    constexpr double kMaxStrays = 2e-4;  // the image edges cut bins, and quadrature misses slivers of them
     EXPECT_GT(histogram.test(chart.density(pdf), 8, 1, kMaxStrays).p_value, testing::significance()) << name;
   }
 }
 
 TEST(Camera, DensitiesIntegrateToOne) {
-  // ∫ pdf_w over directions, uniform over the sphere from the lens's centre; for orthographic cameras over the sensor's
-  // plane.
+  // ∫ pdf_w over directions, uniform over the sphere around the centre of the lens. For orthographic cameras, over the
+  // plane of the sensor.
   for (const auto& [name, c] : cameras()) {
     Random random(94);
     double pdf_sum = 0;
@@ -180,7 +180,7 @@ TEST(Camera, DensitiesIntegrateToOne) {
       pdf_sum += density * volume / kSamples;
       importance += we(c, ray) * lens_cosine(c, ray) * volume * lens / kSamples;
     }
-    // A tenth of the sphere is seen: the standard error is about 0.5 %.
+    // The image covers a tenth of the sphere: the standard error is about 0.5 %.
     EXPECT_NEAR(pdf_sum, 1.0, 0.025) << name;
     EXPECT_NEAR(importance, 1.0, 0.025) << name;
   }
@@ -194,7 +194,7 @@ TEST(Camera, ConnectionsMatchTheRaysThatReachThePoint) {
       const Ray primary = generate(c, random.next_2d() * c.resolution, random.next_2d());
       const Vec3 p = primary.origin + primary.direction * (0.5f + 4.0f * random.next());
       const CameraSample s = sample_wi(c, p, random.next_2d());
-      if (!s.valid()) continue;  // another point of the lens may not see p
+      if (!s.valid()) continue;  // p may be outside the view from another point of the lens
       ++found;
       ASSERT_NEAR(glm::length(s.wi), 1.0f, 1e-5f) << name;
       const Ray back{p + s.wi * s.distance, -s.wi, kInfinity};
@@ -205,7 +205,7 @@ TEST(Camera, ConnectionsMatchTheRaysThatReachThePoint) {
       ASSERT_NEAR(film.x, s.film.x, 0.05f) << name;
       ASSERT_NEAR(film.y, s.film.y, 0.05f) << name;
       ASSERT_NEAR(we(c, back), s.importance, 1e-3f * s.importance) << name;
-      // pdf of wi: the lens's density as seen from p.
+      // Density of wi: that of the lens, seen from p.
       const float lens_pdf =
           c.projection == Projection::perspective && c.lens_radius > 0.0f ? 1.0f / c.lens_area() : 1.0f;
       const float cosine = c.projection == Projection::panoramic ? 1.0f : lens_cosine(c, back);
@@ -226,7 +226,7 @@ TEST(Camera, SeesNothingBehindOrBesideIt) {
 }
 
 TEST(Camera, ConesCoverPixels) {
-  // Pixels times spread is the image's height at distance 1, or half a turn.
+  // Pixels times spread equal the image height at distance 1, or half a turn.
   const auto list = cameras();
   EXPECT_FLOAT_EQ(list[0].view.cone_spread() * 200.0f, 1.0f);
   EXPECT_FLOAT_EQ(list[2].view.cone_width() * 200.0f, 1.0f);

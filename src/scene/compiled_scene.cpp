@@ -19,11 +19,11 @@
 namespace relume {
 namespace {
 
-/// Meshes that appear often are instanced once they would add more triangles than this; below, copies trace faster.
+/// Repeated meshes are instanced if copies would add more triangles than this. Below, copies trace faster.
 constexpr size_t kFlattenedTriangleBudget = 1'000'000;
 
-/// Emissive surfaces light a view if they give its surfaces at least this share of what the studio would. The built-in
-/// scenes get 8 % and more, and models that only glow in parts 0.04 % and less.
+/// Emissive surfaces light a view if they contribute at least this share of the studio's irradiance. Built-in scenes
+/// reach 8 % and more; models with only glowing parts reach 0.04 % or less.
 constexpr float kEmissionShare = 0.02f;
 
 float accel_opacity(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
@@ -44,7 +44,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   note_clips(options.animation);
   select_animation(source_, options.animation);
   apply_parameter_animation();
-  world_ = world_matrices(source_, time_s_);  // at time 0, so that the environment does not depend on where one starts
+  world_ = world_matrices(source_, time_s_);  // at time 0: the environment does not depend on the start time
   visible_ = visible_nodes(source_, time_s_);
   check_placement(source_, world_, source_.name);
   textures_ = TextureStore(source_.textures, options.texture_filter);
@@ -120,7 +120,7 @@ void CompiledScene::build_materials() {
     data.layers = static_cast<int32_t>(layers_.size());
     layers_.push_back(*layers);
   }
-  materials_.push_back(material_data(Material{}));  // glTF's default, for meshes that name none
+  materials_.push_back(material_data(Material{}));  // glTF's default, for meshes without a material
 }
 
 void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
@@ -200,7 +200,7 @@ void CompiledScene::build_meshes() {
              .influences_per_vertex = 0,
              .influences = {}};
   }
-  // Embree reads 16 bytes at the last vertex, and colours and second coordinates are addressed like vertices.
+  // Embree reads 16 bytes at the last vertex. Colours and second coordinates are addressed like vertices.
   vertices_.shrink_to_fit();
   triangles_.shrink_to_fit();
 }
@@ -225,7 +225,7 @@ bool CompiledScene::shines(bool emissive_surfaces) const {
     if (kind == LightKind::environment || (kind == LightKind::triangle && !emissive_surfaces)) continue;
     if (!is_black(power(lights, id))) return true;
   }
-  // What moves may shine at another time.
+  // Moving instances may emit at another time.
   const std::vector<bool> ever_visible = ever_visible_nodes(source_);
   for (size_t i = 0; i < source_.nodes.size(); ++i) {
     const Index light = source_.nodes[i].light;
@@ -275,7 +275,7 @@ void CompiledScene::use_studio() {
 }
 
 bool CompiledScene::needs_studio() {
-  lights_.set_environment({});  // the one before says nothing about the scene's own lights
+  lights_.set_environment({});  // the previous environment must not affect the scene's own lights
   collect_lights();
   if (shines(false) || all_unlit()) return false;
   if (!shines(true)) return true;

@@ -1,4 +1,4 @@
-// Turns the author's scene into flat arrays, lights and an acceleration structure.
+// Compiles a scene into flat arrays, lights and an acceleration structure.
 #pragma once
 
 #include <memory>
@@ -17,70 +17,71 @@
 
 namespace relume {
 
-/// How a scene is compiled.
+/// Options of scene compilation.
 struct CompileOptions {
   std::string camera = {};     ///< name or index of a camera node; empty: the first
-  std::string animation = {};  ///< as select_animation() takes it
+  std::string animation = {};  ///< as for select_animation()
   float time_s = 0;
-  int width = 1;  ///< of the image, pixels
+  int width = 1;  ///< image size, pixels
   int height = 1;
   TextureFilter texture_filter = TextureFilter::linear;
-  std::vector<Index> movable = {};  ///< nodes that set_transform() will move, beside those with animation
+  std::vector<Index> movable = {};  ///< nodes for set_transform(), in addition to animated ones
 };
 
-/// The node of the camera of that name or number, or of the first camera; kNone if there is none and none is named.
-/// Throws Error with the names that there are.
+/// Finds the node of the camera with that name or number. With an empty name: the first camera, or kNone without
+/// cameras. Throws Error with the existing names.
 Index find_camera(const Scene& scene, const std::string& name);
 
-/// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
+/// Owns all data of a SceneView. Not movable: kernels and Embree store its addresses.
 class CompiledScene {
  public:
-  /// Arrays of the scene are moved into their kernel layout and freed. Throws Error if there is no such camera, and as
-  /// validate() does.
+  /// Moves the arrays of the scene into their kernel layout and frees them. Throws Error if the camera does not exist,
+  /// and as validate().
   CompiledScene(Scene scene, const CompileOptions& options);
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 
-  /// Ends a frame: where things are becomes where they were one frame ago, and no light counts as changed.
+  /// Ends a frame: current positions become those of the previous frame, and no light counts as changed.
   void end_frame();
 
-  /// Moves animated nodes. This and what follows say what differs afterwards, and throw Error for what no kernel could
-  /// bear (a camera that a scale of 0 collapses, a node beyond kMaxCoordinate); then everything stays as it was.
+  /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
+  /// kernels cannot handle (a camera collapsed by a scale of 0, a node beyond kMaxCoordinate). The scene then stays
+  /// unchanged.
   Change set_time(float time_s);
-  /// Looks through another camera; std::nullopt returns to that of the scene.
+  /// Uses another camera; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);
-  /// Places a node, whose own animation ends with that. It, or a node above it, must be movable.
+  /// Sets the transform of a node and ends its animation. The node or an ancestor must be movable.
   Change set_transform(Index node, const Transform& transform);
   Change set_light(Index light, const PunctualLight& value);
   Change set_environment(const Environment& environment);
-  /// Replaces what the material is made of; its textures are among those of the scene.
+  /// Replaces the parameters of a material. Its textures must belong to the scene.
   Change set_material(Index material, const Material& value);
-  /// Another size of the image.
+  /// Sets the image size.
   Change set_resolution(int width, int height);
 
-  /// Add parts, whose indices are returned. Nodes refer to meshes, lights and parents that are there already; a node
-  /// that is added may be moved. Throw Error for values and references that are not valid; then nothing is added.
+  /// Add parts and return their indices. Nodes refer to existing meshes, lights and parents; an added node is movable.
+  /// Throw Error for invalid values and references; then nothing is added.
   Index add_material(const Material& material);
   Index add_mesh(const Mesh& mesh);
   Index add_light(const PunctualLight& light);
   Index add_node(const Node& node);
-  /// Removes a node and the nodes below it, which are returned. Other indices stay.
+  /// Removes a node and its descendants, and returns them. Other indices stay valid.
   std::vector<Index> remove_node(Index node);
-  /// Removes a mesh or a light that no node has any more. Throws Error if one has.
+  /// Remove a mesh or a light without nodes. Throw Error if a node uses it.
   void remove_mesh(Index mesh);
   void remove_light(Index light);
-  /// Builds what parts that were added or removed need. Before anything else is asked of the scene.
+  /// Rebuilds the structures affected by added or removed parts. Must precede any other use of the scene.
   Change commit_edits();
 
   bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
   CameraPose camera() const;
-  /// The node that an instance belongs to.
+  /// Node of an instance.
   Index node_of(uint32_t instance) const { return static_cast<Index>(mesh_instances_[instance].node); }
 
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }
   bool in_studio() const { return in_studio_; }
-  /// Replacements for things that the file lacks, one sentence each.
+  /// Notes on defaults for data missing from the file, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
   /// Bytes of geometry, lights, textures, environment and acceleration structure.
   size_t memory_bytes() const;
@@ -90,59 +91,59 @@ class CompiledScene {
   struct MeshInstance {
     uint32_t node;
     uint32_t mesh;
-    Mat4 local;                   ///< below the node
-    bool skinned = false;         ///< stands in the world, as its joints have it
-    bool deforms = false;         ///< its shape changes while the scene is shown
-    uint32_t deforming = kNoHit;  ///< number in deforming_ if it does
+    Mat4 local;                   ///< relative to the node
+    bool skinned = false;         ///< in world space, from its joints
+    bool deforms = false;         ///< whether its shape changes over time
+    uint32_t deforming = kNoHit;  ///< index in deforming_, if it deforms
   };
 
-  /// Says which clip plays if the scene has several and `choice` names none.
+  /// Adds a note on the playing clip if the scene has several and `choice` names none.
   void note_clips(const std::string& choice);
   void list_mesh_instances();
   void decide_instancing();
   void build_materials();
   void build_meshes();
   void append_mesh(uint32_t mesh, const Mat4* transform);
-  /// Whether the shape of a node's mesh changes while the scene is shown.
+  /// Whether the shape of a node's mesh changes over time.
   bool is_animated(const Node& node, Index node_index, const Mesh& mesh) const;
-  /// Replaces deformable meshes whose shape does not change by the shape that they have.
+  /// Replaces deformable meshes of constant shape by that shape.
   void bake_static_deformations();
-  /// A copy for one node, which joins deforming_.
+  /// Appends a copy for one node to deforming_.
   void append_deforming_mesh(MeshInstance& placed);
-  /// Sets what key frames drive in the source's materials, lights and cameras, before anything is built.
+  /// Applies key frames to the materials, lights and cameras of the source, before compilation.
   void apply_parameter_animation();
-  /// The same for a scene that is built, with what follows.
+  /// The same for a compiled scene, including the consequences.
   Change animate_parameters();
-  /// What a caller sets is no longer driven by key frames.
+  /// Ends the key frames of a part that a caller sets.
   void end_parameter_animation(AnimatedPart part, Index index);
   Change replace_material(Index material, const Material& value);
-  /// Updates vertices to the joints and weights of now; returns the meshes of the view that have changed.
+  /// Updates vertices from the current joints and weights. Returns the changed meshes of the view.
   std::vector<uint32_t> deform_meshes();
   void keep_previous_positions();
-  /// Throws Error if a joint of the node is among those that are removed.
+  /// Throws Error if a joint of the node is to be removed.
   void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;
-  /// Stops updating meshes whose nodes were removed.
+  /// Stops updating meshes of removed nodes.
   void forget_removed_deformations();
   Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();
   void note_collapsed_lights();
-  /// Whether a light of the scene itself shines, now or at another time. Emissive surfaces count if asked for.
+  /// Whether a light of the scene itself emits, now or at another time. `emissive_surfaces`: include them.
   bool shines(bool emissive_surfaces) const;
   void note_lighting();
   bool all_unlit() const;
-  /// Uses the environment of the source; decides what an automatic one is, once.
+  /// Applies the environment of the source. Resolves an automatic one, once.
   void use_environment();
-  /// The studio, turned towards the camera that the scene had at first.
+  /// Applies the studio, rotated towards the initial camera of the scene.
   void use_studio();
-  /// Whether too little light reaches what the camera sees. Uses the studio to compare.
+  /// Whether too little light reaches the visible surfaces, compared with the studio.
   bool needs_studio();
   void choose_camera(const std::string& name);
   CameraView view_through(const CameraPose& camera) const;
   CameraPose scene_camera(const std::vector<Mat4>& world) const;
   std::vector<Mat4> checked_world(float time_s) const;
   void check_extent(const Box& box) const;
-  Box placed_box(const std::vector<Mat4>& world, bool moving_only = false) const;  ///< of what instance nodes place
+  Box placed_box(const std::vector<Mat4>& world, bool moving_only = false) const;  ///< bounds of placed meshes
   Change place_everything(std::vector<Mat4> world);
   void collect_lights();
   void compute_bounds();
@@ -153,31 +154,31 @@ class CompiledScene {
   Scene source_;
   std::vector<std::string> notes_;
   float time_s_ = 0;
-  std::vector<Mat4> world_;                   ///< one a node
-  std::vector<bool> moves_;                   ///< one a node
-  bool was_moved_ = false;                    ///< some previous position differs from the present one
-  std::vector<MeshInstance> mesh_instances_;  ///< one an instance
+  std::vector<Mat4> world_;                   ///< per node
+  std::vector<bool> moves_;                   ///< per node
+  bool was_moved_ = false;                    ///< whether a previous position differs from the current one
+  std::vector<MeshInstance> mesh_instances_;  ///< per instance
   DeformingMeshes deforming_;
-  std::set<uint32_t> deformed_;           ///< numbers in deforming_: since the last frame ended
-  std::vector<Vec3> previous_positions_;  ///< of the meshes that deform
-  std::vector<bool> visible_;             ///< one a node
-  std::vector<bool> world_space_;         ///< one for each mesh instance
-  std::vector<uint32_t> shared_meshes_;   ///< by mesh of the source: its copy in its own space; kNoHit: none
+  std::set<uint32_t> deformed_;           ///< indices in deforming_, since the end of the last frame
+  std::vector<Vec3> previous_positions_;  ///< of deforming meshes
+  std::vector<bool> visible_;             ///< per node
+  std::vector<bool> world_space_;         ///< per mesh instance
+  std::vector<uint32_t> shared_meshes_;   ///< per mesh of the source: its mesh-space copy; kNoHit: none
   bool in_studio_ = false;
   float studio_rotation_rad_ = 0;
-  std::optional<bool> automatic_is_studio_;  ///< once it is decided
+  std::optional<bool> automatic_is_studio_;  ///< set at the first decision
   bool edited_ = false;                      ///< since commit_edits()
   std::vector<Vertex> vertices_;
   std::vector<UVec3> triangles_;
   std::vector<Vec2> uv1_;
   std::vector<Vec4> colors_;
   std::vector<MeshView> meshes_;
-  std::vector<Box> boxes_;  ///< one a mesh
-  Box extent_;              ///< of everything, wherever animation takes it
+  std::vector<Box> boxes_;  ///< per mesh
+  Box extent_;              ///< bounds of everything at all times
   std::vector<uint32_t> mesh_of_instance_;
   std::vector<Instance> instances_;
   std::vector<MaterialData> materials_;
-  std::vector<LayerData> layers_;  ///< of the materials that have some
+  std::vector<LayerData> layers_;  ///< of layered materials
   TextureStore textures_;
   LightBuilder lights_;
   Index camera_node_ = kNone;

@@ -1,4 +1,4 @@
-// How far the scene reaches.
+// Bounds of the scene.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -12,12 +12,12 @@ namespace relume {
 
 namespace {
 
-/// Times at which to look where animation takes things: the keys, at most some thousand of them, and where they are few
-/// some between. 0 without animation.
+/// Times at which to evaluate animated bounds: the keys, at most several thousand, and times between them where keys
+/// are few. Includes 0.
 std::vector<float> times_of_animation(const Scene& scene) {
   constexpr size_t kMostKeys = 4096;
-  constexpr size_t kMostStretches = 64;  // that are looked at between their ends
-  constexpr int kBetween = 4;            // turns bulge between keys
+  constexpr size_t kMostStretches = 64;  // intervals sampled between their ends
+  constexpr int kBetween = 4;            // rotations bulge between keys
   std::vector<float> keys{0};
   for (const AnimationChannel& channel : scene.animation)
     keys.insert(keys.end(), channel.times.begin(), channel.times.end());
@@ -76,7 +76,7 @@ void CompiledScene::compute_bounds() {
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     if (world_space_[i]) extent_.add(boxes_[mesh_of_instance_[i]]);
   }
-  // The time that is shown first must make no difference, so that frames do not depend on which came before.
+  // Independent of the start time, so frames do not depend on earlier ones.
   extent_.add(placed_box(world_matrices(source_, 0)));
   const bool anything_moves = std::any_of(mesh_instances_.begin(), mesh_instances_.end(), [&](const MeshInstance& a) {
     return moves_[a.node] || a.deforming != kNoHit;
@@ -92,7 +92,7 @@ void CompiledScene::compute_bounds() {
 void CompiledScene::set_bounds() {
   if (extent_.empty()) extent_.add(Vec3(0));
   bounds_.center = extent_.center();
-  // A margin keeps rays from infinity outside what moves between the times that were looked at.
+  // The margin covers motion between the sampled times, so rays from infinity start outside.
   bounds_.radius = std::max(0.55f * extent_.diagonal(), 1e-3f);
 }
 

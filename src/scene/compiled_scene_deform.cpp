@@ -1,4 +1,4 @@
-// Meshes that skins and morph targets deform.
+// Meshes deformed by skins and morph targets.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -14,7 +14,7 @@ bool CompiledScene::is_animated(const Node& node, Index node_index, const Mesh& 
   });
   if (morphs && !mesh.morph_targets.empty()) return true;
   if (!is_skinned(node, mesh)) return false;
-  // A skinned mesh stands in the world, where only its own acceleration structure can be hidden.
+  // A skinned mesh is in world space. Hiding it requires a separate acceleration structure.
   if (moves_[static_cast<size_t>(node_index)]) return true;
   const std::vector<Index>& joints = source_.skins[static_cast<size_t>(node.skin)].joints;
   return std::any_of(joints.begin(), joints.end(), [&](Index joint) { return moves_[static_cast<size_t>(joint)]; });
@@ -23,7 +23,7 @@ bool CompiledScene::is_animated(const Node& node, Index node_index, const Mesh& 
 void CompiledScene::bake_static_deformations() {
   const JointMatrices joints = joint_matrices(source_, world_);
   check_joints(source_, joints);
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> baked;  // node and mesh: the mesh that takes its place
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> baked;  // by node and mesh: the replacement mesh
   for (MeshInstance& placed : mesh_instances_) {
     const auto node_index = static_cast<Index>(placed.node);
     const Node& node = source_.nodes[placed.node];
@@ -44,7 +44,7 @@ void CompiledScene::bake_static_deformations() {
 void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
   const Index node = static_cast<Index>(placed.node);
   const Index mesh_index = static_cast<Index>(placed.mesh);
-  for (uint32_t k = 0; k < deforming_.size(); ++k) {  // the instances of a node have the same weights
+  for (uint32_t k = 0; k < deforming_.size(); ++k) {  // all instances of a node share its weights
     const DeformingMeshes::Source& known = deforming_.source(k);
     if (known.node != node || known.mesh != mesh_index) continue;
     placed.deforming = k;

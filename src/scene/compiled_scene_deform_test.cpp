@@ -1,4 +1,4 @@
-// Deforming meshes among the other parts of a scene.
+// Deforming meshes together with other parts of a scene.
 #include <gtest/gtest.h>
 
 #include "core/hash.h"
@@ -30,7 +30,7 @@ TEST(DeformingMeshes, InstancesShareOneMesh) {
     compiled.set_time(1);
     for (uint32_t i = 0; i < 3; ++i) {
       const Ray ray{Vec3(static_cast<float>(i) - 0.38f, 1.99f, 0) + Vec3(0, 0, 3), Vec3(0, 0, -1), kInfinity};
-      const Hit hit = intersect(compiled.view().accel, ray, 0);  // 0.4 wide at the top, 0.2 at rest
+      const Hit hit = intersect(compiled.view().accel, ray, 0);  // width 0.4 at the top, 0.2 at rest
       ASSERT_TRUE(hit.valid());
       EXPECT_EQ(hit.instance, i);
     }
@@ -58,13 +58,13 @@ TEST(DeformingMeshes, OneMeshMayFollowSeveralSkinsAndNone) {
     return intersect(compiled.view().accel, {from, Vec3(0, 0, -1), kInfinity}, 0);
   };
   compiled.set_time(1);
-  EXPECT_FALSE(find(Vec3(0.05f, 1.95f, 3)).valid());  // it has bent away
+  EXPECT_FALSE(find(Vec3(0.05f, 1.95f, 3)).valid());  // bent away
   EXPECT_TRUE(find(Vec3(5.05f, 1.95f, 3)).valid());
   EXPECT_TRUE(find(Vec3(-4.95f, 1.95f, 3)).valid());
 }
 
 TEST(DeformingMeshes, TreesAreRebuiltWherePosesDiffer) {
-  // The top joint is thrown far off and back, which stretches the triangles below it.
+  // The top joint moves far off and back, which stretches the triangles below it.
   Scene scene = figure({.rings = 60, .segments = 40});
   std::erase_if(scene.animation, [](const AnimationChannel& c) { return c.node == 5; });
   scene.animation.push_back({5,

@@ -1,4 +1,4 @@
-// Adding parts to a compiled scene, and removing them. Indices stay: what is removed leaves an empty place.
+// Adding and removing parts of a compiled scene. Indices stay valid: a removed part leaves an empty slot.
 #include <algorithm>
 #include <utility>
 
@@ -17,13 +17,13 @@ Index append(std::vector<T>& list, T value) {
   return static_cast<Index>(list.size()) - 1;
 }
 
-/// Throws Error unless `index` is kNone or one of `count` parts of this kind ("mesh").
+/// Throws Error unless `index` is kNone or a valid index among `count` parts of this kind ("mesh").
 void check_reference(Index index, size_t count, const char* kind, const std::string& place) {
   if (index == kNone || (index >= 0 && static_cast<size_t>(index) < count)) return;
   throw Error(fmt::format("{}: {} {} does not exist; add it first", place, kind, index));
 }
 
-/// A scene of one mesh that passes for valid if the mesh is.
+/// Validates a mesh within a minimal scene.
 void validate(const Mesh& mesh, const std::string& place) {
   Scene scene;
   scene.meshes.push_back(mesh);
@@ -39,7 +39,7 @@ Index CompiledScene::add_material(const Material& material) {
     check_reference(ref->texture, source_.textures.size(), "texture", source_.name);
   const Index index = append(source_.materials, material);
   build_materials();
-  // The default material, which meshes without one have, is behind the others.
+  // The default material, for meshes without one, follows the others.
   for (MeshView& mesh : meshes_) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
   edited_ = true;
   return index;
@@ -156,7 +156,7 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
   for (size_t i = 0; i < gone.size(); ++i) {
     if (!gone[i]) continue;
     removed.push_back(static_cast<Index>(i));
-    if (static_cast<Index>(i) == camera_node_) {  // the view stays
+    if (static_cast<Index>(i) == camera_node_) {  // keep the view
       default_camera_ = world_[i];
       camera_node_ = kNone;
     }

@@ -26,7 +26,7 @@ Node node_of(Index mesh) {
   return node;
 }
 
-/// Whether a ray against +Z from z = 10 metres meets a triangle of `mesh` at (x, y).
+/// Whether a ray along −Z from z = 10 metres hits a triangle of `mesh` at (x, y).
 bool meets(const CompiledScene& scene, float x, float y) {
   const Ray ray{{x, y, 10}, {0, 0, -1}, kInfinity};
   return intersect(scene.view().accel, ray, 0).valid();

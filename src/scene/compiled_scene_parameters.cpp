@@ -1,4 +1,4 @@
-// Materials, lights and cameras that key frames drive.
+// Key frames of materials, lights and cameras.
 #include <map>
 
 #include "scene/animated_parameters.h"
@@ -19,7 +19,7 @@ void CompiledScene::apply_parameter_animation() {
 
 Change CompiledScene::animate_parameters() {
   if (source_.parameter_animation.empty()) return Change::none;
-  std::map<Index, Material> materials;  // those that are driven, as they were
+  std::map<Index, Material> materials;  // animated materials in their previous state
   for (const ParameterChannel& c : source_.parameter_animation) {
     if (c.part == AnimatedPart::material)
       materials.try_emplace(c.index, source_.materials[static_cast<size_t>(c.index)]);
@@ -29,7 +29,7 @@ Change CompiledScene::animate_parameters() {
   for (auto& [index, before] : materials) {
     Material& now = source_.materials[static_cast<size_t>(index)];
     if (same_material(now, before)) continue;
-    std::swap(now, before);  // replace_material() compares with what was there
+    std::swap(now, before);  // replace_material() compares with the previous state
     change |= replace_material(index, before);
   }
   if (camera_node_ != kNone)

@@ -208,13 +208,13 @@ TEST(CompiledScene, RaysThatAreNotFiniteMeetNothing) {
   }
 }
 
-/// Whether an automatic environment is the studio.
+/// Whether an automatic environment becomes the studio.
 bool gets_studio(Scene scene) {
   scene.environment.kind = EnvironmentKind::automatic;
   return CompiledScene(std::move(scene), {.width = kSize, .height = kSize}).in_studio();
 }
 
-/// The plate beside a lamp of this radiance.
+/// The plate next to a lamp of this radiance.
 Scene plate_under_lamp(float radiance) {
   Scene scene = plate();
   Material lamp;
@@ -288,9 +288,9 @@ TEST(CompiledScene, BoundsHoldWhereverAnimationLeads) {
   };
   EXPECT_GE(at(0).radius, 25.0f);
   EXPECT_NEAR(at(0).center.x, 25.0f, 1e-3f);
-  EXPECT_EQ(at(0).radius, at(1.3f).radius);  // whichever time comes first
+  EXPECT_EQ(at(0).radius, at(1.3f).radius);  // for any start time
   EXPECT_EQ(at(0).center, at(1.3f).center);
-  // Half a turn about a far point: neither key sees how far up it leads.
+  // Half a turn about a far point: neither key shows how high the path goes.
   Scene turning = plate();
   turning.nodes[0].parent = 2;
   turning.nodes[0].transform.translation = Vec3(10, 0, 0);

@@ -1,4 +1,4 @@
-// What changes while a scene is shown.
+// Updates of a compiled scene between frames.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-/// Throws Error unless `index` is one of `count` parts of this kind ("node").
+/// Throws Error unless `index` is a valid index among `count` parts of this kind ("node").
 void check_index(Index index, size_t count, const char* kind, const std::string& place) {
   if (index >= 0 && static_cast<size_t>(index) < count) return;
   const std::string valid =
@@ -256,8 +256,8 @@ void CompiledScene::refresh_view() {
       {.anisotropic = std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
        .sheen =
            std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
-  if (!accel_ || edited_) return;  // it lacks what was added; commit_edits() comes back here
-  // A closed body is left in every direction; a lone sheet of glass, or a gap that a ray slips through, in one.
+  if (!accel_ || edited_) return;  // lacks the added parts; commit_edits() calls this again
+  // Rays in every direction leave a closed body. A sheet of glass, or a gap in a mesh, affects one direction only.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
   view_.camera_medium = glm::min(around(-camera_view_.axes.n), around(camera_view_.axes.n));
 }

@@ -1,4 +1,4 @@
-// What changes while a scene is shown.
+// Updates of a compiled scene between frames.
 #include <gtest/gtest.h>
 
 #include "scene/compiled_scene.h"
@@ -36,7 +36,7 @@ TEST(CompiledScene, StaysAsItWasWhenAChangeIsRefused) {
   camera.to_world = Mat4(0);
   EXPECT_NE(problem_of([&] { compiled.set_camera(camera); }).find("has no direction"), std::string::npos);
   EXPECT_TRUE(is_unchanged());
-  EXPECT_EQ(compiled.set_time(0.5f), Change::none);  // a camera's scale does not matter
+  EXPECT_EQ(compiled.set_time(0.5f), Change::none);  // the scale of a camera has no effect
 }
 
 std::vector<bool> changed_lights(const CompiledScene& compiled) {
@@ -86,7 +86,7 @@ TEST(CompiledScene, ChangesLastUntilTheFrameEnds) {
   compiled.end_frame();
   EXPECT_EQ(changed_lights(compiled), std::vector<bool>{false});
 
-  // A light more: what had changed before stays so when the list is made anew.
+  // An additional light: earlier changes persist when the list is rebuilt.
   Material lamp = scene.materials[0];
   lamp.emission = Rgb(1);
   compiled.set_material(0, lamp);
@@ -110,7 +110,7 @@ Texture holes() {
   return t;
 }
 
-/// Something else, which moves beside the plate.
+/// Adds another object, which moves next to the plate.
 void add_mover(Scene& scene) {
   Mesh mesh = scene.meshes[0];
   mesh.material = static_cast<Index>(scene.materials.size());
@@ -166,7 +166,7 @@ TEST(CompiledScene, MaterialsMayBecomeTransparent) {
     EXPECT_TRUE(hits(-0.5f) && !hits(0.5f)) << static_cast<int>(kind);
     EXPECT_NEAR(watts(), 0.5f * whole, 0.02f * whole);
     EXPECT_TRUE(changed_lights(compiled).at(0));
-    lamp.alpha_cutoff = 0;  // covers again
+    lamp.alpha_cutoff = 0;  // opaque again
     compiled.set_material(0, lamp);
     EXPECT_TRUE(hits(-0.5f) && hits(0.5f));
     EXPECT_NEAR(watts(), whole, 0.02f * whole);

@@ -1,4 +1,4 @@
-// Faces whose back the camera sees through.
+// Faces culled for the camera.
 #include <gtest/gtest.h>
 
 #include "scene/compiled_scene.h"
@@ -24,7 +24,7 @@ Hit in_packet(const AccelView& accel, const Ray& ray) {
   return hit;
 }
 
-/// The plate's front faces +Z.
+/// The front of the plate faces +Z.
 void expect_culled(const Scene& scene, const CompileOptions& options) {
   const CompiledScene compiled(scene, options);
   const AccelView& accel = compiled.view().accel;
@@ -33,7 +33,7 @@ void expect_culled(const Scene& scene, const CompileOptions& options) {
   EXPECT_TRUE(in_packet(accel, kFromFront).valid());
   EXPECT_FALSE(intersect_from_camera(accel, kFromBehind, 1).valid());
   EXPECT_FALSE(in_packet(accel, kFromBehind).valid());
-  // What travels to the camera, which is at the end of the ray.
+  // Rays towards the camera, which is at their end.
   EXPECT_FALSE(occluded_to_camera(accel, kFromFront, 1));
   EXPECT_TRUE(occluded_to_camera(accel, kFromBehind, 1));
   for (const Ray& ray : {kFromFront, kFromBehind}) {
@@ -55,7 +55,7 @@ TEST(Culling, KnowsTheFrontOfMirroredInstances) {
   expect_culled(scene, {.camera = {}, .movable = {0}});
 }
 
-/// From outside, a closed tube shows its near side; from within, nothing, whether its joints mirror it or not.
+/// From outside, a closed tube shows its near side; from inside, it is invisible. Mirroring joints make no difference.
 TEST(Culling, KnowsTheFrontOfSkins) {
   const Ray from_outside{{0.03f, 1.1f, 3}, {0, 0, -1}, kInfinity};
   const Ray from_within{{0.03f, 1.1f, 0}, {0, 0, -1}, kInfinity};
@@ -80,7 +80,7 @@ TEST(Culling, KnowsTheFrontOfSkins) {
   }
 }
 
-/// A blended surface is asked about its opacity, too.
+/// A blended surface also evaluates its opacity.
 TEST(Culling, CombinesWithOpacity) {
   Material clear = culled();
   clear.alpha_mode = AlphaMode::blend;

@@ -1,4 +1,4 @@
-// Meshes that bend: morph targets, then linear blend skinning (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
+// Deformation of meshes: morph targets, then linear blend skinning (glTF 2.0, sections 3.7.2.2 and 3.7.3.3).
 #pragma once
 
 #include "relume/scene.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Displacements that a morph target adds; empty: none.
+/// Displacements of a morph target; empty: none.
 struct MorphTargetView {
   View<const Vec3> positions;
   View<const Vec3> normals;
@@ -14,7 +14,7 @@ struct MorphTargetView {
   float weight = 0;
 };
 
-/// A mesh at rest, and what deforms it at one time.
+/// A mesh at rest and its deformation at one time.
 struct DeformableMesh {
   View<const Vec3> positions;
   View<const Vec3> normals;   ///< unit; empty: none
@@ -22,10 +22,10 @@ struct DeformableMesh {
   View<const MorphTargetView> targets;
   View<const JointInfluence> influences;  ///< influences_per_vertex for each vertex
   uint32_t influences_per_vertex = 0;     ///< 0: no skin
-  View<const Affine> joints;              ///< from the space of the mesh at rest to the world
+  View<const Affine> joints;              ///< from the rest pose in mesh space to the world
 };
 
-/// A vertex where deformation takes it: in the world if the mesh has a skin, else in the space of the mesh.
+/// A deformed vertex: in world space if the mesh has a skin, else in mesh space.
 struct DeformedVertex {
   Vec3 position{0};
   Vec3 normal{0, 0, 1};   ///< unit
@@ -39,7 +39,7 @@ RELUME_HD inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   return length > 0.0f && is_finite(length) ? v / length : otherwise;
 }
 
-/// Σ weight · joint, of the joints that influence a vertex.
+/// Σ weight · joint over the joints of a vertex.
 RELUME_HD inline Affine blended_joint(const DeformableMesh& mesh, uint32_t vertex) {
   Affine sum{Mat3(0), Vec3(0)};
   for (uint32_t k = 0; k < mesh.influences_per_vertex; ++k) {
@@ -67,7 +67,7 @@ RELUME_HD inline DeformedVertex deform(const DeformableMesh& mesh, uint32_t vert
   }
   if (mesh.influences_per_vertex > 0) {
     const Affine joint = blended_joint(mesh, vertex);
-    // Normals go with the inverse transpose, so that scales that are not uniform keep them at right angles.
+    // Normals use the inverse transpose, to stay perpendicular under non-uniform scales.
     const Mat3 for_normals = normal_matrix(joint.linear);
     const float mirrored = glm::dot(joint.linear[0], for_normals[0]) < 0.0f ? -1.0f : 1.0f;
     position = joint.point(position);
@@ -77,8 +77,8 @@ RELUME_HD inline DeformedVertex deform(const DeformableMesh& mesh, uint32_t vert
   return {position, unit_or(normal, Vec3(0, 0, 1)), unit_or(tangent, Vec3(1, 0, 0))};
 }
 
-/// Pass kernel: writes the vertices of one mesh where the scene's kernels read them. Texture coordinates stay. Tangents
-/// keep their handedness: Instance::orientation says whether a skin mirrors.
+/// Pass kernel: writes the vertices of one mesh into the array that kernels read. Texture coordinates stay unchanged.
+/// Tangents keep their handedness: Instance::orientation marks mirroring skins.
 struct DeformVertices {
   DeformableMesh mesh;
   View<Vertex> vertices;  ///< of this mesh

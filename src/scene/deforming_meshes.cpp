@@ -61,7 +61,7 @@ Box vertex_box(const Mesh& mesh, const std::vector<ValueRange>& ranges, size_t v
   return box;
 }
 
-/// One box a joint, about the vertices that it influences; one about all for a mesh without skin.
+/// One box per joint, around the vertices that it influences. One box around all vertices for a mesh without skin.
 std::vector<Box> joint_boxes(const Mesh& mesh, size_t joints, const std::vector<ValueRange>& ranges) {
   std::vector<Box> boxes(std::max<size_t>(joints, 1));
   const auto per_vertex = static_cast<size_t>(mesh.influences_per_vertex);
@@ -192,7 +192,7 @@ void DeformingMeshes::keep(const std::vector<bool>& used) {
 Box DeformingMeshes::box(uint32_t number, const JointMatrices& joints) const {
   const Deforming& mesh = meshes_[number];
   if (mesh.skin == kNone) return mesh.joint_boxes[0];
-  // A vertex lies in the convex hull of the positions to which its joints alone would move it.
+  // A vertex lies in the convex hull of its positions under each of its joints alone.
   Box box;
   const std::vector<Mat4>& matrices = joints[static_cast<size_t>(mesh.skin)];
   for (size_t j = 0; j < matrices.size(); ++j) box.add(transformed(mesh.joint_boxes[j], matrices[j]));

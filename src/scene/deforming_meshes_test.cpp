@@ -36,7 +36,7 @@ void expect_vertices(const FigureOptions& o, const Scene& scene, double rounding
       box.add(view.vertices[v].position);
     }
     EXPECT_LE(position, 1e-5 * glm::length(glm::dvec3(box.extent())) + rounding) << time_s;
-    EXPECT_LE(normal, 1e-4) << time_s;  // they have 16 bits a component
+    EXPECT_LE(normal, 1e-4) << time_s;  // 16 bits per component
     EXPECT_LE(tangent, 2e-4) << time_s;
   }
 }
@@ -46,16 +46,16 @@ TEST_P(Deformed, VerticesAreThoseOfADoubleEvaluation) { expect_vertices(GetParam
 TEST_P(Deformed, ScalesAndDistancesToo) {
   if (!GetParam().skinned) return;
   Scene scene = figure(GetParam());
-  scene.nodes[2].transform.scale = Vec3(2, 0.5f, 1);  // of a joint in the middle
+  scene.nodes[2].transform.scale = Vec3(2, 0.5f, 1);  // scale of a middle joint
   scene.nodes[1].transform.translation = Vec3(300, -20, 7);
-  expect_vertices(GetParam(), scene, 5e-5);  // floats at 300 m round by 1.5e-5, and the sum of a skin three times
+  expect_vertices(GetParam(), scene, 5e-5);  // floats at 300 m round by 1.5e-5, three times in the sum of a skin
 }
 
 TEST_P(Deformed, NormalsStandOnTheSurface) {
   FigureOptions options = GetParam();
-  options.swing_rad = 0;  // where weights vary, blended normals are not exact
+  options.swing_rad = 0;  // blended normals are inexact where weights vary
   Scene scene = figure(options);
-  if (options.skinned) scene.nodes[1].transform.scale = Vec3(3, 1, 1);  // does not turn normals as it turns the surface
+  if (options.skinned) scene.nodes[1].transform.scale = Vec3(3, 1, 1);  // normals and surface turn differently
   CompiledScene compiled(scene, small());
   compiled.set_time(0.8f);
   const SceneView& view = compiled.view();

@@ -1,16 +1,16 @@
-// Where the scattering of a path depends on its wavelength. A path has one wavelength from the camera to the light. Its
-// weight in the channels of the image is applied once, at the first vertex whose scattering depends on the wavelength.
+// Wavelength dependence of scattering along a path. A path has one wavelength from the camera to the light. Its weight
+// in the image channels is applied once, at the first vertex whose scattering depends on the wavelength.
 #pragma once
 
 #include "scene/surface_point.h"
 
 namespace relume {
 
-/// How scattering at a surface depends on the wavelength.
+/// Wavelength dependence of scattering at a surface.
 enum class Dispersion : uint8_t {
   none,
   transmission,  ///< from outside a dispersive medium
-  always,        ///< from inside: the critical angle of total reflection depends on the wavelength, too
+  always,        ///< from inside: the critical angle of total reflection also depends on the wavelength
 };
 
 RELUME_HD inline Dispersion dispersion_at(const SceneView& scene, const SurfacePoint& sp) {
@@ -18,8 +18,8 @@ RELUME_HD inline Dispersion dispersion_at(const SceneView& scene, const SurfaceP
   return sp.front_face ? Dispersion::transmission : Dispersion::always;
 }
 
-/// Whether scattering towards a direction depends on the wavelength. `cosine`: of the angle between the direction and
-/// the geometric normal on the viewer's side.
+/// Whether scattering towards a direction depends on the wavelength. `cosine`: between the direction and the geometric
+/// normal on the viewer's side.
 RELUME_HD inline bool disperses(Dispersion dispersion, float cosine) {
   return dispersion == Dispersion::always || (dispersion == Dispersion::transmission && cosine < 0.0f);
 }

@@ -28,7 +28,7 @@ EmissionMask::EmissionMask(const TextureView& texture)
 
 int EmissionMask::texel_ranges(float low, float high, int size, WrapMode wrap, Range (&ranges)[2]) {
   ranges[0] = {0, size};
-  // Look-ups wrap first and interpolate the coordinates: rounding may take them one texel further.
+  // Look-ups wrap first and interpolate coordinates, so rounding may reach one texel further.
   const float first = std::floor(low * static_cast<float>(size) - 0.5f) - 1.0f;
   const float last = std::floor(high * static_cast<float>(size) - 0.5f) + 2.0f;
   constexpr float kFarthest = 1e5f;
@@ -41,7 +41,7 @@ int EmissionMask::texel_ranges(float low, float high, int size, WrapMode wrap, R
     ranges[0] = {std::clamp(begin, 0, size - 1), std::clamp(end, 1, size)};
     return 1;
   }
-  if (wrap != WrapMode::repeat) return 1;  // mirrored: all of it
+  if (wrap != WrapMode::repeat) return 1;  // mirrored: the full range
   begin = (begin % size + size) % size;
   end = begin + static_cast<int>(last - first) + 1;
   ranges[0] = {begin, std::min(end, size)};

@@ -1,4 +1,4 @@
-// Where a texture is black: triangles that lie there emit nothing, and most of many emissive textures is black.
+// Black areas of emissive textures. Many emissive textures are mostly black, and triangles there emit nothing.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace relume {
 
-/// Counts texels that are not black in any rectangle, in constant time.
+/// Counts the non-black texels of any rectangle in constant time.
 class EmissionMask {
  public:
   explicit EmissionMask(const TextureView& texture);
@@ -21,7 +21,7 @@ class EmissionMask {
     int first = 0;
     int end = 0;
   };
-  /// Texels that look-ups between two coordinates read: one range, or two across the border of a repeated texture.
+  /// Texels read by look-ups between two coordinates: one range, or two across the border of a repeated texture.
   static int texel_ranges(float low, float high, int size, WrapMode wrap, Range (&ranges)[2]);
   uint32_t count(const Range& x, const Range& y) const;
 
@@ -29,7 +29,7 @@ class EmissionMask {
   int height_;
   WrapMode wrap_u_;
   WrapMode wrap_v_;
-  std::vector<uint32_t> sums_;  ///< (width + 1) · (height + 1): texels above and to the left that are not black
+  std::vector<uint32_t> sums_;  ///< (width + 1) · (height + 1): counts of non-black texels above and to the left
 };
 
 }  // namespace relume

@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-/// Black except for a few texels.
+/// A texture with only a few non-black texels.
 Texture sparse(int width, int height, WrapMode wrap, FilterMode filter) {
   Texture t{"sparse", width, height, PixelFormat::rgba8_srgb, wrap, wrap, filter, {}, {}};
   const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
@@ -28,7 +28,7 @@ Vec2 random_uv(uint32_t triangle, uint32_t corner, float extent) {
   return middle + extent * Vec2(random(corner, 2) - 0.5f, random(corner, 3) - 0.5f);
 }
 
-/// Whether some look-up inside the triangle is not black.
+/// Whether a look-up inside the triangle is non-black.
 bool emits(const TextureView& texture, const Vec2 (&uv)[3]) {
   constexpr int kSteps = 24;
   for (int i = 0; i <= kSteps; ++i) {

@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// Extent of a triangle in the texels of the textures that modulate it.
+/// Extent of a triangle in texels of the textures that modulate it.
 struct TexelExtent {
   float area = 1;
   float longest_edge = 1;
@@ -34,14 +34,14 @@ TexelExtent texel_extent(const TexturedEmission& e, const TexturedTriangle& t) {
   return extent;
 }
 
-/// Edge of the subdivision of a textured triangle that is about one texel, within bounds.
+/// Number of subdivisions per edge of a textured triangle: small triangles are about one texel large, within bounds.
 uint32_t grid_size(const TexelExtent& extent) {
   constexpr float kMaxGrid = 256;
   return static_cast<uint32_t>(clamp(std::ceil(std::sqrt(2.0f * extent.area)), 1.0f, kMaxGrid));
 }
 
-/// Points along a side of a small triangle at which the texture is looked up: two a texel, so that none is missed. If
-/// those are too many, a few have to do.
+/// Look-ups along a side of a small triangle: two per texel, so that none is missed. Falls back to few points if that
+/// is too many.
 struct Probing {
   int points = 4;
   bool sees_all = true;
@@ -67,10 +67,10 @@ Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t
   return sum / (n * n);
 }
 
-/// Where bright texels may have been missed, every small triangle gets some samples.
+/// Gives every small triangle a minimum weight, because bright texels may have been missed.
 void leave_none_out(std::vector<float>& weights, Rgb& mean) {
   constexpr float kLeastShare = 0.01f;  // of the mean weight
-  constexpr float kLeastMean = 1e-3f;   // of the material's emission, if nothing at all was found
+  constexpr float kLeastMean = 1e-3f;   // of the material's emission, if all look-ups are black
   double sum = 0;
   for (const float w : weights) sum += w;
   const auto least = static_cast<float>(kLeastShare * sum / static_cast<double>(weights.size()));
@@ -89,13 +89,13 @@ void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& 
   }
 }
 
-/// A table before its size is known.
+/// A table before its size is determined.
 struct Draft {
   TexturedTriangle triangle{};
   Rgb emission{0};  ///< of the material
   TexelExtent extent;
   bool emits = false;
-  float weight = 0;       ///< mean luminance times area in texels, where a texture has to share its entries
+  float weight = 0;       ///< mean luminance times area in texels, for textures that share entries
   bool filtered = false;  ///< the weights of the table come from mip levels
 
   bool can_share() const { return emits && triangle.emission_texture >= 0; }
@@ -128,8 +128,8 @@ Draft draft_of(const SceneView& geometry, const EmissiveTriangle& source,
   return draft;
 }
 
-/// The texture's alpha at a point, from a mip level. A mask counts as its coverage, which is not cut off: filtered
-/// alpha says too little of where it lies.
+/// Alpha of the texture at a point, from a mip level. A mask uses its coverage without the cutoff, because filtered
+/// alpha does not locate it well enough.
 float filtered_opacity(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b, int level) {
   if (t.opacity_texture < 0) return 1;
   const TextureView& texture = e.textures[static_cast<uint32_t>(t.opacity_texture)];
@@ -138,7 +138,7 @@ float filtered_opacity(const TexturedEmission& e, const TexturedTriangle& t, con
   return saturate(alpha * interpolate_corners(t.alpha_factor, b));
 }
 
-/// About mean_emission(), from the mip level whose texels are as far apart as the points.
+/// Approximate mean_emission(), from the mip level whose texel size matches the spacing of the points.
 Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t index, float longest_edge) {
   constexpr int kPoints = 3;
   const TextureView& texture = e.textures[static_cast<uint32_t>(t.emission_texture)];
@@ -155,13 +155,13 @@ Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint
   return sum / static_cast<float>(kPoints * kPoints);
 }
 
-/// What the triangles of one texture ask for together.
+/// Total demand of the triangles of one texture.
 struct Demand {
   double entries = 0;
   double weight = 0;
 };
 
-/// Entries in proportion to mean luminance times area in texels, where a texture asks for too many.
+/// Limits the entries of textures that need too many: entries are proportional to mean luminance times area in texels.
 void share_entries(const TexturedEmission& context, std::vector<Draft>& drafts) {
   std::map<int32_t, Demand> demands;
   for (const Draft& draft : drafts) {

@@ -1,4 +1,4 @@
-// Sampling tables of triangles whose emission a texture modulates.
+// Sampling tables of triangles with textured emission.
 #pragma once
 
 #include <span>
@@ -18,19 +18,19 @@ struct EmissiveTriangle {
   uint32_t primitive = 0;
 };
 
-/// TexturedTriangle without `first_entry`, and its entries; none: the triangle emits nothing.
+/// TexturedTriangle without `first_entry`, and its entries. No entries: the triangle emits nothing.
 struct EmissionTable {
   TexturedTriangle triangle{};
   std::vector<AliasEntry> entries;
 };
 
-/// Entries that the triangles of one emission texture share, apart from one that each has.
+/// Maximum number of entries shared by the triangles of one emission texture, besides one entry per triangle.
 inline constexpr uint32_t kMostEmissionEntries = 1u << 18;
 
-/// Tables whose entries are about a texel large. Where a texture would need more than kMostEmissionEntries, triangles
-/// get entries in proportion to their mean luminance times area in texels, whose weights come from mip levels.
-/// Materials that glow without an emission texture and have transparent texels are not limited. Every place that is not
-/// black can be sampled. Uses all cores.
+/// Builds tables with entries of about one texel. If a texture needs more than kMostEmissionEntries, its triangles get
+/// entries in proportion to their mean luminance times area in texels. The weights then come from mip levels. Emissive
+/// materials with transparent texels but without an emission texture are not limited. Every non-black position can be
+/// sampled. Uses all cores.
 std::vector<EmissionTable> make_emission_tables(const SceneView& geometry, std::span<const EmissiveTriangle> triangles);
 
 }  // namespace relume

@@ -8,9 +8,9 @@
 namespace relume {
 namespace {
 
-constexpr int kEdge = 16;  // quads along a side of the plate
+constexpr int kEdge = 16;  // quads per side of the plate
 
-/// Almost black noise, as lossy compression leaves it, with a bright square in one corner.
+/// Almost black noise, as from lossy compression, with a bright square in one corner.
 Texture dim_texture(int size, int bright) {
   Texture t{"dim", size, size, PixelFormat::rgba8_srgb, WrapMode::repeat, WrapMode::repeat, FilterMode::linear, {}, {}};
   for (int y = 0; y < size; ++y) {
@@ -23,7 +23,7 @@ Texture dim_texture(int size, int bright) {
   return t;
 }
 
-/// A plate whose triangles have equal shares of the texture.
+/// A plate whose triangles cover equal parts of the texture.
 Scene glowing_plate(Texture texture) {
   Scene scene;
   Material glow;
@@ -76,11 +76,11 @@ TEST(EmissionTable, LargeTexturesShareEntriesByPower) {
     }
     mean += static_cast<double>(luminance(t.mean_emission)) / e.triangles.size;
   }
-  const double expected = 1.0 / (kEdge * kEdge);  // what is dim adds a ninth of it
+  const double expected = 1.0 / (kEdge * kEdge);  // dim texels add a ninth of it
   EXPECT_NEAR(mean / expected, 1, 0.2);
 }
 
-/// The same with texels that a mask removes, in columns of half a quad.
+/// The same with columns of half a quad removed by a mask.
 Scene masked_plate(int size, int bright) {
   Texture texture = dim_texture(size, bright);
   const int column = size / kEdge / 2;
@@ -110,7 +110,7 @@ TEST(EmissionTable, NothingThatGlowsIsLeftOut) {
                               {.width = 8, .height = 8});
     const TexturedEmission& e = scene.view().lights.textured;
     for (const TexturedTriangle& t : e.triangles) {
-      if (is_masked && t.grid >= 64) continue;  // each texel has entries of its own, none where it is removed
+      if (is_masked && t.grid >= 64) continue;  // each texel has separate entries, and none where it is removed
       const AliasTable table = e.table(t);
       for (uint32_t i = 0; i < table.entries.size; ++i) ASSERT_GT(table.pmf(i), 0.0f);
     }

@@ -8,8 +8,8 @@
 namespace relume {
 namespace {
 
-/// Bounds of all points that give the nearest camera. In its axes (z towards the eye), a point (x, y, z) is inside the
-/// view of slope k if |x - eye.x| <= k (eye.z - z), and likewise for y.
+/// Bounds of all points, which determine the nearest camera. The axes are the camera's, with z towards the eye. A view
+/// of slope k contains a point (x, y, z) if |x - eye.x| <= k (eye.z - z), and likewise for y.
 struct Reach {
   Vec2 right{-kInfinity};  ///< x + k z
   Vec2 left{-kInfinity};   ///< -x + k z
@@ -69,11 +69,11 @@ Mat4 framing_camera(const SceneView& scene, const Vec3& forward, const Vec2& tan
   Vec3 eye = center;
   if (is_finite(reach.nearest)) {
     const Vec2 needed = (reach.right + reach.left) / (2.0f * slope);
-    // An object that is long and thin along the view still needs room before the camera.
+    // Leave room in front of an object that is long and thin along the view.
     const float least = reach.nearest + 1e-3f * (reach.nearest - reach.farthest);
     const float distance = std::max({needed.x, needed.y, least});
-    // From there the object fills less of the other dimension. Its middle is where it fills both halves alike: what a
-    // smaller view, which it would fill, has in its middle.
+    // From there, the object fills less of the other dimension. Centre it there: use the centre of the narrower view
+    // that it fills.
     constexpr int kSteps = 4;
     for (int i = 0; i < kSteps; ++i) {
       const Vec2 filled = (reach.right + reach.left) / (2.0f * distance);

@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// Largest distance of a vertex from the middle of the image, 1 at its border.
+/// Largest distance of a vertex from the image centre, 1 at the border.
 Vec2 filled(const Scene& scene, int width, int height) {
   const CompiledScene compiled(scene, {.width = width, .height = height});
   const SceneView& view = compiled.view();

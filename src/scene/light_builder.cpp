@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-/// TriangleLight::error: the largest of the vertices'.
+/// TriangleLight::error: the largest error of the vertices.
 float triangle_error(const SceneView& geometry, const UVec3& index, const Instance& instance) {
   float largest = 0;
   for (int k = 0; k < 3; ++k) {
@@ -30,7 +30,7 @@ float triangle_error(const SceneView& geometry, const UVec3& index, const Instan
 Light punctual_light(PunctualLight source, const Mat4& to_world) {
   const Vec3 position(to_world[3]);
   Vec3 axis = -direction_of(Vec3(to_world[2]));
-  if (axis == Vec3(0) && type_of(source).has_direction) {  // collapsed: it keeps its place in the list, dark
+  if (axis == Vec3(0) && type_of(source).has_direction) {  // collapsed: stays in the list without emission
     source.intensity = Rgb(0);
     axis = Vec3(0, 0, -1);
   }
@@ -87,8 +87,8 @@ void LightBuilder::set_environment(const Environment& source) {
 void LightBuilder::build_environment_distribution() {
   const int w = static_cast<int>(environment_.width);
   const int h = static_cast<int>(environment_.height);
-  // A texel's weight is the mean over it of the bilinear interpolation, (1 6 1)/8 along each axis, times its solid
-  // angle.
+  // The weight of a texel is its solid angle times the mean of the bilinear interpolation over it, (1 6 1)/8 along each
+  // axis.
   std::vector<float> weights(environment_map_.size());
   const auto at = [&](int x, int y) {
     return environment_map_[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) +
@@ -193,7 +193,7 @@ void LightBuilder::add_punctual_lights(const Scene& scene, const PlacedNodes& no
     const Index light = scene.nodes[i].light;
     if (light == kNone) continue;
     PunctualLight source = scene.lights[static_cast<size_t>(light)];
-    if (!nodes.visible[i]) source.intensity = Rgb(0);  // it keeps its place in the list, dark
+    if (!nodes.visible[i]) source.intensity = Rgb(0);  // stays in the list without emission
     if (type_of(source).at_infinity == at_infinity) lights_.push_back(punctual_light(source, nodes.world[i]));
   }
 }
@@ -205,7 +205,7 @@ bool LightBuilder::same(const Light& a, const Light& b) const {
 
 void LightBuilder::mark_changes() {
   const bool same_count = previous_.size() == lights_.size();
-  // What an earlier edit of this frame changed stays changed, though `previous_` may have been replaced since.
+  // Changes from earlier edits of this frame persist, even if `previous_` was replaced since.
   const std::vector<LightId> before = same_count ? std::move(changed_) : std::vector<LightId>();
   changed_.clear();
   for (size_t i = 0; i < lights_.size(); ++i) {
@@ -222,7 +222,7 @@ void LightBuilder::forget_textures() {
   textured_.clear();
   entries_.clear();
   for (Light& light : previous_) {
-    if (light.kind == LightKind::triangle) light.triangle.textured = -1;  // its table is gone
+    if (light.kind == LightKind::triangle) light.triangle.textured = -1;  // its table no longer exists
   }
 }
 

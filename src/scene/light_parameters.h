@@ -1,5 +1,5 @@
-// The types of punctual lights and their parameters, each described once. Validation, hashes, relume JSON, glTF and the
-// viewer follow from these lists.
+// Types of punctual lights and their parameters, each described once. Validation, hashes, relume JSON, glTF and the
+// viewer use these lists.
 #pragma once
 
 #include <span>
@@ -10,14 +10,14 @@
 
 namespace relume {
 
-/// An angle of PunctualLight in radians that only some types use.
+/// An angle of PunctualLight, radians, used by some types only.
 struct LightParameter {
-  const char* key;   ///< in relume JSON and extras.relume, where it is in degrees
+  const char* key;   ///< in relume JSON and extras.relume, in degrees
   const char* name;  ///< in messages
   float PunctualLight::*member;
-  PunctualType type;              ///< the one that uses it
+  PunctualType type;              ///< type that uses it
   float most_rad;                 ///< largest valid value; the smallest is 0
-  float PunctualLight::*at_most;  ///< another angle that it must not exceed; nullptr: none
+  float PunctualLight::*at_most;  ///< another angle as upper limit; nullptr: none
   float low_deg;                  ///< range in relume JSON
   float high_deg;
   const char* gltf_key;  ///< in the object of its type in KHR_lights_punctual; nullptr: in extras.relume
@@ -30,8 +30,8 @@ struct LightType {
   PunctualType type;
   std::string_view name;  ///< in relume JSON and KHR_lights_punctual
   const char* unit;       ///< of its intensity
-  bool at_infinity;       ///< its direction counts, its position does not
-  bool has_direction;     ///< dark where a scale of 0 leaves none
+  bool at_infinity;       ///< whether only its direction matters, not its position
+  bool has_direction;     ///< emits nothing if a scale of 0 leaves no direction
 };
 
 /// In the order of PunctualType.

@@ -26,7 +26,7 @@ T kernel_value(const T& value, const ParameterRange&) {
   return value;
 }
 
-/// To the members of `Data` that the table names.
+/// Copies the members of `Data` in the table.
 template <typename Data>
 void copy_parameters(const Material& m, Data& data) {
   for_each_parameter(m, [&](const MaterialParameter& parameter, const auto& value) {
@@ -39,7 +39,7 @@ void copy_parameters(const Material& m, Data& data) {
   });
 }
 
-/// Whether the clearcoat's normals differ from those of its base.
+/// Whether the clearcoat has normals other than its base.
 bool has_own_coat_normal(const Material& m) {
   if (!(m.clearcoat > 0.0f)) return false;
   const TextureRef& base = m.normal_texture;

@@ -27,7 +27,7 @@ using M = Material;
 using D = MaterialData;
 using L = LayerData;
 
-// clang-format off: one field a line
+// clang-format off: one field per line
 const std::array kParameters = {
     MaterialParameter{.key = "base_color",
                       .name = "base colour",

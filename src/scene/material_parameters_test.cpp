@@ -25,7 +25,7 @@ uint64_t hash_of(const Material& material) {
   return scene_hash(scene);
 }
 
-/// Bytes of Material beside its name and padding: the sizes of what is described.
+/// Size of Material without its name and padding: the sum of the described members.
 TEST(MaterialParameters, CoverEveryMember) {
   const Material material;
   size_t bytes = 0;

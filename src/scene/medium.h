@@ -1,13 +1,13 @@
-// Absorption in the bodies that rays go through, by Beer's law. Whoever follows a way through the scene carries the
-// medium that it is in: absorption per metre, that of all bodies around it.
+// Absorption in the bodies along a ray, by Beer's law. A path tracks its medium: the absorption per metre, summed over
+// all bodies around it.
 #pragma once
 
 #include "scene/surface_point.h"
 
 namespace relume {
 
-/// What absorbs light beyond the surface in direction `w`, if `medium` does on the viewer's side. A body begins where
-/// its front is passed and ends where its back is; bodies that overlap add up.
+/// Absorption beyond the surface in direction `w`, with `medium` on the viewer's side. A path enters a body through a
+/// front face and leaves it through a back face. Overlapping bodies add up.
 RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, const Rgb& medium) {
   if (!scene.absorbs || glm::dot(w, sp.ng) >= 0.0f) return medium;
   const MaterialData& material = scene.materials[sp.material];
@@ -15,27 +15,27 @@ RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp
   return sp.front_face ? medium + material.absorption : glm::max(medium - material.absorption, Rgb(0));
 }
 
-/// Share of light that `distance` metres let through. All of what comes from infinity: whoever sees that far has left a
-/// body unnoticed, through an opening.
+/// Transmittance over `distance` metres. Returns 1 at infinity: the ray left through a hole in the mesh.
 RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
   return is_black(medium) || distance == kInfinity ? Rgb(1) : exp(-medium * distance);
 }
 
-/// The same of the `distance` metres that end at a surface. `medium`: along them, as far as is known so far.
+/// Transmittance over the `distance` metres that end at a surface. Updates `medium`, the absorption along them.
 RELUME_HD inline Rgb transmittance_to(const SceneView& scene, const SurfacePoint& sp, float distance, Rgb& medium) {
   if (!scene.absorbs) return Rgb(1);
   const MaterialData& material = scene.materials[sp.material];
-  // Who meets an inner side is inside, even if it did not see itself enter: through an opening, or one body in another.
+  // A back face implies that the ray was inside. It may have missed the entry, through a hole or where one body
+  // contains another.
   if (material.volume && !sp.front_face) medium = glm::max(medium, material.absorption);
   return transmittance(medium, distance);
 }
 
 namespace medium_detail {
 
-inline constexpr uint32_t kMaxSteps = 64;  ///< surfaces on the way
-inline constexpr uint32_t kMaxBodies = 8;  ///< in one another
+inline constexpr uint32_t kMaxSteps = 64;  ///< surfaces along the ray
+inline constexpr uint32_t kMaxBodies = 8;  ///< nested bodies
 
-/// Takes a body out of the list; false if it is not there.
+/// Removes a body from the list. Returns false if the list does not contain it.
 RELUME_HD inline bool forget(uint32_t (&entered)[kMaxBodies], uint32_t& count, uint32_t body) {
   for (uint32_t i = count; i-- > 0;) {
     if (entered[i] != body) continue;
@@ -47,8 +47,8 @@ RELUME_HD inline bool forget(uint32_t (&entered)[kMaxBodies], uint32_t& count, u
 
 }  // namespace medium_detail
 
-/// What absorbs light where `ray` begins, per metre: that of all bodies around. The ray, followed to where there is
-/// nothing more, leaves them without having entered them.
+/// Absorption at the origin of `ray`, per metre: the sum over all bodies around it. Follows the ray until it leaves the
+/// scene; these are the bodies left without being entered.
 RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
   using namespace medium_detail;
   uint32_t entered[kMaxBodies];

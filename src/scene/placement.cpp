@@ -34,7 +34,7 @@ Vec3 direction_of(const Vec3& v) {
 }
 
 std::optional<Mat3> orientation(const Mat4& to_world) {
-  constexpr float kParallel = 1e-6f;  // rounding leaves a cross product of this length
+  constexpr float kParallel = 1e-6f;  // rounding error of the cross product's length
   const Vec3 z = direction_of(Vec3(to_world[2]));
   const Vec3 x = glm::cross(direction_of(Vec3(to_world[1])), z);
   if (!(glm::length(x) > kParallel)) return std::nullopt;

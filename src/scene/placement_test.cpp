@@ -48,7 +48,7 @@ Scene one_node(const Mat4& matrix) {
   return scene;
 }
 
-/// What validate() says of the scene; empty: nothing.
+/// Message of validate() for the scene; empty: valid.
 std::string problem_with(const Scene& scene) {
   try {
     validate(scene, "a.gltf");
@@ -67,7 +67,7 @@ TEST(Placement, NodesBeyondReachAreNamed) {
     EXPECT_NE(problem.find("a.gltf: node 0 'far'"), std::string::npos) << problem;
     EXPECT_NE(problem.find("scale the scene down"), std::string::npos) << problem;
   }
-  Scene nested = one_node(scaled(Vec3(1e6f)));  // each is near, both together are not
+  Scene nested = one_node(scaled(Vec3(1e6f)));  // each scale is valid, their product is not
   nested.nodes[0].parent = 1;
   nested.add_node(nested.nodes[0]);
   nested.nodes[1].parent = kNone;

@@ -17,7 +17,7 @@ Mat4 matrix_of(const Transform& t) {
   return glm::translate(Mat4(1), t.translation) * glm::mat4_cast(t.rotation) * glm::scale(Mat4(1), t.scale);
 }
 
-/// Node indices such that parents come before their children. Nodes must have no cycles.
+/// Node indices with parents before their children. The hierarchy must have no cycles.
 std::vector<size_t> topological_order(const Scene& scene) {
   const size_t count = scene.nodes.size();
   std::vector<std::vector<size_t>> children(count);
@@ -51,7 +51,7 @@ std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
   std::vector<Transform> transforms(scene.nodes.size());
   for (size_t i = 0; i < scene.nodes.size(); ++i) transforms[i] = scene.nodes[i].transform;
   std::vector<bool> animated(scene.nodes.size(), false);
-  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {  // the first one counts
+  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {  // the first channel wins
     if (!is_transform(channel.property)) continue;
     apply(channel, time_s, transforms[static_cast<size_t>(channel.node)]);
     animated[static_cast<size_t>(channel.node)] = true;

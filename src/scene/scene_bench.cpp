@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// Look-ups at random places: every one a miss of the nearest cache, as on many small triangles.
+/// Look-ups at random positions: each misses the first-level cache, as on many small triangles.
 void bm_texture(benchmark::State& state, float lod) {
   const std::vector<Texture> textures{testing::noise_texture(1024)};
   const TextureStore store(textures, TextureFilter::linear);
@@ -19,7 +19,7 @@ void bm_texture(benchmark::State& state, float lod) {
 BENCHMARK_CAPTURE(bm_texture, finest_level, 0.0f);
 BENCHMARK_CAPTURE(bm_texture, between_levels, 3.5f);
 
-/// Neighbouring look-ups, as of neighbouring pixels.
+/// Adjacent look-ups, as from neighbouring pixels.
 void bm_texture_coherent(benchmark::State& state) {
   const std::vector<Texture> textures{testing::noise_texture(1024)};
   const TextureStore store(textures, TextureFilter::linear);
@@ -41,7 +41,7 @@ void bm_compile_scene(benchmark::State& state) {
 }
 BENCHMARK(bm_compile_scene)->Unit(benchmark::kMicrosecond);
 
-/// A lamp moves in a room of 20,000 triangles that stand still.
+/// A lamp moves in a static room of 20,000 triangles.
 void bm_move_lamp(benchmark::State& state) {
   CompiledScene compiled(find_builtin_scene("slit")->build(), CompileOptions{.camera = {}, .width = 16, .height = 16});
   float time_s = 0;

@@ -13,7 +13,7 @@ class Hasher {
  public:
   void bytes(const void* data, size_t size) {
     const auto* p = static_cast<const unsigned char*>(data);
-    // Eight bytes a step keeps large arrays cheap; the tail goes byte by byte.
+    // Eight bytes per step speed up large arrays; the tail is hashed byte by byte.
     size_t i = 0;
     for (; i + 8 <= size; i += 8) {
       uint64_t word = 0;

@@ -1,4 +1,4 @@
-// A number that differs between scenes that render differently.
+// Hash that differs between scenes with different images.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Animation, and the hash that tells scenes apart.
+// Animation and the scene hash.
 #include "scene/scene.h"
 
 #include <gtest/gtest.h>
@@ -43,14 +43,14 @@ TEST(Animation, LinearInterpolatesAndHoldsOutside) {
   EXPECT_EQ(position_at(s, 4), Vec3(5, 2, -1));
 }
 
-// Looking for the next key would go past the last.
+// The search for the next key must not pass the last.
 TEST(Animation, TimeThatIsNoNumberIsTheStart) {
   const Scene s = one_node(channel(AnimatedProperty::translation, Interpolation::linear, {1, 3}, {Vec4(1), Vec4(5)}));
   EXPECT_EQ(position_at(s, std::numeric_limits<float>::quiet_NaN()), Vec3(1));
 }
 
 TEST(Animation, CubicSplineReproducesACubic) {
-  // x(t) = t³ − 2t: Hermite splines are exact for cubics, whatever the interval.
+  // x(t) = t³ − 2t: Hermite splines are exact for cubics at any interval.
   const auto x = [](float t) { return t * t * t - 2 * t; };
   const auto slope = [](float t) { return 3 * t * t - 2; };
   const Scene s =
@@ -91,10 +91,10 @@ TEST(LookAt, PointsTheCameraAtItsTarget) {
   const Transform t = look_at(Vec3(1, 2, 3), Vec3(-2, 0, 1));
   const Vec3 forward = t.rotation * Vec3(0, 0, -1);
   EXPECT_LT(glm::length(forward - glm::normalize(Vec3(-3, -2, -2))), 1e-5f);
-  EXPECT_NEAR((t.rotation * Vec3(1, 0, 0)).y, 0, 1e-6f);  // level
+  EXPECT_NEAR((t.rotation * Vec3(1, 0, 0)).y, 0, 1e-6f);  // horizontal
 }
 
-/// A scene in which everything is present, so that every change below has something to change.
+/// A scene with every kind of part, so every change below applies to something.
 Scene full_scene() {
   Scene s;
   s.textures.push_back({"t",
@@ -135,7 +135,7 @@ Scene full_scene() {
 
 using NamedChange = std::pair<std::string, std::function<void(Scene&)>>;
 
-/// Of textures and materials.
+/// Changes of textures and materials.
 std::vector<NamedChange> surface_changes() {
   return {CHANGE(textures[0].width = 2),
           CHANGE(textures[0].height = 2),
@@ -180,7 +180,7 @@ std::vector<NamedChange> surface_changes() {
           CHANGE(materials[0].microfacet_model = MicrofacetModel::beckmann)};
 }
 
-/// Of everything else.
+/// Changes of all other parts.
 std::vector<NamedChange> other_changes() {
   return {CHANGE(meshes[0].positions[1].z = 1),
           CHANGE(meshes[0].normals[1].x = 1),

@@ -9,13 +9,13 @@ namespace {
 
 constexpr float kDegree = kPi / 180.0f;
 
-/// A luminous rectangle at infinity with soft edges.
+/// An emitting rectangle at infinity with soft edges.
 struct SoftBox {
-  float azimuth_deg;    ///< from +Z, where the camera stands, towards +X, its right
+  float azimuth_deg;    ///< from +Z, the side of the camera, towards +X, its right
   float elevation_deg;  ///< above the horizon
   float half_width;     ///< tangent of the half angle
   float half_height;
-  float radiance;  ///< in the middle
+  float radiance;  ///< at the centre
 };
 
 constexpr SoftBox kKey{-42, 42, 0.55f, 0.55f, 9.0f};
@@ -46,7 +46,7 @@ float radiance_of(const SoftBox& box, const Vec3& w) {
   return box.radiance * inside(right, box.half_width) * inside(up, box.half_height);
 }
 
-/// From the floor up: dark below, brightest at the horizon, dim above.
+/// Backdrop from the floor up: dark below, brightest at the horizon, dim above.
 float backdrop(const Vec3& w) {
   constexpr float kFloor = 0.15f;
   constexpr float kHorizon = 0.5f;

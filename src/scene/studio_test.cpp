@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// The studio as kernels see it, turned by an angle.
+/// The compiled studio, rotated by an angle.
 class Studio {
  public:
   explicit Studio(float rotation_rad = 0) {
@@ -21,7 +21,7 @@ class Studio {
     builder_.set_environment(environment);
   }
   float radiance(const Vec3& w) const { return luminance(builder_.view().environment.radiance(glm::normalize(w))); }
-  /// On a plane that faces `n`.
+  /// Irradiance of a plane facing `n`.
   float irradiance(const Vec3& n) const {
     float sum = 0;
     constexpr int kCount = 64;

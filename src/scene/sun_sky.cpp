@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// Perez et al.'s five-parameter sky for one channel ([Preetham99], eq. 3 and appendix A.2).
+/// Five-parameter sky of Perez et al. for one channel ([Preetham99], eq. 3 and appendix A.2).
 struct Perez {
   float a, b, c, d, e;
   float operator()(float cos_theta, float gamma) const {
@@ -30,7 +30,7 @@ Perez y_distribution(float t) {
           -0.0109f * t + 0.0529f};
 }
 
-/// Chromaticity at the zenith: a cubic in the sun's zenith angle whose coefficients are quadratic in turbidity.
+/// Chromaticity at the zenith: a cubic in the sun's zenith angle with coefficients quadratic in turbidity.
 float zenith_chromaticity(const float m[3][4], float t, float theta) {
   const auto cubic = [&](const float* k) { return ((k[0] * theta + k[1]) * theta + k[2]) * theta + k[3]; };
   return t * t * cubic(m[0]) + t * cubic(m[1]) + cubic(m[2]);
@@ -49,7 +49,7 @@ float zenith_luminance(float t, float theta) {
   return std::max(0.0f, (4.0453f * t - 4.9710f) * std::tan(chi) - 0.2155f * t + 2.4192f);
 }
 
-/// CIE xyY to linear Rec. 709.
+/// Converts CIE xyY to linear Rec. 709.
 Rgb rgb_from_xyy(float x, float y, float luminance_y) {
   const float big_x = x / y * luminance_y;
   const float big_z = (1.0f - x - y) / y * luminance_y;
@@ -59,8 +59,8 @@ Rgb rgb_from_xyy(float x, float y, float luminance_y) {
   return glm::max(rgb, Rgb(0));
 }
 
-/// Direct sunlight on a facing plane, klx: 128 klx outside the atmosphere, less what Rayleigh scattering and aerosols
-/// take at the wavelengths of the three primaries ([Preetham99], appendix A.1; ozone and water vapour are left out).
+/// Direct sunlight on a facing plane, klx: 128 klx outside the atmosphere, attenuated by Rayleigh scattering and
+/// aerosols at the wavelengths of the three primaries ([Preetham99], appendix A.1). Omits ozone and water vapour.
 Rgb sun_irradiance(const SunSky& p) {
   if (p.sun_elevation_rad <= 0.0f) return Rgb(0);
   const float zenith_deg = (kPi / 2 - p.sun_elevation_rad) * 180.0f / kPi;

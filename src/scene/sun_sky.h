@@ -1,5 +1,5 @@
 // Daylight: the sky of Preetham, Shirley and Smits [Preetham99] baked into an environment map, and the sun as a
-// directional light with its true angular size. Radiance 1 stands for 1 kcd/m², irradiance 1 for 1 klx.
+// directional light with its true angular size. A radiance of 1 is 1 kcd/m², an irradiance of 1 is 1 klx.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace relume {
 
 struct SunSkyModel {
-  std::vector<Rgb> sky;  ///< equirectangular, as Environment::map; the ground fills the lower half
+  std::vector<Rgb> sky;  ///< equirectangular, as in Environment::map; the ground fills the lower half
   int width = 0;
   int height = 0;
   DirectionalLight sun;

@@ -1,4 +1,4 @@
-// What daylight must be like; the model itself is [Preetham99].
+// Expected properties of daylight; the model is [Preetham99].
 #include "scene/sun_sky.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(SunSky, ClearZenithIsBlue) {
 }
 
 TEST(SunSky, LuminanceIsInTheRangeOfDaylight) {
-  // A clear zenith has some kcd/m²; the sun some 10 … 128 klx on a facing plane.
+  // A clear zenith has several kcd/m²; the sun has 10 … 128 klx on a facing plane.
   const Rgb zenith = sky_radiance(sky_with(0.8f, 3), Vec3(0, 1, 0));
   EXPECT_GT(luminance(zenith), 1.0f);
   EXPECT_LT(luminance(zenith), 20.0f);
@@ -69,7 +69,7 @@ TEST(SunSky, GroundReflectsWhatFallsOnIt) {
   SunSky s = sky_with(0.7f, 3);
   s.ground_albedo = Rgb(0.5f, 0.25f, 0.1f);
   const SunSkyModel model = make_sun_sky(s);
-  // Irradiance of the horizontal by the baked sky and the sun.
+  // Irradiance of a horizontal plane from the baked sky and the sun.
   glm::dvec3 e = glm::dvec3(model.sun.irradiance) * double(model.sun.to_light.y);
   for (int y = 0; y < model.height / 2; ++y) {
     const double theta = (y + 0.5) / model.height * M_PI;
@@ -98,8 +98,8 @@ TEST(SunSky, ScalesAndStaysFinite) {
   EXPECT_NEAR(b.sun.irradiance.g / a.sun.irradiance.g, 3.0f, 1e-5f);
 }
 
-/// [Preetham99] once more, in double precision, with the tables of its appendix A.2 as they are printed there: a row
-/// for each of the parameters A to E, slope and intercept over the turbidity.
+/// Independent [Preetham99] in double precision, with the tables as printed in its appendix A.2: one row per parameter
+/// A to E, with slope and intercept over turbidity.
 using Table = double[5][2];
 constexpr Table kLuminance = {
     {0.1787, -1.4630}, {-0.3554, 0.4275}, {-0.0227, 5.3251}, {0.1206, -2.5771}, {-0.0670, 0.3703}};
@@ -126,7 +126,7 @@ double zenith(const double matrix[3][4], double turbidity, double theta_sun) {
   return sum;
 }
 
-/// Linear Rec. 709 of a colour, by its primaries and the white D65.
+/// Linear Rec. 709 of a colour, from its primaries and the white point D65.
 glm::dvec3 rgb_of(double x, double y, double luminance) {
   const auto xyz = [](double cx, double cy) { return glm::dvec3(cx / cy, 1, (1 - cx - cy) / cy); };
   const glm::dmat3 primaries(xyz(0.64, 0.33), xyz(0.30, 0.60), xyz(0.15, 0.06));
@@ -170,7 +170,7 @@ TEST(SunSky, SkyIsThatOfThePaper) {
   }
 }
 
-/// Appendix A.1 without ozone, mixed gases and water vapour, of 128 klx.
+/// Appendix A.1 without ozone, mixed gases and water vapour, applied to 128 klx.
 TEST(SunSky, SunIsWhatThePaperLetsThrough) {
   for (const float turbidity : {2.0f, 4.0f, 8.0f}) {
     for (const float elevation : {0.15f, 0.6f, 1.2f}) {

@@ -1,4 +1,4 @@
-// Layers of materials at surface points: their textures and directions.
+// Material layers at surface points: their textures and directions.
 #include <cmath>
 #include <utility>
 
@@ -29,12 +29,12 @@ TEST(SurfaceLayers, CoatsDimEmissionAsTheirTexturesSay) {
   }
 }
 
-/// In world space, of a square's point, by the anisotropy of its material.
+/// World-space direction of anisotropy at a point of the square.
 Vec3 highlight_direction(const TexturedSquare& square) {
   const SurfacePoint sp = square.seen_at({0.3f, 0.4f}, 0);
   const Vec2 tangent = sp.bsdf.detail.anisotropy.tangent;
   const Vec3 along = sp.frame.to_world({tangent.x, tangent.y, 0});
-  return along * (along.x + along.y < 0 ? -1.0f : 1.0f);  // its sign does not matter
+  return along * (along.x + along.y < 0 ? -1.0f : 1.0f);  // the sign is irrelevant
 }
 
 TEST(SurfaceLayers, AnisotropyTurnsCounterclockwise) {
@@ -48,7 +48,7 @@ TEST(SurfaceLayers, AnisotropyTurnsCounterclockwise) {
   }
 }
 
-/// Directions in red and green turn like the tangents of the mesh, blue scales the strength.
+/// Directions in red and green turn with the tangents of the mesh; blue scales the strength.
 TEST(SurfaceLayers, AnisotropyHasATexture) {
   TexturedSquare square(one_texel({128, 255, 51, 255}));  // along the bitangent
   square.mesh().uv0 = TexturedSquare::uv(1);
@@ -68,7 +68,7 @@ TEST(SurfaceLayers, AnisotropyFollowsTheNormalTexture) {
   EXPECT_LT(glm::distance(highlight_direction(square), Vec3(0, 1, 0)), 0.02f);
 }
 
-/// The scale applies to the tilt of the coat and leaves its base alone.
+/// The scale affects the tilt of the coat, not its base.
 TEST(SurfaceLayers, CoatsHaveNormalTextures) {
   TexturedSquare square(one_texel({204, 128, 230, 255}));
   square.mesh().uv0 = TexturedSquare::uv(1);
@@ -85,7 +85,7 @@ TEST(SurfaceLayers, CoatsHaveNormalTextures) {
   }
 }
 
-/// Green goes from the least thickness to the greatest.
+/// Green interpolates from minimum to maximum thickness.
 TEST(SurfaceLayers, FilmsHaveThicknessTextures) {
   TexturedSquare square(one_texel({255, 51, 255, 255}));
   square.mesh().uv0 = TexturedSquare::uv(1);

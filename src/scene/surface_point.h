@@ -1,4 +1,4 @@
-// Everything that estimators, caches and filters need to know of a point on a surface.
+// Data of a surface point for estimators, caches and filters.
 #pragma once
 
 #include "core/region.h"
@@ -7,39 +7,39 @@
 
 namespace relume {
 
-/// Where the viewer is below this cosine to the interpolated and mapped normal, the shading frame is bent towards it.
+/// Minimum cosine of the viewer to the interpolated and mapped normal. Below, the shading frame is bent to the viewer.
 inline constexpr float kMinShadingCosine = 1e-3f;
 
-/// Filled by make_surface_point; has no defaults for the reason that Lobe has none.
+/// Filled by make_surface_point. Members have no defaults, for the same reason as in Lobe.
 struct SurfacePoint {
   Vec3 position;           ///< metres, world space
-  float position_error;    ///< bound on the rounding error of each component, metres
-  Vec3 previous_position;  ///< of the same material point one frame ago
+  float position_error;    ///< bound on the rounding error per component, metres
+  Vec3 previous_position;  ///< position of the same material point in the previous frame
   Vec3 ng;                 ///< geometric normal, unit, on the side of wo
-  Vec3 ns;                 ///< interpolated and mapped normal, unit, on the side of ng; depends on no direction
-  Frame frame;             ///< frame.n is the shading normal, on the side of wo: ns, bent where wo is below it
+  Vec3 ns;                 ///< interpolated and mapped normal, unit, on the side of ng; independent of wo
+  Frame frame;             ///< frame.n is the shading normal, on the side of wo: ns, bent where wo is below its horizon
   Vec3 wo;                 ///< unit, towards the viewer
-  Vec3 wo_local;           ///< the same in the frame
+  Vec3 wo_local;           ///< wo in the frame
   Bsdf bsdf;
   Rgb emission;   ///< radiance emitted towards wo
-  LightId light;  ///< kNoLight: not an emitter that light selection knows
+  LightId light;  ///< kNoLight: not an emitter of light selection
   Vec2 barycentric;
   float footprint;  ///< width of the ray cone, metres
   uint32_t instance;
   uint32_t primitive;
   uint32_t material;
   bool front_face;
-  uint32_t region = kNoRegion;  ///< of space, in which light selection and guiding have learnt; set by who uses them
+  uint32_t region = kNoRegion;  ///< region of space for light selection and guiding; set by its users
 
   RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
 
-  /// Ray from here towards `w` that cannot meet its own surface.
+  /// Ray towards `w` that avoids hitting its own surface.
   RELUME_HD Ray spawn_ray(const Vec3& w) const {
     return {offset_origin(position, position_error, ng, w), w, kInfinity};
   }
 };
 
-/// BSDF value and density for world directions, zero where shading and geometric normal disagree about the side.
+/// BSDF value and density for world directions. Zero if shading and geometric normal disagree about the side.
 template <bool kReverse = false>
 RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi,
                                    TransportMode mode = TransportMode::radiance) {
@@ -48,7 +48,7 @@ RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi,
   return eval_pdf<kReverse>(sp.bsdf, sp.wo_local, wi_local, mode);
 }
 
-/// A world direction from the BSDF.
+/// Samples a world direction from the BSDF.
 RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const Vec2& u,
                                    TransportMode mode = TransportMode::radiance) {
   BsdfSample s = sample(sp.bsdf, sp.wo_local, u_lobe, u, mode);
@@ -63,23 +63,23 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
   return std::fabs(glm::dot(sp.frame.n, w));
 }
 
-/// The point that `ray` meets at `hit`. `cone_width` is the width of the ray cone there, metres; it selects texture
-/// levels ([Akenine21]). `wavelength_nm` of the path selects the index of refraction.
+/// Computes the point where `ray` meets the surface at `hit`. `cone_width`: width of the ray cone there, metres; it
+/// selects texture levels ([Akenine21]). `wavelength_nm`: of the path; it selects the index of refraction.
 RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
                                   SurfacePoint& sp, float wavelength_nm = kNoWavelength);
 
-/// Where a hit's point of the surface is now, and where it was one frame ago, metres.
+/// Current and previous position of a hit's surface point, metres.
 struct SurfacePosition {
   Vec3 now;
   Vec3 before;
 };
 RELUME_HD SurfacePosition surface_position(const SceneView& scene, const Hit& hit);
 
-/// Maps vectors at the surface of a hit from one frame ago to now. It rotates, stretches and shears with the triangle,
-/// whose normal keeps its length.
+/// Maps vectors at the surface of a hit from the previous frame to the current one. It rotates, stretches and shears
+/// with the triangle, and keeps the length of the normal.
 RELUME_HD Mat3 previous_to_current(const SceneView& scene, const Hit& hit);
 
-/// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
+/// Opacity of a triangle at barycentrics (u, v): alpha of the base colour under the alpha mode, 0 or 1 for masks.
 RELUME_HD float opacity(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
 
 }  // namespace relume

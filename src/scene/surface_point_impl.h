@@ -1,4 +1,4 @@
-// Implementation of surface_point.h, in a header so that the device compiles it too.
+// Implementation of surface_point.h, in a header for compilation on the device.
 #pragma once
 
 #include "scene/surface_point.h"
@@ -6,11 +6,10 @@
 namespace relume {
 namespace surface_detail {
 
-/// A copy by component. Copied as a whole, what was just written by component is read back from memory in larger
-/// pieces, for which the processor waits.
+/// Copies by component. A whole copy reads just-written components in larger pieces, which stalls processors.
 RELUME_HD_INLINE Vec3 copy_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// One triangle's data at a hit.
+/// Data of one triangle at a hit.
 struct TriangleAt {
   const Vertex* v[3];
   UVec3 index;
@@ -33,11 +32,11 @@ RELUME_HD inline T interpolate(const T& a, const T& b, const T& c, const Vec3& w
   return a * w.x + b * w.y + c * w.z;
 }
 
-/// One set of texture coordinates along a triangle.
+/// One set of texture coordinates on a triangle.
 struct UvSet {
   Vec2 origin{0};  ///< at the first vertex
-  Vec2 d1{0};      ///< from there to the second
-  Vec2 d2{0};      ///< and to the third
+  Vec2 d1{0};      ///< from the first to the second
+  Vec2 d2{0};      ///< from the first to the third
 
   RELUME_HD UvSet() = default;
   RELUME_HD UvSet(const Vec2& a, const Vec2& b, const Vec2& c) : origin(a), d1(b - a), d2(c - a) {}
@@ -51,7 +50,7 @@ RELUME_HD inline UvSet uv_set(const SceneView& scene, const MeshView& mesh, cons
   return {scene.uv1[first + t.index.x], scene.uv1[first + t.index.y], scene.uv1[first + t.index.z]};
 }
 
-/// Texture coordinates at the hit, and how much of texture space a square metre covers, by set.
+/// Texture coordinates at the hit, and texture-space area per square metre, per set.
 struct Uv {
   Vec2 uv[2] = {Vec2(0), Vec2(0)};
   float density[2] = {0, 0};  ///< uv area per m²
@@ -68,7 +67,7 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
   return result;
 }
 
-/// Look-up with the level that fits a footprint of `area` m².
+/// Texture look-up at the level for a footprint of `area` m².
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
   const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
   const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area * static_cast<float>(texture.width) *
@@ -77,7 +76,7 @@ RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }
 
-/// Position, its error bound, the previous position and the geometric normal (front, not normalised) of a hit.
+/// Position, error bound, previous position and geometric normal (front, not normalised) of a hit.
 struct Geometry {
   Vec3 position;
   float error;
@@ -87,16 +86,16 @@ struct Geometry {
   Vec3 front;
 };
 
-/// Bound of the rounding of where rays meet a surface in the world, metres, from that in its mesh's own space, where
-/// `position` is. Embree intersects there: its rounding moves the ray, so the bound counts the transform there and
-/// back.
+/// Bound on the rounding error of world-space hit positions, metres, from that in mesh space, the space of `position`.
+/// Embree intersects in mesh space and rounds the transformed ray. The bound therefore includes the transform in both
+/// directions.
 RELUME_HD_INLINE float world_error(const Affine& to_world, const Vec3& position, float error) {
   const Mat3 magnitude(abs(to_world.linear[0]), abs(to_world.linear[1]), abs(to_world.linear[2]));
   return 2.0f * max_component(gamma_bound(3) * (magnitude * abs(position) + abs(to_world.translation)) +
                               (1.0f + gamma_bound(3)) * (magnitude * Vec3(error)));
 }
 
-/// Where the hit's point of a mesh that deforms was one frame ago, in the space of the mesh.
+/// Position of the hit's point in the previous frame, for a deforming mesh, in mesh space.
 RELUME_HD inline Vec3 position_before(const SceneView& scene, const MeshView& mesh, const TriangleAt& t) {
   const uint32_t first = mesh.first_previous;
   return interpolate(scene.previous_positions[first + t.index.x], scene.previous_positions[first + t.index.y],
@@ -110,7 +109,7 @@ RELUME_HD_INLINE Geometry geometry_at(const SceneView& scene, const MeshView& me
   const Vec3& p2 = t.v[2]->position;
   Geometry g;
   g.position = interpolate(p0, p1, p2, t.weights);
-  // One bound for all components: Embree's own rounding follows the largest.
+  // One bound for all components, since Embree's rounding follows the largest.
   g.error = gamma_bound(7) * max_component(abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
   g.previous_position = mesh.deforms ? position_before(scene, mesh, t) : copy_of(g.position);
   g.e1 = p1 - p0;
@@ -127,7 +126,7 @@ RELUME_HD_INLINE Geometry geometry_at(const SceneView& scene, const MeshView& me
   return g;
 }
 
-/// The edges of a triangle from its first corner, and its normal.
+/// Edges of a triangle from its first corner, and its unit normal.
 RELUME_HD inline Mat3 triangle_axes(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
   const Vec3 e1 = p1 - p0;
   const Vec3 e2 = p2 - p0;
@@ -136,15 +135,14 @@ RELUME_HD inline Mat3 triangle_axes(const Vec3& p0, const Vec3& p1, const Vec3& 
   return {e1, e2, length > 0.0f ? n / length : Vec3(0)};
 }
 
-/// Directions along a surface in which texture space grows: glTF's tangent and bitangent, unit, orthogonal to the
-/// normal.
+/// glTF's tangent and bitangent, along which texture coordinates grow: unit, orthogonal to the normal.
 struct TangentFrame {
   Vec3 tangent;
   Vec3 bitangent;
-  bool valid = false;  ///< not where texture coordinates collapse
+  bool valid = false;  ///< false for degenerate texture coordinates
 };
 
-/// About `ns`, from the tangents of the mesh or from the coordinates of a texture.
+/// Tangent frame around `ns`, from the tangents of the mesh or from texture coordinates.
 RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshView& mesh, const TextureUse& use,
                                             const Instance& instance, const TriangleAt& t, const Geometry& g,
                                             const Vec3& ns) {
@@ -162,7 +160,7 @@ RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshVi
     const float determinant = uvs.determinant();
     if (determinant == 0.0f) return {};
     tangent = (g.e1 * uvs.d2.y - g.e2 * uvs.d1.y) / determinant;
-    // glTF's bitangent points against growing v.
+    // glTF's bitangent points towards decreasing v.
     const Vec3 bitangent = (g.e1 * uvs.d2.x - g.e2 * uvs.d1.x) / determinant;
     handedness = glm::dot(glm::cross(ns, tangent), bitangent) < 0.0f ? -1.0f : 1.0f;
   }
@@ -173,7 +171,7 @@ RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshVi
   return {tangent, glm::cross(ns, tangent) * handedness, true};
 }
 
-/// Normal from a normal map, in world space.
+/// World-space normal from a normal map.
 RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const TextureUse& use, float scale,
                                     const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
                                     float area, const Vec3& ns) {
@@ -205,7 +203,7 @@ RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mes
                                         : ns;
 }
 
-/// Parameters and directions of a material's layers. `side`: −1 where the viewer is behind the surface.
+/// Parameters and directions of a material's layers. `side`: −1 for a viewer behind the surface.
 RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
                                        const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
                                        float footprint_area, const Vec3& front, float side, const Frame& shading) {
@@ -213,14 +211,14 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
   LayerSample l = sample_layers(data, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
   const Vec3 ns = interpolated_normal(mesh, instance, t, front);
   if (l.anisotropy > 0.0f) {
-    // Along the coordinates of the normal texture, where there is one (KHR_materials_anisotropy).
+    // Use the coordinates of the normal texture, if present (KHR_materials_anisotropy).
     const TextureUse& coordinates = material.normal_texture.used() ? material.normal_texture : data.anisotropy_texture;
     const TangentFrame frame = tangent_frame(scene, mesh, coordinates, instance, t, g, ns);
     const Vec3 along =
         shading.to_local(frame.tangent * l.anisotropy_direction.x + frame.bitangent * l.anisotropy_direction.y);
     const float length = std::sqrt(along.x * along.x + along.y * along.y);
     const bool usable = frame.valid && length > 0.0f;
-    l.anisotropy = usable ? l.anisotropy : 0.0f;  // without a direction
+    l.anisotropy = usable ? l.anisotropy : 0.0f;  // no direction
     if (usable) l.anisotropy_direction = {along.x / length, along.y / length};
   }
   l.coat_has_normal = data.coat_has_normal;
@@ -235,9 +233,9 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
   return l;
 }
 
-/// Radiance that the surface emits at `cos_front` to its geometric normal.
+/// Radiance emitted at `cos_front` to the geometric normal.
 RELUME_HD_INLINE Rgb emission_at(const SceneView& scene, const MaterialData& material, const Uv& uv, float cos_front) {
-  // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
+  // Unfiltered, as in light sampling: both strategies must weight the same function.
   const auto unfiltered = [&](const TextureUse& use) {
     return scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0);
   };
@@ -250,7 +248,7 @@ RELUME_HD_INLINE Rgb emission_at(const SceneView& scene, const MaterialData& mat
   return emission;
 }
 
-/// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
+/// Shading normal bent to keep the viewer above its horizon, which interpolation and normal maps can violate.
 RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, const Vec3& wo) {
   const float cos_o = glm::dot(ns, wo);
   if (cos_o >= kMinShadingCosine) return ns;

@@ -1,4 +1,4 @@
-// Surface points: interpolation, origins that leave their surface, and instances that look like copies.
+// Surface points: interpolation, ray origins off their surface, and equality of instances and copies.
 #include "scene/surface_point.h"
 
 #include <gtest/gtest.h>
@@ -42,8 +42,8 @@ Mesh patch(Random& random) {
   return m;
 }
 
-/// One patch below `matrix`; `moving`: through an instance of the acceleration structure, since animated nodes are not
-/// flattened.
+/// One patch transformed by `matrix`. `moving`: through an instance of the acceleration structure, since animated nodes
+/// are not flattened.
 std::unique_ptr<CompiledScene> patch_under(const Mat4& matrix, bool moving) {
   Random random(101);
   Scene scene;
@@ -90,7 +90,7 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
       const Ray towards{ray.origin, glm::normalize(target - ray.origin), kInfinity};
       const Hit a = intersect(flat->view().accel, towards, 0);
       const Hit b = intersect(instanced->view().accel, towards, 0);
-      // At an edge one may see the neighbour, or pass by.
+      // At an edge, one of the rays may hit the neighbour or miss.
       if (!a.valid() || !b.valid() || a.primitive != b.primitive) continue;
       ++hits;
       SurfacePoint p;
@@ -101,7 +101,7 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
       ASSERT_LT(glm::length(p.position - (towards.origin + towards.direction * a.t)), 2e-5f);
       ASSERT_EQ(p.front_face, q.front_face);
       ASSERT_LT(glm::length(p.ng - q.ng), 1e-4f);
-      // Normals are quantised before or after the transform; a stretched instance also interpolates them before it, a
+      // Normals are quantised before or after the transform. A stretched instance also interpolates them before it, a
       // copy after it.
       ASSERT_LT(glm::length(p.frame.n - q.frame.n), stretched ? 4e-2f : 1e-3f);
       ASSERT_LT(max_component(abs(albedo(p.bsdf, 0.5f) - albedo(q.bsdf, 0.5f))), 1e-3f);
@@ -113,7 +113,7 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
 }
 
 TEST(SurfacePoint, FrontFacesAreThoseOfTheAuthor) {
-  // Counter-clockwise seen from +Y; a mirrored copy is still seen from its front, as glTF asks.
+  // Counter-clockwise seen from +Y. A mirrored copy is still seen from its front, as glTF requires.
   for (const Mat4& matrix : transforms()) {
     for (const bool moving : {false, true}) {
       const auto scene = patch_under(matrix, moving);
@@ -135,7 +135,7 @@ TEST(SurfacePoint, FrontFacesAreThoseOfTheAuthor) {
   }
 }
 
-/// Random triangles, of one size about one place.
+/// Random triangles of one size around one position.
 std::unique_ptr<CompiledScene> triangles_at(const Vec3& place, float size, bool moving) {
   Random random(103);
   Scene scene;
@@ -143,7 +143,7 @@ std::unique_ptr<CompiledScene> triangles_at(const Vec3& place, float size, bool 
   scene.materials.emplace_back();
   for (int k = 0; k < 50; ++k) {
     Mesh m;
-    // Far apart, so that whatever is met again is the triangle itself.
+    // Far apart: a second hit is always on the same triangle.
     const Vec3 centre =
         Vec3(static_cast<float>(k % 10), static_cast<float>(k / 10), 0.0f) * (4.0f * size) + (moving ? Vec3(0) : place);
     for (int v = 0; v < 3; ++v) m.positions.push_back(centre + random.point(size));
@@ -173,7 +173,7 @@ TEST(SurfacePoint, RaysLeaveTheirSurface) {
       Random random(104);
       int spawned = 0;
       for (int i = 0; i < 3000; ++i) {
-        // A point on some triangle, seen from a random side.
+        // A point on a random triangle, seen from a random side.
         const auto k = static_cast<uint32_t>(random.next() * 50);
         const SceneView& view = scene->view();
         const Vec2 b = triangle_from_square(random.next_2d());
@@ -185,7 +185,7 @@ TEST(SurfacePoint, RaysLeaveTheirSurface) {
         SurfacePoint sp;
         make_surface_point(view, Ray{Vec3(0), random.direction(), kInfinity}, hit, 0, sp);
         const Vec3 w = random.direction();
-        if (std::fabs(glm::dot(w, sp.ng)) < 0.01f) continue;  // along the surface any rounding meets it
+        if (std::fabs(glm::dot(w, sp.ng)) < 0.01f) continue;  // along the surface, any rounding causes a hit
         const Hit again = intersect(view.accel, sp.spawn_ray(w), 0);
         ASSERT_FALSE(again.valid() && again.instance == k)
             << "size " << size << ", moving " << moving << ", t " << again.t;

@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// sRGB code of a linear value through a table fine enough for 8 bits.
+/// sRGB code of a linear value, from a table precise enough for 8 bits.
 uint8_t srgb_code(float linear) {
   static const auto table = [] {
     std::array<uint8_t, 4096> t;
@@ -26,7 +26,7 @@ uint8_t srgb_code(float linear) {
 
 size_t texel_size(PixelFormat format) { return format == PixelFormat::rgba32_float ? 16 : 4; }
 
-/// Texels of a level, its blocks padded to full size.
+/// Number of texels of a level with its blocks padded to full size.
 uint32_t padded_texels(int width, int height) {
   return static_cast<uint32_t>((width + 3) / 4) * static_cast<uint32_t>((height + 3) / 4) * 16;
 }
@@ -45,7 +45,7 @@ void store(std::byte* level, PixelFormat format, int width, int x, int y, const 
   std::memcpy(level + index * 4, bytes, 4);
 }
 
-/// Copies level 0 into blocks without touching the values.
+/// Copies level 0 into blocks without changing the values.
 void copy_base(const Texture& texture, std::byte* level) {
   const size_t bytes = texel_size(texture.format);
   const uint32_t blocks = static_cast<uint32_t>(texture.width + 3) / 4;
@@ -59,7 +59,7 @@ void copy_base(const Texture& texture, std::byte* level) {
   }
 }
 
-/// The texels of the finer level that one texel of the coarser covers, the outer ones in part if the size is odd.
+/// Texels of the finer level covered by one texel of the coarser; the outer ones partially, if the size is odd.
 struct Footprint {
   double start;
   double end;
@@ -72,7 +72,7 @@ struct Footprint {
   }
 };
 
-/// Mean in linear space of the texels below, weighted by nothing but area, so that every level has the same mean.
+/// Computes the mean of the covered texels in linear space, weighted by area only, so every level has the same mean.
 void filter_level(const TextureView& view, int level, std::byte* texels) {
   const int w = view.level_width(level);
   const int h = view.level_height(level);

@@ -1,4 +1,4 @@
-// Textures in the layout that kernels read: 4 × 4 blocks, mip levels.
+// Textures in the layout of kernels: 4 × 4 blocks, mip levels.
 #pragma once
 
 #include <span>

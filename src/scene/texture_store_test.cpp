@@ -1,4 +1,4 @@
-// Texture look-ups against values computed by hand.
+// Texture look-ups compared with values computed by hand.
 #include "scene/texture_store.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ TextureStore store(Texture texture) {
   return TextureStore(list, TextureFilter::linear);
 }
 
-/// 4 × 2 texels whose red is 10 y + x.
+/// 4 × 2 texels with red = 10 y + x.
 Texture numbered(WrapMode wrap_u, WrapMode wrap_v) {
   std::vector<Vec4> texels;
   for (int y = 0; y < 2; ++y) {
@@ -33,7 +33,7 @@ Texture numbered(WrapMode wrap_u, WrapMode wrap_v) {
 TEST(Texture, BilinearMatchesTheHand) {
   const TextureStore s = store(numbered(WrapMode::repeat, WrapMode::clamp));
   const auto red = [&](float x, float y) { return s[0].sample_level({x / 4, y / 2}, 0).x; };
-  EXPECT_NEAR(red(0.5f, 0.5f), 0, 1e-5f);  // the centre of a texel is its value
+  EXPECT_NEAR(red(0.5f, 0.5f), 0, 1e-5f);  // a texel's centre has its value
   EXPECT_NEAR(red(2.5f, 1.5f), 12, 1e-5f);
   EXPECT_NEAR(red(1.0f, 0.5f), 0.5f, 1e-5f);
   EXPECT_NEAR(red(1.75f, 1.0f), 0.75f * 6 + 0.25f * 5 + 0.5f,
@@ -125,7 +125,7 @@ TEST(Texture, DitheredLevelHasTheTrilinearMean) {
       dithered += s[0].sample(uv, lod).x / kSamples;
       trilinear += ((1 - t) * s[0].sample_level(uv, level).x + t * s[0].sample_level(uv, level + 1).x) / kSamples;
     }
-    EXPECT_NEAR(dithered / trilinear, 1.0, 0.01);  // the levels differ by a spread of about one: 5/√200000
+    EXPECT_NEAR(dithered / trilinear, 1.0, 0.01);  // the standard deviation of the levels is about one: 5/√200000
   }
   EXPECT_EQ(s[0].sample({0.3f, 0.4f}, -1).x, s[0].sample_level({0.3f, 0.4f}, 0).x);
   EXPECT_EQ(s[0].sample({0.3f, 0.4f}, 99).x, s[0].sample_level({0.3f, 0.4f}, s[0].level_count - 1).x);

@@ -20,7 +20,7 @@ template <typename... Args>
   throw Error(place + ": " + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Finite, where the range is; anything that is no number.
+/// Finite, if the range is; otherwise not NaN.
 bool is_usable(float x, const ParameterRange& range) { return is_finite(range.high) ? is_finite(x) : !std::isnan(x); }
 bool is_usable(const Rgb& color, const ParameterRange&) { return is_finite(color); }
 template <typename T>
@@ -234,7 +234,7 @@ class Validator {
     });
   }
 
-  /// Walks up from every node; a walk longer than the number of nodes has met a cycle.
+  /// Walks up from every node. A walk longer than the number of nodes is in a cycle.
   void check_cycles() const {
     std::vector<char> safe(scene_.nodes.size(), 0);
     for (size_t i = 0; i < scene_.nodes.size(); ++i) {
@@ -301,7 +301,8 @@ void validate(const Environment& e, const std::string& place) {
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
     fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another value",
          kMaxRadiance);
-  // Radiance of the sky below 1e4 kcd/m², of a disk of 128 klx by its solid angle; a sun without extent is not seen.
+  // Limits: sky radiance below 1e4 kcd/m², or that of a disk of 128 klx over its solid angle. Suns without extent are
+  // invisible.
   const float half_sine = std::sin(0.25f * s.sun_angular_diameter_rad);
   const float disk = 2.0f * half_sine * half_sine;
   const float sun = 128.0f * s.sun_scale / (disk > 0.0f ? 2 * kPi * disk : 1.0f);

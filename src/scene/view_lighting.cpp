@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kColumns = 24;
 constexpr uint32_t kRows = 16;
-constexpr uint32_t kSamples = 32;  // for each pixel and each group of lights
+constexpr uint32_t kSamples = 32;  // per pixel and group of lights
 constexpr float kShadowMargin = 1e-3f;
 
 /// Lights [first, end), chosen in proportion to their power.
@@ -24,7 +24,7 @@ class LightGroup {
     entries_ = build_alias_table(weights);
   }
 
-  /// Luminance of the direct irradiance on the side of the surface that the camera sees.
+  /// Luminance of the direct irradiance on the visible side of the surface.
   float irradiance(const SceneView& scene, const SurfacePoint& sp, uint32_t pixel) const {
     const AliasTable table{view_of(entries_)};
     if (table.empty()) return 0;

@@ -1,4 +1,4 @@
-// How well the finite lights of a scene light what its camera sees.
+// Estimates how well the finite lights of a scene light its visible surfaces.
 #pragma once
 
 #include "scene/scene_view.h"
@@ -9,16 +9,16 @@ namespace relume {
 struct ViewLighting {
   float finite = 0;      ///< from emissive surfaces, point and spot lights
   float infinite = 0;    ///< from directional lights and the environment
-  float comparable = 0;  ///< from finite lights, in each pixel at most what comes from infinity
+  float comparable = 0;  ///< from finite lights, per pixel at most the irradiance from infinity
 
-  /// Whether finite lights give at least this share of what comes from infinity, or nothing comes from there. A surface
-  /// that glows next to its lamp says nothing about the others, so no pixel counts more than what reaches it from
-  /// infinity.
+  /// Whether finite lights contribute at least this share of the irradiance from infinity; true if that is zero. Each
+  /// pixel's irradiance is clamped to that from infinity, because a surface next to its lamp does not represent the
+  /// others.
   bool finite_lights_give(float share) const { return comparable >= share * infinite; }
 };
 
-/// Estimates it with shadow rays, which transmissive surfaces block. Deterministic: the same scene gives the same bits.
-/// Needs `scene.accel`.
+/// Estimates the irradiances with shadow rays, which transmissive surfaces block. Deterministic to the bit. Needs
+/// `scene.accel`.
 ViewLighting estimate_view_lighting(const SceneView& scene);
 
 }  // namespace relume

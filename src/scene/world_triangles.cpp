@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// Of the mesh's own coordinates.
+/// Bounds of the mesh in mesh space.
 Box mesh_box(const SceneView& scene, const MeshView& mesh) {
   Box box;
   for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
@@ -16,7 +16,7 @@ Box mesh_box(const SceneView& scene, const MeshView& mesh) {
   return box;
 }
 
-/// About the instance, and never too small; the last digits of a point differ with the way to it.
+/// Conservative bounds of the instance. The margin covers rounding differences between ways to compute a point.
 Box outer_box(const Box& mesh, const Instance& instance) {
   if (mesh.empty() || instance.in_world_space) return mesh;
   Box box;
@@ -50,7 +50,7 @@ Box world_box(const SceneView& scene) {
                             });
   };
   if (outer.empty()) return box;
-  // Those that reach farthest come first, and leave little to look at for the others.
+  // Instances that reach farthest come first, so most others can be skipped.
   for (int axis = 0; axis < 3; ++axis) {
     const auto low = [&](const Box& a, const Box& b) { return a.low[axis] < b.low[axis]; };
     const auto high = [&](const Box& a, const Box& b) { return a.high[axis] < b.high[axis]; };

@@ -1,4 +1,4 @@
-// All triangles of a scene as they stand in the world.
+// All triangles of a scene in world space.
 #pragma once
 
 #include "core/box.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Calls f(corner, corner, corner) for every triangle of the instance; of none that is hidden.
+/// Calls f(corner, corner, corner) for every triangle of the instance, unless it is hidden.
 template <typename F>
 void for_each_world_triangle(const SceneView& scene, const Instance& instance, const F& f) {
   if (!instance.visible) return;
@@ -28,8 +28,8 @@ void for_each_world_triangle(const SceneView& scene, const F& f) {
   for (const Instance& instance : scene.instances) for_each_world_triangle(scene, instance, f);
 }
 
-/// The box about all surfaces as they stand now; empty without any. Exact, but most instances of many are looked at by
-/// the corners of their boxes alone.
+/// Bounds of all surfaces at the current time; empty without any. Exact, although most of many instances are tested by
+/// the corners of their boxes only.
 Box world_box(const SceneView& scene);
 
 }  // namespace relume

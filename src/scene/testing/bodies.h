@@ -1,4 +1,4 @@
-// Plates seen from above, and bodies that absorb around them: scenes whose images are known in closed form.
+// Plates seen from above with absorbing bodies around them: scenes with images known in closed form.
 #pragma once
 
 #include <utility>
@@ -16,8 +16,8 @@ inline void add_mesh(Scene& scene, const Material& material, Mesh mesh) {
   scene.add_node(node);
 }
 
-/// Camera straight above a square plate of `material` that lies in y = 0 and fills the image. Orthographic, so that
-/// all pixels see the plate alike.
+/// A camera straight above a square plate of `material` in y = 0 that fills the image. Orthographic, so all pixels see
+/// the plate from the same direction.
 inline Scene plate(const Material& material, float half_size, float seen) {
   Scene scene;
   scene.name = "plate";
@@ -46,7 +46,7 @@ inline Material matte(const Rgb& albedo) {
   return m;
 }
 
-/// Adds a square of 2 m that emits and faces down, 1.5 m above the plate.
+/// Adds an emitting square of 2 m that faces down, 1.5 m above the plate.
 inline void add_square_lamp(Scene& scene, const Rgb& emission) {
   Material lamp = matte(Rgb(0));
   lamp.emission = emission;
@@ -56,7 +56,7 @@ inline void add_square_lamp(Scene& scene, const Rgb& emission) {
   add_mesh(scene, lamp, std::move(mesh));
 }
 
-/// Absorbs but neither reflects nor refracts.
+/// A medium that absorbs but neither reflects nor refracts.
 inline Material tint(const Rgb& absorption) {
   Material m = matte(Rgb(1));
   m.transmission = 1;
@@ -68,7 +68,7 @@ inline Material tint(const Rgb& absorption) {
   return m;
 }
 
-/// Surface of a body between two heights, or at one an open sheet.
+/// Adds the surface of a body between two heights; an open sheet if they are equal.
 inline void add_body(Scene& scene, const Material& material, float top, float bottom) {
   Mesh mesh;
   for (const float y : {top, bottom}) {
@@ -82,7 +82,7 @@ inline void add_body(Scene& scene, const Material& material, float top, float bo
   add_mesh(scene, material, std::move(mesh));
 }
 
-/// A glowing plate in y = 0, seen from above, from height `eye`.
+/// An emitting plate in y = 0, seen from above, from height `eye`.
 inline Scene glowing_plate(float eye) {
   Material material = matte(Rgb(1));
   material.unlit = true;

@@ -1,4 +1,4 @@
-// Where the vertices of testing::figure() should be.
+// Expected vertices of testing::figure().
 #pragma once
 
 #include <vector>
@@ -9,8 +9,7 @@
 
 namespace relume::testing {
 
-/// Matrices of the joints of figure(o) at `time_s`, which take rest positions to the world, in double
-/// precision.
+/// Joint matrices of figure(o) at `time_s`, from rest positions to the world, in double precision.
 inline std::vector<glm::dmat4> expected_joints(const FigureOptions& o, const Scene& scene, double time_s) {
   std::vector<glm::dmat4> joints;
   const double length = 2.0 / (o.joints - 1);
@@ -25,7 +24,7 @@ inline std::vector<glm::dmat4> expected_joints(const FigureOptions& o, const Sce
   return joints;
 }
 
-/// A vertex of figure(o) by the definition.
+/// A vertex of figure(o) from the definition.
 struct ExpectedVertex {
   glm::dvec3 position;
   glm::dvec3 normal;

@@ -1,4 +1,4 @@
-// A tube that joints bend, for tests of what moves.
+// A tube bent by joints, for tests of motion.
 #pragma once
 
 #include <cmath>
@@ -12,12 +12,12 @@ namespace relume::testing {
 struct FigureOptions {
   int joints = 5;
   int rings = 24;     ///< of vertices along the tube
-  int segments = 12;  ///< about it
+  int segments = 12;  ///< around the tube
   bool morphs = false;
   bool skinned = true;
-  float swing_rad = 0.5f;  ///< of each joint against the one below it, at the end of the animation
-  int parts = 1;           ///< meshes, each a tube
-  int influences = 2;      ///< a vertex; those above two have no weight
+  float swing_rad = 0.5f;  ///< of each joint relative to the one below it, at the end of the animation
+  int parts = 1;           ///< meshes, one tube each
+  int influences = 2;      ///< per vertex; those above two have zero weight
 };
 
 /// A tube of length 2 and radius 0.2 that stands on the plane y = 0.
@@ -55,7 +55,7 @@ inline Mesh tube(const FigureOptions& o) {
   return mesh;
 }
 
-/// Makes the tube thicker, the more the higher.
+/// Thickens the tube, more towards the top.
 inline MorphTarget thicker(const Mesh& tube) {
   MorphTarget target;
   target.name = "thicker";
@@ -67,8 +67,8 @@ inline MorphTarget thicker(const Mesh& tube) {
   return target;
 }
 
-/// The tube in a scene of its own, with one clip of a second in which its joints bend it and, if it morphs, it becomes
-/// thicker. Node 0 has the mesh; the joints follow.
+/// A scene of the tube with one clip of a second. Its joints bend it and, if it morphs, it thickens. Node 0 has the
+/// mesh; the joints follow.
 inline Scene figure(const FigureOptions& o = {}) {
   Scene scene;
   scene.name = "figure";

@@ -37,7 +37,7 @@ inline Texture noise_texture(int size) {
   return float_texture(size, size, texels);
 }
 
-/// Triangle in the plane y = height that emits downwards (−Y), about (x, height, 0).
+/// Triangle in the plane y = height that emits downwards (−Y), around (x, height, 0).
 inline Mesh emissive_triangle(float x, Index material) {
   Mesh m;
   m.positions = {Vec3(x - 0.4f, 2.0f, -0.5f), Vec3(x + 0.5f, 2.1f, -0.3f), Vec3(x, 1.9f, 0.6f)};
@@ -47,7 +47,7 @@ inline Mesh emissive_triangle(float x, Index material) {
   return m;
 }
 
-/// Some environment map with a bright spot, linear in between.
+/// An environment map with a bright spot, linear in between.
 inline Environment noise_environment(int width, int height) {
   Environment e;
   e.kind = EnvironmentKind::map;
@@ -130,7 +130,7 @@ inline LightScene make_light_scene(const Environment& environment, int texture_s
   return result;
 }
 
-/// A point light above the origin and, far below, a textured quad that faces away and whose power no float holds.
+/// A point light above the origin and, far below, a textured quad that faces away. Its power overflows a float.
 inline Scene make_overpowered_scene() {
   Scene scene;
   scene.name = "overpowered";

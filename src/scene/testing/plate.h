@@ -9,7 +9,7 @@
 
 namespace relume::testing {
 
-/// A square plate at the origin that `material` covers, and a camera in front of it.
+/// A square plate of `material` at the origin, and a camera in front of it.
 inline Scene plate(const Material& material = {}) {
   Scene scene;
   scene.name = "plate";
@@ -35,7 +35,7 @@ inline void animate_scale(Scene& scene, Index node, const Vec3& first, const Vec
       {node, AnimatedProperty::scale, Interpolation::linear, {0, 1}, {Vec4(first, 0), Vec4(last, 0)}});
 }
 
-/// What the Error says that `action` throws; empty if it throws none.
+/// Message of the Error thrown by `action`; empty if none is thrown.
 inline std::string problem_of(const std::function<void()>& action) {
   try {
     action();

@@ -11,7 +11,7 @@
 
 namespace relume::testing {
 
-/// A square of 2 m in z = 0 with one texture on it; texture coordinates as the test wants them.
+/// A square of 2 m in z = 0 with one texture; each test sets the texture coordinates.
 struct TexturedSquare {
   Scene scene = plate();
 
@@ -20,7 +20,7 @@ struct TexturedSquare {
     scene.materials[0].metallic = 0;
   }
 
-  /// Coordinates that cover the square once, v downwards, multiplied.
+  /// Coordinates that cover the square once, v downwards, multiplied by `scale`.
   static std::vector<Vec2> uv(float scale) { return {Vec2(0, scale), Vec2(scale), Vec2(scale, 0), Vec2(0)}; }
   Mesh& mesh() { return scene.meshes[0]; }
   Material& material() { return scene.materials[0]; }
@@ -34,7 +34,7 @@ struct TexturedSquare {
   }
 };
 
-/// Black and white quarters.
+/// A checkerboard of black and white quarters.
 inline Texture checkered(int size) {
   Texture t;
   t.name = "checkered";
