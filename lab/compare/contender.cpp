@@ -59,7 +59,8 @@ std::pair<std::string, std::string> split_setting(std::string_view part, std::st
   const size_t colon = std::min(part.find(':'), part.size());
   const std::string_view name = trimmed(part.substr(0, colon));
   const std::string_view value = trimmed(part.substr(std::min(colon + 1, part.size())));
-  if (name.empty() || value.empty()) throw Error(fmt::format("{}: '{}' is not KEY:VALUE", place, part));
+  if (name.empty() || value.empty())
+    throw Error(fmt::format("{}: '{}' is not KEY:VALUE, such as lights:vlc", place, part));
   return {std::string(name), std::string(value)};
 }
 
@@ -109,7 +110,8 @@ std::pair<std::string, std::string_view> split_name(std::string_view part, std::
   if (equals == std::string_view::npos) return {own_name(part), part};
   const std::string_view name = trimmed(part.substr(0, equals));
   const std::string_view rest = trimmed(part.substr(equals + 1));
-  if (name.empty() || rest.empty()) throw Error(fmt::format("{}: '{}' is not NAME=…", place, part));
+  if (name.empty() || rest.empty())
+    throw Error(fmt::format("{}: '{}' is not NAME=CONTENDER, such as fast=preview", place, part));
   return {std::string(name), rest};
 }
 

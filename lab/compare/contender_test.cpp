@@ -107,7 +107,7 @@ TEST(Contender, SettingsAlone) {
       parse_settings(wrong, "-s");
       FAIL() << wrong;
     } catch (const Error& error) {
-      EXPECT_EQ(error.what(), "-s: '" + std::string(wrong) + "' is not KEY:VALUE");
+      EXPECT_EQ(error.what(), "-s: '" + std::string(wrong) + "' is not KEY:VALUE, such as lights:vlc");
     }
   }
 }

@@ -92,7 +92,8 @@ std::vector<BufferInfo> Session::buffers() const {
 BufferData Session::buffer(const std::string& name) const {
   const Buffer* buffer = std::as_const(*state_->buffers).find(name);
   if (!buffer || !is_inspectable(buffer->description()))
-    throw Error(ErrorCode::not_found, fmt::format("there is no buffer '{}' with these settings", name));
+    throw Error(ErrorCode::not_found,
+                fmt::format("there is no buffer '{}' with these settings; buffers() lists those that exist", name));
   return {info_of(*buffer, *state_->buffers), buffer->bytes()};
 }
 

@@ -93,7 +93,7 @@ float parse_float(const Setting& setting, std::string_view text, std::string_vie
     const auto* optional = std::get_if<OptionalNumberRef>(&setting.value);
     fail(setting, text, place, optional ? fmt::format("must be {} or a number", optional->word) : "must be a number");
   } else if (failure == std::errc::result_out_of_range) {
-    fail(setting, text, place, "that is not a number of single precision");
+    fail(setting, text, place, "must be a number within single precision");
   }
   check_range(setting, value, text, place);  // also rejects NaN
   return value;

@@ -53,7 +53,10 @@ std::string line_and_column(std::string_view text, size_t byte) {
 Json parse_object(std::string_view text, const std::string& place) {
   std::vector<std::set<std::string>> keys;
   const auto inspect = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    if (depth > kDeepestNesting) throw Error(place + ": the settings are nested too deeply");
+    if (depth > kDeepestNesting)
+      throw Error(
+          place +
+          ": the settings are nested more than 8 levels deep; write names with dots, such as \"psf.cell-size\"");
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second) {
@@ -70,7 +73,7 @@ Json parse_object(std::string_view text, const std::string& place) {
     throw Error(place + ": not valid JSON at " + line_and_column(text, error.byte) +
                 "; expected an object of settings");
   } catch (const Json::exception&) {  // a number beyond double precision
-    throw Error(place + ": not valid JSON: a number is out of range");
+    throw Error(place + ": not valid JSON: a number exceeds double precision; use a smaller one");
   }
   if (!json.is_object()) throw Error(place + R"(: settings must be a JSON object such as {"max-bounces": 4})");
   return json;

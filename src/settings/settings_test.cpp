@@ -183,7 +183,8 @@ TEST(SettingsJson, NamesPlaceAndRemedy) {
   EXPECT_EQ(json_message("{\"grid.size\": 1, \"grid\": {\"size\": 2}}"),
             "file.json: 'grid.size' is set twice; keep one of them");
   EXPECT_EQ(json_message("[1]"), "file.json: settings must be a JSON object such as {\"max-bounces\": 4}");
-  EXPECT_EQ(json_message("{\"count\": 1e999}"), "file.json: not valid JSON: a number is out of range");
+  EXPECT_EQ(json_message("{\"count\": 1e999}"),
+            "file.json: not valid JSON: a number exceeds double precision; use a smaller one");
 }
 
 TEST(SettingsJson, SurvivesHostileInput) {

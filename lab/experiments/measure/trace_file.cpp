@@ -31,7 +31,8 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
       TracePoints& repetition = trace.repetitions.emplace_back();
       for (const nlohmann::json& point : points) repetition.push_back(point_from(point));
     }
-    if (trace.repetitions.empty()) throw Error(place + ": a trace without repetitions");
+    if (trace.repetitions.empty())
+      throw Error(place + ": a trace has no repetitions; delete the file to measure it again");
     trace.points = median_points(trace.repetitions);
     trace.image_point = point_from(json.at("image_point"));
     trace.image = image_from_exr(exr, layer_of(traces.size()), place);

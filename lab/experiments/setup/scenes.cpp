@@ -177,7 +177,7 @@ ExperimentScene built_in(std::string_view name, int max_bounces) {
 ExperimentScene at_rest(ExperimentScene scene) {
   const std::vector<Node>& nodes = scene.scene.nodes;
   const auto node = std::find_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.camera != kNone; });
-  if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
+  if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera; add one to a node");
   CameraPose camera;  // built-in scenes have it on a root node
   camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
   camera.camera = scene.scene.cameras[static_cast<size_t>(node->camera)];

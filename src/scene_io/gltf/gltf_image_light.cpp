@@ -76,7 +76,7 @@ Cube read_cube(const Document& document, const tinygltf::Value& light) {
   parallel_for(cube.size(), [&](size_t i) {
     try {
       const tinygltf::Value& image = level.Get(i);
-      if (!image.IsInt()) throw Error("its images are not numbers");
+      if (!image.IsInt()) throw Error("an entry of its specularImages is not the index of an image");
       cube[i] = read_face(document, image.GetNumberAsInt());
     } catch (const std::exception& error) {
       problems[i] = error.what();
