@@ -35,7 +35,7 @@ struct Texture {
   WrapMode wrap_v = WrapMode::repeat;
   FilterMode filter = FilterMode::linear;
   std::vector<std::byte> texels;  ///< width · height · bytes per texel, tightly packed
-  /// Image file that `texels` were decoded from; empty: none. Writers keep it while it still decodes to them.
+  /// Image file that `texels` were decoded from; empty: none. Writers copy it if it still decodes to `texels`.
   std::shared_ptr<const std::vector<std::byte>> file;
 };
 
@@ -91,7 +91,7 @@ struct Material {
   TextureRef clearcoat_texture;            ///< R
   float clearcoat_roughness = 0;
   TextureRef clearcoat_roughness_texture;  ///< G
-  TextureRef clearcoat_normal_texture;     ///< unused: the coat keeps the unmapped normal, even below normal_texture
+  TextureRef clearcoat_normal_texture;     ///< empty: the coat has the unmapped normal, even with a normal_texture
   float clearcoat_normal_scale = 1;
   float anisotropy = 0;                      ///< KHR_materials_anisotropy: strength
   float anisotropy_rotation_rad = 0;         ///< counter-clockwise from the tangent
@@ -148,10 +148,10 @@ struct Mesh {
   std::vector<UVec3> triangles;
   Index material = kNone;                      ///< kNone: glTF's default material
   std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep the default
-  std::optional<Index> default_material = {};  ///< `material` when no variant is chosen; empty: `material` itself
+  std::optional<Index> default_material = {};  ///< material without a chosen variant; empty: `material`
   std::vector<MorphTarget> morph_targets = {};
   int influences_per_vertex = 0;                ///< 0: the mesh is not skinned
-  std::vector<JointInfluence> influences = {};  ///< this many per vertex, in vertex order
+  std::vector<JointInfluence> influences = {};  ///< influences_per_vertex for each vertex, in vertex order
 };
 
 // --- Lights and environment ---------------------------------------------------------------------------
@@ -311,7 +311,7 @@ struct Scene {
 RELUME_API void choose_variant(Scene& scene, const std::string& name);
 
 /// Checks the invariants that kernels rely on: indices in range, no cycles, finite numbers, consistent array sizes.
-/// Throws Error that names `place` (a file name). Loaders make their repairs before they call it.
+/// Throws Error that names `place` (a file name). Loaders repair their input before they call it.
 RELUME_API void validate(const Scene& scene, const std::string& place);
 
 /// World matrix of every node at `time_s`, animated by all clips. Values are held before the first key and after the

@@ -24,7 +24,7 @@ namespace relume {
 template <typename Part>
 struct Handle {
   Index index = kNone;
-  uint64_t session = 0;  ///< number of the session; 0: identified by index
+  uint64_t session = 0;  ///< number of the session that added the part; 0: a plain index
 
   constexpr Handle() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): an index names its part, too
@@ -38,8 +38,9 @@ using LightHandle = Handle<PunctualLight>;
 
 class RELUME_API Session {
  public:
-  /// Compiles the scene. `movable` lists nodes, beside animated ones, that set_transform() will move. Settings of scene
-  /// files, stopping and display are left to the caller. Throws Error (unknown camera, incompatible settings).
+  /// Compiles the scene. `movable` lists nodes, beside animated ones, that set_transform() will move. Does not use
+  /// Scene::settings_json, nor settings for stopping and display: the caller applies them. Throws Error (unknown
+  /// camera, incompatible settings).
   explicit Session(Scene scene, const Settings& settings = {}, std::vector<Index> movable = {});
   ~Session();
   Session(Session&&) noexcept;
@@ -52,14 +53,14 @@ class RELUME_API Session {
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.
-  /// Frames until then are unbiased, but noisier.
+  /// Frames are unbiased but noisier until the preparation is complete.
   void shorten_preparation_on(std::stop_token token);
   /// Whether all preparation was complete as of the last frame. A checkpoint of an unprepared session continues with
   /// other bits than an uninterrupted session.
   bool prepared() const;
 
-  /// Discards all samples, histories and caches, and sets another seed, as if the session were new and the scene in its
-  /// present state. Only the times of passes are kept.
+  /// Discards all samples, histories and caches, and sets the seed. Frames are then those of a new session with the
+  /// scene in its present state. Only the times of passes are kept.
   void restart(int seed);
 
   /// Frames since the last change.

@@ -32,7 +32,8 @@ RELUME_HD bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32
 /// Capacity of a host packet, rays.
 inline constexpr int kPacketSize = 8;
 
-/// Host only: nearest hits of up to kPacketSize camera rays at once.
+/// Host only: nearest hits of up to kPacketSize camera rays at once. `coherent`: the rays have similar origins and
+/// directions.
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       bool coherent);
 

@@ -19,7 +19,7 @@ enum class Stage : uint8_t {
   gbuffer,       ///< surfaces at the primary hits
   history,       ///< samples of earlier frames for this frame's pixels
   allocate,      ///< number of paths per pixel
-  sampled_hits,  ///< primary hits of these paths only, where no pass reads the others
+  sampled_hits,  ///< primary hits of pixels with a path only, if no pass reads the others
   trace,         ///< paths
   resolve,       ///< pixel values from caches
   present,       ///< addition of samples to the history

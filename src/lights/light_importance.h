@@ -1,5 +1,5 @@
-// Unoccluded light that a point reflects towards the viewer from each of many lights. Light selection strategies weight
-// their candidates by this importance ([Dittebrandt20, §4.2]).
+// Luminance that a point would reflect towards the viewer from each of many lights, without occlusion. Light selection
+// strategies weight their candidates by this importance ([Dittebrandt20, §4.2]).
 //
 // Triangles are integrated in closed form against Lambert's cosine, and for glossy reflection against a linearly
 // transformed cosine ([Heitz16]). Lights without extent are evaluated. Emission is averaged over the triangle.
@@ -30,9 +30,9 @@ std::vector<float> build_light_columns(const LightsView& view);
 struct LightReceiver {
   Vec3 position{0};
   Frame frame;        ///< the viewer lies in the plane of t and n
-  float diffuse = 0;  ///< luminance that cosine-like lobes reflect
-  float glossy = 0;   ///< luminance that microfacets reflect
-  float behind = 0;   ///< luminance that arrives from the other side
+  float diffuse = 0;  ///< albedo of cosine-like lobes, luminance
+  float glossy = 0;   ///< albedo of glossy lobes, luminance
+  float behind = 0;   ///< albedo of transmission from the other side, luminance
   LtcMatrix glossy_matrix;
 };
 

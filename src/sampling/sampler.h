@@ -33,7 +33,8 @@ class Sampler {
     sampler.shifts_ = {tile, x, y};
     return sampler;
   }
-  /// Takes the camera's dimensions from another sequence of the pixel. Learning techniques do not change their meaning.
+  /// Takes the camera's dimensions from another sequence of the pixel. Epochs start new sequences for the dimensions
+  /// that learning techniques steer; the camera's sequence continues through all epochs.
   RELUME_HD_INLINE void take_camera_from(const Sampler& other) {
     camera_scramble_ = other.scramble_;
     camera_index_ = other.reversed_index_;
@@ -54,7 +55,7 @@ class Sampler {
   /// One stratified number, from dimensions separate from those of next_2d().
   RELUME_HD_INLINE float next_1d() { return single(single_++); }
 
-  /// The first number of next_1d() in a dimension, without a jump to it.
+  /// The first number of next_1d() after start_dimension(dimension). The sampler remains where it is.
   RELUME_HD float number_of(uint32_t dimension) const { return single(dimension * kSinglesPerDimension); }
 
   /// Jumps to a dimension, so that a decision uses the same dimension in paths of any length.
@@ -70,6 +71,7 @@ class Sampler {
     return {u, (identity_ ^ reversed_index_) + dimension_ * 0x9e3779b9u + kSaltBits};
   }
 
+  /// ray_id() of the camera ray, from any dimension.
   RELUME_HD uint32_t camera_ray_id() const { return hash(identity_ ^ reversed_index_); }
 
  private:

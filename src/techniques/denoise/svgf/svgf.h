@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Shorter histories take their variance from neighbours ([Schied17] §4.2).
+/// Number of samples below which the variance of a history comes from neighbouring pixels ([Schied17] §4.2).
 inline constexpr uint32_t kYoungHistory = 4;
 
 /// Temporal accumulation of light and of the first two moments of its luminance.

@@ -13,7 +13,7 @@ namespace relume {
 /// No slot: the cell is not in the table.
 inline constexpr uint32_t kNoCell = 0xffffffffu;
 
-/// Slots probed for a new key. If none is free, its samples wait until the table has grown.
+/// Maximum number of slots probed for a key. If none is free, its samples wait until the table has grown.
 inline constexpr uint32_t kMaxProbes = 256;
 
 /// Slots among which the cells of one voxel start probing; a power of two.
@@ -54,14 +54,14 @@ struct HashGridView {
   }
 
   /// The slot where probing begins. Cells of one voxel have the same bucket hash but begin at different slots nearby.
-  /// Curved and bumpy surfaces have many per voxel, each of which would be probed past all the others.
+  /// Curved and bumpy surfaces have many cells per voxel. From one slot, each would be probed past all the others.
   RELUME_HD uint32_t first_slot(const CellAddress& address) const {
     const uint32_t slot =
         slot_of(address.bucket_hash) + (static_cast<uint32_t>(address.fingerprint) & (kBucketSlots - 1));
     return slot < fingerprints.size ? slot : slot % fingerprints.size;
   }
 
-  /// Slots between the first slot of a key and `slot`, where it is.
+  /// Number of slots from the first slot of a key to `slot`, which holds it.
   RELUME_HD uint32_t displacement(const CellAddress& address, uint32_t slot) const {
     const uint32_t first = first_slot(address);
     return slot >= first ? slot - first : slot + fingerprints.size - first;
@@ -115,9 +115,10 @@ struct HashGridView {
     return kNoCell;
   }
 
-  /// Adds a sample to the cell of `p` and, at random, to coarser substitutes. Weights within a cell must be inversely
-  /// proportional to the probabilities of the samples. `u` in [0, 1). `slot`: of the cell of `p`, if known. `alone`:
-  /// the cell has no substitutes and inherits nothing. Returns the slot; kNoCell if the sample was rejected or waits.
+  /// Adds a sample to the cell of `p` and, with `u` in [0, 1) at random, to coarser cells that are pooled with
+  /// undersampled ones. Weights within a cell must be inversely proportional to the probabilities of the samples.
+  /// `slot`: slot of the cell of `p`, if known. `alone`: the cell is never pooled and inherits nothing. Returns the
+  /// slot; kNoCell if the sample was rejected or waits.
   RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell,
                             bool alone = false) const {
     if (!is_finite(value)) {
@@ -145,7 +146,8 @@ struct HashGridView {
     if (is_first && inherits && histories[slot].empty()) choose_parent(sample.point, slot);
   }
 
-  /// Moments at `p`, for undersampled cells pooled according to `thin_cells`. Their count is 0 without samples.
+  /// Moments of the cell of `p`. Undersampled cells are pooled according to `thin_cells`. Without samples, the count is
+  /// 0.
   RELUME_HD CellMoments moments(const CellPoint& p) const { return moments(p, find(keys.address(p))); }
 
   /// The same with the known slot of the cell of `p` (kNoCell: none).

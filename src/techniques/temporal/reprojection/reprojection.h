@@ -88,6 +88,7 @@ struct DepthVoteKernel {
     const SurfacePosition p = surface_position(scene, sample.hit);
     const Ray ray = ray_to(p.now);
     Vec2 film;
+    // First validation: the point is on the screen.
     if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return RejectReason::off_screen;
     const uint32_t target = pixel_at(scene.camera, film);
     // Another sample already moves this history to the pixel. Changes of light are tested at all samples.
