@@ -94,7 +94,8 @@ std::filesystem::path resolve_uri(const std::filesystem::path& base_dir, std::st
   if (uri.find("://") != std::string_view::npos)
     throw Error(
         fmt::format("{}: '{}' is not a local file; download it and refer to it by a relative path", place, uri));
-  if (uri.find('\0') != std::string_view::npos) throw Error(fmt::format("{}: a file name contains a zero byte", place));
+  if (uri.find('\0') != std::string_view::npos)
+    throw Error(fmt::format("{}: a file name contains a zero byte; rename the file", place));
   return base_dir / std::filesystem::path(uri);
 }
 

@@ -27,7 +27,9 @@ void write_part(const std::filesystem::path& file, const ExrFile& part) {
   const std::filesystem::path folder = file.parent_path();
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
-  if (failure) throw Error(fmt::format("{}: the folder cannot be created ({})", folder.string(), failure.message()));
+  if (failure)
+    throw Error(
+        fmt::format("{}: the folder cannot be created ({}); choose another", folder.string(), failure.message()));
   write_exr(file, part);
 }
 
