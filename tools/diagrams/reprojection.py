@@ -20,7 +20,7 @@ def middle(cell):
 
 def scene(d):
     before, now = (120, 48), (424, 48)
-    d.rectangle(210, 116, 40, FLOOR - 116, fill=("ink", 0.15))
+    d.rectangle(210, 128, 40, FLOOR - 128, fill=("ink", 0.15))
     d.line((40, FLOOR), (600, FLOOR), width=2)
     d.line((490, FLOOR), (590, FLOOR), role="faint", width=5)
     for x in (150, 380, 530):
