@@ -16,6 +16,8 @@ MAX_COLUMNS = 100
 MAX_WORDS = 40
 MAX_MEDIAN = 16
 
+LISTED = re.compile(r"^ {2,}\S.*$", re.MULTILINE)  # indented lines of a comment: code or a list of names
+
 # Pages that quote stored results, which are worded as the program was when it measured them.
 QUOTES = ("docs/guarantees.md",)
 
@@ -56,7 +58,7 @@ def check_comments(root):
         for line, text in house.comment_blocks(path.read_text(encoding="utf-8")):
             body = prose.INLINE_CODE.sub(lambda m: " " * len(m[0]), text)
             problems += [f"{name}:{line + body.count(chr(10), 0, offset)}: {sentence}" for offset, sentence in check_wording.calques(body)]
-            problems += long_sentences(name, [(line, prose.without_markup(text))])
+            problems += long_sentences(name, [(line, prose.without_markup(LISTED.sub("", text)))])
     return problems
 
 

@@ -1,4 +1,4 @@
-// Measures error against time for several techniques, in turns.
+// Measures error against time for several techniques that render alternately.
 #pragma once
 
 #include <cstdint>
