@@ -148,7 +148,7 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "reasons below\n\n" +
       wrapped("Bounds of the bias (two biased choices: the sum): " + bias_list() + ".") +
       "\n\nA cell passes if the errors of luminance, red, green and blue are each below the bound plus 4.5\nstandard "
-      "errors. The standard error is at most 0.5 % of the luminance, or 0.25 % in the slow test. The\n[measured "
+      "errors. The standard error is at most 0.5 % of the luminance, or 0.25 % in the slow test.\n[Measured "
       "errors](#measured) are at the end.\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {
