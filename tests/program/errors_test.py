@@ -90,7 +90,7 @@ class Errors(RefusalTest):
 
     def test_timing_of_what_is_compared_by_images(self):
         for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr"), ("--reference-settings", "lights:uniform")):
-            self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "leave"])
+            self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "remove"])
 
     def test_unknown_choice(self):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--lights", "pwoer"), says=["--lights", "power"])
@@ -265,14 +265,14 @@ class Commands(RefusalTest):
             (FAILED, "--techniques default,default", "--techniques: two contenders are called 'default'; rename one with NAME="),
             (FAILED, "--techniques a=lights:uniform,a=lights:power", "--techniques: two contenders are called 'a'"),
             (FAILED, "--image a=small.exr --image a=fits.exr", "--image: two contenders are called 'a'"),
-            (USAGE, "--techniques psf --image psf=fits.exr", "two contenders called 'psf'; use --image NAME=FILE"),
+            (USAGE, "--techniques psf --image psf=fits.exr", "two contenders are called 'psf'; use --image NAME=FILE"),
             (FAILED, "--techniques a=width:8", "a: width is common to all contenders; give it as --width"),
             (FAILED, "--techniques small.exr", r"small\.exr: .* no attribute 'relume\.settings'"),
             (FAILED, "--reference small.exr", r"small\.exr has 8x8 pixels, but 24x18 are compared; give --width and --height"),
             (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one image; leave --frames or --reference out"),
             (FAILED, "--reference nan.exr", r"nan\.exr: the image has no finite pixel; check its source"),
             (FAILED, "--image nan.exr", r"nan\.exr: the image has no finite pixel; check its source"),
-            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference reads an image .* --reference-settings .*; choose one"),
+            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference reads an image.* --reference-settings .*; choose one"),
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is common to all contenders; give it as --width"),

@@ -24,7 +24,7 @@ def combination_table():
         for k, cell in enumerate(row.split("|")[2:-1]):
             if k > i and cell.strip():
                 cells[choices[i], choices[k]] = cell.strip()
-    return cells, re.findall(r"^- (.*)$", refused, re.MULTILINE)
+    return cells, re.findall(r"^- (.*)$", refused.replace("\n  ", " "), re.MULTILINE)
 
 
 def steps_to(choice):

@@ -298,7 +298,7 @@ class Settings(Viewer):
         if is_missing(done):
             self.skipTest(done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("radiance is taken as its role scene_linear, which is 'lin'", done.stderr)
+        self.assertIn("radiance is interpreted as its role scene_linear, which is 'lin'", done.stderr)
         self.assertEqual(set(png_pixels(self.folder / "image.png")[3][0]), {128})
         for file, value in (("dark.png", 128), ("window.png", 255)):  # a stop brighter: all of the background's radiance
             self.assertAlmostEqual(png_pixels(self.folder / file)[3][100][3], value, delta=1, msg=file)
