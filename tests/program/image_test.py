@@ -27,7 +27,7 @@ class Images(ProgramTest):
         for name, crop in (("part.json", [5, 4, 12, 9]), ("whole.json", None)):
             self.assertEqual(json.loads((self.folder / name).read_text())["crop"], crop)
         done = run("metrics", "part.exr", "whole.exr", cwd=self.folder)
-        self.assertIn("part.exr stores the window 5,4,12,9, but whole.exr stores all of it", done.stderr)
+        self.assertIn("part.exr stores the window 5,4,12,9, but whole.exr stores the whole image", done.stderr)
         self.assertNotEqual(done.returncode, 0)
         self.succeed("render", "cornell", "-o", "other.exr", *look, "--crop", "6,4,12,9")
         self.assertIn("other.exr stores the window 6,4,12,9", run("metrics", "part.exr", "other.exr", cwd=self.folder).stderr)
