@@ -12,6 +12,8 @@
 namespace relume {
 namespace {
 
+constexpr size_t kBoxVertices = 1024;  // of one task of deformed_box()
+
 Affine affine_of(const Mat4& m) { return {Mat3(m), Vec3(m[3])}; }
 
 std::vector<MorphTargetView> target_views(const Mesh& mesh) {
@@ -32,6 +34,26 @@ DeformableMesh deformable(const Mesh& mesh, const std::vector<MorphTargetView>& 
   v.influences_per_vertex = skinned ? static_cast<uint32_t>(mesh.influences_per_vertex) : 0;
   v.joints = view_of(joints);
   return v;
+}
+
+/// The inputs of deform() for a node's mesh at one time. `mesh` refers to the other members.
+struct Pose {
+  std::vector<MorphTargetView> targets;
+  std::vector<Affine> joints;
+  DeformableMesh mesh;
+};
+
+Pose pose_of(const Scene& scene, Index node_index, const Mesh& mesh, const JointMatrices& joints, float time_s) {
+  const Node& node = scene.nodes[static_cast<size_t>(node_index)];
+  const bool skinned = is_skinned(node, mesh);
+  Pose pose{target_views(mesh), {}, {}};
+  const std::vector<float> weights = morph_weights(scene, node_index, time_s);
+  for (size_t k = 0; k < std::min(weights.size(), pose.targets.size()); ++k) pose.targets[k].weight = weights[k];
+  if (skinned) {
+    for (const Mat4& m : joints[static_cast<size_t>(node.skin)]) pose.joints.push_back(affine_of(m));
+  }
+  pose.mesh = deformable(mesh, pose.targets, skinned, pose.joints);
+  return pose;
 }
 
 /// Range of a node's weight of each morph target over all times.
@@ -120,23 +142,15 @@ bool mirrors(const std::vector<Mat4>& joints) {
 
 Mesh deformed_mesh(const Scene& scene, Index node_index, const Mesh& mesh, const JointMatrices& joints, float time_s) {
   const Node& node = scene.nodes[static_cast<size_t>(node_index)];
-  const bool skinned = is_skinned(node, mesh);
-  std::vector<MorphTargetView> targets = target_views(mesh);
-  const std::vector<float> weights = morph_weights(scene, node_index, time_s);
-  for (size_t k = 0; k < std::min(weights.size(), targets.size()); ++k) targets[k].weight = weights[k];
-  std::vector<Affine> affine;
-  if (skinned) {
-    for (const Mat4& m : joints[static_cast<size_t>(node.skin)]) affine.push_back(affine_of(m));
-  }
-  const bool mirrored = skinned && mirrors(joints[static_cast<size_t>(node.skin)]);
+  const bool mirrored = is_skinned(node, mesh) && mirrors(joints[static_cast<size_t>(node.skin)]);
+  const Pose pose = pose_of(scene, node_index, mesh, joints, time_s);
 
   Mesh result = mesh;
   result.morph_targets.clear();
   result.influences_per_vertex = 0;
   result.influences.clear();
-  const DeformableMesh source = deformable(mesh, targets, skinned, affine);
   parallel_for(static_cast<uint32_t>(mesh.positions.size()), [&](uint32_t v) {
-    const DeformedVertex vertex = deform(source, v);
+    const DeformedVertex vertex = deform(pose.mesh, v);
     result.positions[v] = vertex.position;
     if (!result.normals.empty()) result.normals[v] = vertex.normal;
     if (!result.tangents.empty())
@@ -149,8 +163,16 @@ Mesh deformed_mesh(const Scene& scene, Index node_index, const Mesh& mesh, const
 }
 
 Box deformed_box(const Scene& scene, Index node, const Mesh& mesh, const JointMatrices& joints, float time_s) {
+  const Pose pose = pose_of(scene, node, mesh, joints, time_s);
+  const size_t count = mesh.positions.size();
+  std::vector<Box> parts((count + kBoxVertices - 1) / kBoxVertices);
+  parallel_for(parts.size(), [&](size_t part) {
+    const size_t end = std::min(count, (part + 1) * kBoxVertices);
+    for (size_t v = part * kBoxVertices; v < end; ++v)
+      parts[part].add(deform(pose.mesh, static_cast<uint32_t>(v)).position);
+  });
   Box box;
-  for (const Vec3& position : deformed_mesh(scene, node, mesh, joints, time_s).positions) box.add(position);
+  for (const Box& part : parts) box.add(part);
   return box;
 }
 
