@@ -16,10 +16,11 @@
 namespace relume::viewer {
 namespace {
 
-void draw_transform(State& state, Index node) {
+/// `shown`: the selected node, whose size sets the step. Bounds of `node` may deform every mesh of a scene.
+void draw_transform(State& state, Index node, Index shown) {
   Document& document = *state.document;
   Transform t = document.transform(node);
-  const float step = max(0.001f, 0.0005f * document.bounds(kNone == node ? 0 : node).diagonal());
+  const float step = max(0.001f, 0.0005f * document.bounds(shown).diagonal());
   Vec3 rotation_deg = euler_degrees(t.rotation);
   bool changed = ImGui::DragFloat3("position", &t.translation.x, max(step, 0.005f), 0, 0, "%.3f");
   tooltip("Metres, relative to the parent. Ctrl+drag moves it in the image.");
@@ -43,7 +44,7 @@ void draw_dim(const std::string& text) {
 void draw_object(State& state, Index node) {
   const Mover mover = state.document->mover(node);
   if (mover.node == kNone) return draw_dim(mover.problem);
-  draw_transform(state, mover.node);
+  draw_transform(state, mover.node, node);
   if (mover.node == node) return;
   draw_dim(fmt::format("Moves '{}', which carries the joints of this skin.", state.document->node_name(mover.node)));
 }
@@ -61,7 +62,7 @@ void draw_light(State& state, Index index) {
     state.touch();
   }
   const Index node = state.document->node_of_light(index);
-  if (node != kNone) draw_transform(state, node);
+  if (node != kNone) draw_transform(state, node, node);
 }
 
 bool parameter_widget(const MaterialParameter& p, float& value) {
