@@ -25,7 +25,8 @@ constexpr const char* kNoCamera = "the camera is unknown until the first image; 
 
 /// Depth of the selection along the viewing direction; 0 if the selection has no position.
 float selection_depth(const State& state, const CameraPose& camera) {
-  const Index node = selected_node(state);
+  // Of a figure itself: the node that moves it may also carry other objects.
+  const Index node = state.selection.kind == Selected::node ? state.selection.index : selected_node(state);
   if (node == kNone) return 0;
   const Document& document = *state.document;
   const Box box = document.bounds(node);

@@ -8,6 +8,7 @@
 #include "scene/scene.h"
 #include "scene/testing/figure.h"
 #include "viewer/actions.h"
+#include "viewer/orbit_camera.h"
 #include "viewer/state.h"
 
 namespace relume::viewer {
@@ -154,6 +155,24 @@ TEST(Navigation, AFigureIsDraggedByItsJointsOrRefusesWithAMessage) {
   const Vec3 before = stage.state.document->bounds(0).center();
   drag_selection(stage.state, {0.1f, 0});
   EXPECT_GT(glm::length(stage.state.document->bounds(0).center() - before), 0.01f);
+}
+
+TEST(Navigation, AFigureIsDraggedAtItsOwnDepth) {
+  Scene scene = testing::figure();
+  Node far;  // moves with the figure's root
+  far.meshes = {1};
+  far.parent = 1;
+  far.transform.translation = {0, 0, -200};
+  scene.nodes.push_back(far);
+  scene.nodes[1].parent = scene.add_node(Node());
+  scene.meshes.push_back(scene.meshes[0]);
+  FigureStage stage(std::move(scene));
+  const CameraPose camera = current_camera(stage.state);
+  const Vec3 before = stage.state.document->bounds(0).center();
+  drag_selection(stage.state, {0.1f, 0});
+  const float moved = glm::length(stage.state.document->bounds(0).center() - before);
+  const float expected = 0.1f * view_height(camera.camera, depth_of(camera, before));
+  EXPECT_NEAR(moved, expected, 1e-3f * expected);
 }
 
 }  // namespace
