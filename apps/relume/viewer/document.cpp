@@ -40,7 +40,8 @@ Document::Document(std::shared_ptr<const LoadedScene> loaded)
     : loaded_(std::move(loaded)),
       outline_(outline_of(loaded_->scene)),
       environment_(loaded_, &loaded_->scene.environment),
-      mesh_boxes_(mesh_boxes(loaded_->scene)) {
+      mesh_boxes_(mesh_boxes(loaded_->scene)),
+      skeletons_(skeletons()) {
   play("");
 }
 
@@ -123,10 +124,10 @@ void Document::use(std::shared_ptr<const Environment> environment) {
   edits_.environment = {environment_, next_version()};
 }
 
-std::vector<bool> Document::below(Index ancestor) const {
+std::vector<bool> Document::below(const std::vector<Index>& ancestors) const {
   enum : uint8_t { unknown, no, yes };
   std::vector<uint8_t> verdicts(outline_.nodes.size(), unknown);
-  verdicts[static_cast<size_t>(ancestor)] = yes;
+  for (const Index ancestor : ancestors) verdicts[static_cast<size_t>(ancestor)] = yes;
   std::vector<size_t> way;
   for (size_t i = 0; i < verdicts.size(); ++i) {
     way.clear();

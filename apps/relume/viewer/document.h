@@ -58,7 +58,8 @@ class Document {
   bool make_movable(Index node);
 
   /// The node itself, except for a skinned mesh, which follows its joints. Then the joints' nearest common ancestor, or
-  /// the first node above it without animation; the figure stays animated while it is moved.
+  /// the first node above it without animation; the figure stays animated while it is moved. No node if that one would
+  /// also move meshes, lights or cameras that do not belong to the figure.
   Mover mover(Index node) const;
 
   /// The node's name, or "node 3" if it has none.
@@ -83,8 +84,15 @@ class Document {
   bool has_environment_map() const { return !environment_->map.empty(); }
 
  private:
-  std::vector<bool> below(Index ancestor) const;    ///< by node: whether it is the ancestor or its descendant
+  /// By node: whether it is an ancestor or the descendant of one.
+  std::vector<bool> below(const std::vector<Index>& ancestors) const;
   std::vector<bool> carried(Index ancestor) const;  ///< by node: whether the ancestor carries its meshes
+  /// By skin: the joints' common ancestor, or the highest such node of a skin above it. Skins of equal values deform
+  /// the same figure. kNone if the joints have no common ancestor.
+  std::vector<Index> skeletons() const;
+  /// The first node of which the mover moves a mesh, a light or a camera that the figure's joints do not move; kNone if
+  /// there is none.
+  Index passenger_of(Index mover, Index skin) const;
   bool has_skinned_mesh(Index node) const;
   bool has_animated_transform(Index node) const;  ///< in any clip, unless edited
   void use(std::shared_ptr<const Environment> environment);
@@ -102,6 +110,7 @@ class Document {
   std::shared_ptr<const Environment> environment_;  ///< including its map
   bool environment_is_set_ = false;                 ///< by set_environment() since the last replacement or restoration
   std::vector<Box> mesh_boxes_;                     ///< in the meshes' own coordinates
+  std::vector<Index> skeletons_;                    ///< skeletons()
   SceneEdits edits_;
   float duration_s_ = 0;
   std::vector<AnimationChannel> playing_;                           ///< as loaded, of the playing clips

@@ -86,6 +86,57 @@ TEST(Figures, WhatCannotMoveSaysWhy) {
   EXPECT_NE(apart.problem.find("no common ancestor"), std::string::npos) << apart.problem;
 }
 
+/// Puts the animated figure and a node like `part` below a root. Returns the problem of moving the figure.
+std::string problem_beside(const Node& part, Scene scene = relume::testing::figure()) {
+  Node root;
+  root.name = "root";
+  scene.nodes.push_back(part);
+  scene.nodes.back().name = "part";
+  const Index index = scene.add_node(root);
+  for (Index i = 0; i < index; ++i) {
+    Node& node = scene.nodes[static_cast<size_t>(i)];
+    if (node.parent == kNone) node.parent = index;
+  }
+  scene.cameras.emplace_back();
+  scene.lights.emplace_back();
+  Mesh rigid = scene.meshes[0];
+  rigid.influences_per_vertex = 0;
+  rigid.influences.clear();
+  scene.meshes.push_back(rigid);
+  const Mover mover = document_of(std::move(scene)).mover(kBody);
+  EXPECT_EQ(mover.node, mover.problem.empty() ? index : kNone);
+  return mover.problem;
+}
+
+TEST(Figures, ANodeThatMovesMoreThanTheFigureIsRefused) {
+  EXPECT_EQ(problem_beside({}), "");
+  Node room;
+  room.meshes = {1};
+  Node lamp;
+  lamp.light = 0;
+  Node camera;
+  camera.camera = 0;
+  for (Node part : {room, lamp, camera}) {
+    const std::string problem = problem_beside(part);
+    EXPECT_NE(problem.find("'root', would also move 'part'"), std::string::npos) << problem;
+    part.parent = kJoint + 2;
+    EXPECT_EQ(problem_beside(part), "") << "it moves with a joint";
+  }
+}
+
+TEST(Figures, SkinsOfOneSkeletonMoveTogether) {
+  Scene scene = relume::testing::figure();
+  Node part;
+  part.meshes = {0};
+  part.skin = 1;
+  scene.skins.push_back(scene.skins[0]);
+  std::vector<Index>& joints = scene.skins[1].joints;
+  joints.assign(joints.size(), kJoint + 2);
+  EXPECT_EQ(problem_beside(part, scene), "");
+  joints.assign(joints.size(), scene.add_node({}));
+  EXPECT_NE(problem_beside(part, scene).find("would also move 'part'"), std::string::npos) << "another figure";
+}
+
 TEST(Figures, NodesCarryTheMeshesOfTheirJoints) {
   Scene scene = still_figure();
   const Index armature = add_armature(scene);
