@@ -9,12 +9,16 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kMoment_s = 0.1;  // minimum time of recompilation, as shorter lines flicker
+constexpr double kMoment_s = 0.1;  // minimum time of work on the displayed scene, as shorter lines flicker
 
-bool is_compiling(const State& state) {
-  if (!state.frame() || state.frame()->scene != state.document->loaded()) return true;
-  const std::optional<double> since_s = state.renderer->compiling_since_s();
-  return since_s && state.now_s - *since_s > kMoment_s;
+/// The rendering thread's work before its next frame; nullptr if there is none.
+const char* preparation_of(const State& state) {
+  const auto lasts = [&](const std::optional<double>& since_s) {
+    return since_s && state.now_s - *since_s > kMoment_s;
+  };
+  const bool shows_scene = state.frame() && state.frame()->scene == state.document->loaded();
+  if (!shows_scene || lasts(state.renderer->compiling_since_s())) return "compiling";
+  return lasts(state.renderer->updating_since_s()) ? "updating" : nullptr;
 }
 
 std::string line(const char* what, const std::string& scene, const std::string& step) {
@@ -25,12 +29,12 @@ std::string line(const char* what, const std::string& scene, const std::string& 
 }  // namespace
 
 std::vector<std::string> preparation_lines(const State& state) {
-  const bool compiles = is_compiling(state);
+  const char* preparation = preparation_of(state);
   const bool loads = state.loading.valid();
   // If both are in progress, the step may belong to either.
-  const std::string step = compiles && loads ? "" : current_activity().value_or("");
+  const std::string step = preparation && loads ? "" : current_activity().value_or("");
   std::vector<std::string> lines;
-  if (compiles) lines.push_back(line("compiling", state.document->name(), step));
+  if (preparation) lines.push_back(line(preparation, state.document->name(), step));
   if (loads) lines.push_back(line("loading", state.loading_name, step));
   return lines;
 }

@@ -9,8 +9,8 @@
 namespace relume::viewer {
 
 /// One line each for the scene being compiled and the one being loaded, with the current step: "compiling mine ...
-/// building the acceleration structure". Recompiling the displayed scene is included once it takes longer than a
-/// moment.
+/// building the acceleration structure". For the displayed scene, recompiling or updating it is included once that
+/// takes longer than a moment.
 std::vector<std::string> preparation_lines(const State& state);
 
 }  // namespace relume::viewer

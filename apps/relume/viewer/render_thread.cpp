@@ -30,6 +30,15 @@ std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::v
   return result;
 }
 
+/// The value of the first slot that has one.
+std::optional<double> first_of(const std::array<SessionSlot, kSides>& slots,
+                               std::optional<double> (SessionSlot::*value)() const) {
+  for (const SessionSlot& slot : slots) {
+    if (const std::optional<double> found = (slot.*value)()) return found;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 RenderThread::RenderThread() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -61,10 +70,11 @@ void RenderThread::post_task(Task task) {
 }
 
 std::optional<double> RenderThread::compiling_since_s() const {
-  for (const SessionSlot& slot : slots_) {
-    if (const std::optional<double> since_s = slot.compiling_since_s()) return since_s;
-  }
-  return std::nullopt;
+  return first_of(slots_, &SessionSlot::compiling_since_s);
+}
+
+std::optional<double> RenderThread::updating_since_s() const {
+  return first_of(slots_, &SessionSlot::updating_since_s);
 }
 
 std::shared_ptr<const ViewerFrame> RenderThread::frame(int side) const {

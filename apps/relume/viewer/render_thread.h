@@ -47,6 +47,8 @@ class RenderThread {
 
   /// Start of the compilation in progress, of a new scene or after an edit, by now_s(); std::nullopt if there is none.
   std::optional<double> compiling_since_s() const;
+  /// Start of applying edits and settings, compilation included.
+  std::optional<double> updating_since_s() const;
 
   /// The newest frame of a side; nullptr before the first.
   std::shared_ptr<const ViewerFrame> frame(int side) const;

@@ -21,12 +21,14 @@ class ScopedValue {
   double before_;
 };
 
+std::optional<double> start_of(double since_s, double idle) {
+  return since_s == idle ? std::nullopt : std::optional(since_s);
+}
+
 }  // namespace
 
-std::optional<double> SessionSlot::compiling_since_s() const {
-  const double since_s = compiling_since_s_;
-  return since_s == kNotCompiling ? std::nullopt : std::optional(since_s);
-}
+std::optional<double> SessionSlot::compiling_since_s() const { return start_of(compiling_since_s_, kIdle); }
+std::optional<double> SessionSlot::updating_since_s() const { return start_of(updating_since_s_, kIdle); }
 
 void SessionSlot::compile(const RenderRequest& request, const RenderSettings& settings) {
   const ScopedValue compiling(compiling_since_s_, now_s());
@@ -46,10 +48,13 @@ void SessionSlot::compile(const RenderRequest& request, const RenderSettings& se
   applied_ = 0;
 }
 
-void SessionSlot::apply(const SceneEdits& edits) {
+void SessionSlot::apply_motion(const SceneEdits& edits) {
+  if (edits.time_s.version > applied_) session_->set_time(edits.time_s.value);
+  if (edits.camera.version > applied_) session_->set_camera(edits.camera.value);
+}
+
+void SessionSlot::apply_changes(const SceneEdits& edits) {
   const auto newer = [&](const auto& edit) { return edit.version > applied_; };
-  if (newer(edits.time_s)) session_->set_time(edits.time_s.value);
-  if (newer(edits.camera)) session_->set_camera(edits.camera.value);
   if (newer(edits.environment) && edits.environment.version > environment_)
     session_->set_environment(*edits.environment.value);
   for (const auto& [node, edit] : edits.nodes) {
@@ -73,10 +78,13 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
   if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;
   const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable &&
                         variant_ == request.settings[0].scene.variant;
-  if (compiled) apply(request.edits);
+  if (compiled) apply_motion(request.edits);
+  const ScopedValue updating(updating_since_s_, now_s());
+  if (compiled) apply_changes(request.edits);
   if (!compiled || !session_->set_settings(settings)) {
     compile(request, settings);
-    apply(request.edits);
+    apply_motion(request.edits);
+    apply_changes(request.edits);
   }
   if (session_->frames_since_change() == 0) session_->begin_image();
 }

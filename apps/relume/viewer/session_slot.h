@@ -18,6 +18,8 @@ class SessionSlot {
 
   /// Start of the compilation in progress, by now_s(); std::nullopt if there is none. Callable from any thread.
   std::optional<double> compiling_since_s() const;
+  /// The same for the whole of update(), except the scene's time and camera, which change from frame to frame.
+  std::optional<double> updating_since_s() const;
 
   void close() { session_.reset(); }
   Session* session() { return session_ ? &*session_ : nullptr; }
@@ -25,10 +27,11 @@ class SessionSlot {
   const std::shared_ptr<const LoadedScene>& scene() const { return scene_; }
 
  private:
-  static constexpr double kNotCompiling = -1;
+  static constexpr double kIdle = -1;
 
   void compile(const RenderRequest& request, const RenderSettings& settings);
-  void apply(const SceneEdits& edits);
+  void apply_motion(const SceneEdits& edits);   ///< time and camera
+  void apply_changes(const SceneEdits& edits);  ///< all others
 
   std::optional<Session> session_;
   std::shared_ptr<const LoadedScene> scene_;
@@ -36,7 +39,8 @@ class SessionSlot {
   std::string variant_;       ///< material variant of the compiled scene
   uint64_t applied_ = 0;      ///< newest applied edit
   uint64_t environment_ = 0;  ///< edit of the environment at compilation
-  std::atomic<double> compiling_since_s_ = kNotCompiling;
+  std::atomic<double> compiling_since_s_ = kIdle;
+  std::atomic<double> updating_since_s_ = kIdle;
 };
 
 /// Picks a point of the image, (0, 0) its top left corner and (1, 1) the opposite one.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -100,7 +101,7 @@ TEST_F(StateTest, AReloadKeepsEditsOrNamesThem) {
   EXPECT_NE(kept, said("are lost"));
 }
 
-TEST(PreparationLines, ASceneThatIsCompiledAgainIsNamed) {
+TEST(PreparationLines, ASceneThatChangesIsNamed) {
   State state;
   RenderThread renderer;
   state.renderer = &renderer;
@@ -123,17 +124,34 @@ TEST(PreparationLines, ASceneThatIsCompiledAgainIsNamed) {
     }
   };
   const auto is_compiling = [](const std::string& line) { return line.starts_with("compiling cornell-water ..."); };
+  const auto is_updating = [](const std::string& line) { return line.starts_with("updating cornell-water ..."); };
+  const auto count = [](const std::vector<std::string>& lines, const auto& is) {
+    return std::count_if(lines.begin(), lines.end(), is);
+  };
+  const auto rests = [&] {
+    state.now_s = now_s();
+    return preparation_lines(state).empty();
+  };
   const auto first = lines_before_frame_of(1);
   EXPECT_FALSE(first.empty());
   EXPECT_TRUE(std::all_of(first.begin(), first.end(), is_compiling));
-  EXPECT_TRUE(preparation_lines(state).empty());
+  EXPECT_TRUE(rests());
   change_setting(state, 0, "max-bounces", "1");
-  EXPECT_TRUE(lines_before_frame_of(2).empty()) << "nothing is compiled";
+  EXPECT_EQ(count(lines_before_frame_of(2), is_compiling), 0) << "nothing is compiled";
   change_setting(state, 0, "texture-filter", "encoded");
   const auto again = lines_before_frame_of(3);
-  EXPECT_FALSE(again.empty());
-  EXPECT_TRUE(std::all_of(again.begin(), again.end(), is_compiling));
-  EXPECT_TRUE(preparation_lines(state).empty());
+  EXPECT_GT(count(again, is_compiling), 0);
+  EXPECT_EQ(count(again, is_compiling) + count(again, is_updating), std::ssize(again));
+  EXPECT_TRUE(rests());
+  for (size_t k = 0; k < state.document->outline().materials.size(); ++k) {  // all become lamps, which takes long
+    Material lamp = state.document->outline().materials[k];
+    lamp.emission = Rgb(1);
+    state.document->set_material(static_cast<Index>(k), lamp);
+  }
+  const auto edited = lines_before_frame_of(4);
+  EXPECT_GT(count(edited, is_updating), 0);
+  EXPECT_EQ(count(edited, is_compiling), 0);
+  EXPECT_TRUE(rests());
 }
 
 }  // namespace
