@@ -84,7 +84,7 @@ OcioView::OcioView(const std::string& file, const std::string& view) {
   }
 }
 
-Image OcioView::apply(const Image& radiance, float exposure) const {
+Image OcioView::encode(const Image& radiance, float exposure) const {
   const float scale = std::exp2(exposure);
   Image image(radiance.width, radiance.height);
   const auto width = static_cast<size_t>(radiance.width);
@@ -96,7 +96,7 @@ Image OcioView::apply(const Image& radiance, float exposure) const {
     }
     ocio::PackedImageDesc pixels(row, radiance.width, 1, 3);
     state_->processor->apply(pixels);
-    for (size_t x = 0; x < width; ++x) row[x] = linear_from_srgb(glm::clamp(row[x], Rgb(0), Rgb(1)));
+    for (size_t x = 0; x < width; ++x) row[x] = glm::clamp(row[x], Rgb(0), Rgb(1));
   });
   return image;
 }
@@ -112,9 +112,15 @@ std::string ocio_missing() {
 
 OcioView::OcioView(const std::string&, const std::string&) { throw Error(ErrorCode::not_supported, ocio_missing()); }
 
-Image OcioView::apply(const Image& radiance, float) const { return radiance; }
+Image OcioView::encode(const Image& radiance, float) const { return radiance; }
 
 #endif
+
+Image OcioView::apply(const Image& radiance, float exposure) const {
+  Image image = encode(radiance, exposure);
+  parallel_for(image.pixels.size(), [&](size_t i) { image.pixels[i] = linear_from_srgb(image.pixels[i]); });
+  return image;
+}
 
 OcioView::~OcioView() = default;
 OcioView::OcioView(OcioView&&) noexcept = default;

@@ -24,6 +24,9 @@ class OcioView {
   /// space with one of the usual names, or else, with a note, the role scene_linear. Non-finite values count as 0.
   Image apply(const Image& radiance, float exposure) const;
 
+  /// The same, display-encoded: the view's values.
+  Image encode(const Image& radiance, float exposure) const;
+
   /// Colour space that replaces linear Rec. 709 if the configuration lacks it; otherwise empty.
   const std::string& note() const { return note_; }
 

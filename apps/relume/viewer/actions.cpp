@@ -60,7 +60,7 @@ void post_image(State& state, std::function<std::filesystem::path()> name) {
   AllSettings shown = state.settings[0];
   shown.output.exposure = shown.output.exposure.value_or(state.automatic_exposure[0]);
   state.renderer->post_task([name = std::move(name), settings = std::move(shown), renderer = state.renderer,
-                             ocio = state.ocio](const Session& session, const LoadedScene& scene) {
+                             ocio = state.ocio.view()](const Session& session, const LoadedScene& scene) {
     const std::filesystem::path file = name();
     std::vector<std::string> aovs;
     if (lower_extension(file) == ".exr") aovs = Session::aov_names(render_settings(session));

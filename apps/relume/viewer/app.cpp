@@ -34,7 +34,7 @@ IVec2 window_size(const AllSettings& settings, bool fixed_size) {
 }  // namespace
 
 App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
-         std::shared_ptr<const LoadedScene> scene, std::shared_ptr<const OcioView> ocio)
+         std::shared_ptr<const LoadedScene> scene, OcioDisplay ocio)
     : options_(options),
       smoke_(options.smoke > 0),
       window_(window_size(settings, fixed_size).x, window_size(settings, fixed_size).y, "relume " + scene->name,
@@ -53,6 +53,8 @@ App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixe
 }
 
 void App::run() {
+  // The images of tests and scripts do not depend on when the table is ready.
+  if (smoke_ || !options_.script.empty() || !options_.screenshot.empty()) state_.ocio.table();
   newest_frame_s_ = now_s();
   while (!window_.should_close() && !finished()) {
     frame();

@@ -19,7 +19,7 @@ namespace relume::viewer {
 class App {
  public:
   App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
-      std::shared_ptr<const LoadedScene> scene, std::shared_ptr<const OcioView> ocio);
+      std::shared_ptr<const LoadedScene> scene, OcioDisplay ocio);
 
   /// Runs until the window is closed, or until the script and the requested frames are complete. Throws Error if the
   /// first scene cannot be shown, or a step of the script fails.

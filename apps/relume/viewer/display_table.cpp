@@ -1,8 +1,12 @@
 #include "viewer/display_table.h"
 
+#include <chrono>
+#include <utility>
+
 #include "core/srgb.h"
 #include "framebuffer/ocio_view.h"
 #include "framebuffer/tone_map.h"
+#include "platform.h"
 #include "relume/image.h"
 
 namespace relume::viewer {
@@ -34,10 +38,20 @@ DisplayTable display_table(ToneMap tone_map) {
   return table;
 }
 
-DisplayTable display_table(const OcioView& view) {
-  DisplayTable table{kOcioSize, view.apply(entries(kOcioSize), 0).pixels};
-  for (Rgb& color : table.colors) color = srgb_from_linear(color);
-  return table;
+DisplayTable display_table(const OcioView& view) { return {kOcioSize, view.encode(entries(kOcioSize), 0).pixels}; }
+
+OcioDisplay::OcioDisplay(std::shared_ptr<const OcioView> view) : view_(std::move(view)) {
+  if (!view_) return;
+  table_ = std::async(std::launch::async, [view = view_] {
+    cli::lower_thread_priority();
+    return display_table(*view);
+  });
 }
+
+bool OcioDisplay::ready() const {
+  return !table_.valid() || table_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+const DisplayTable* OcioDisplay::table() const { return table_.valid() ? &table_.get() : nullptr; }
 
 }  // namespace relume::viewer

@@ -1,6 +1,8 @@
 // A tone map or OpenColorIO view as a lookup table, applied to every pixel on the GPU.
 #pragma once
 
+#include <future>
+#include <memory>
 #include <vector>
 
 #include "core/vec.h"
@@ -12,7 +14,7 @@ class OcioView;
 
 namespace relume::viewer {
 
-/// Range of the table, to which radiance is clamped: log2 of exposed radiance.
+/// Range of the table: log2 of exposed radiance, which is clamped to it. Views with a larger range lose the rest.
 inline constexpr float kTableMinEv = -12;
 inline constexpr float kTableMaxEv = 8;
 
@@ -29,5 +31,25 @@ DisplayTable display_table(ToneMap tone_map);
 /// The same for a view, computed on all cores, at a higher resolution. Views may clip sharply, where the difference is
 /// larger.
 DisplayTable display_table(const OcioView& view);
+
+/// A view and its table, which a thread of low priority computes.
+class OcioDisplay {
+ public:
+  /// The tone map: neither view nor table.
+  OcioDisplay() = default;
+  /// Starts the computation. `view` may be nullptr: the tone map.
+  explicit OcioDisplay(std::shared_ptr<const OcioView> view);
+
+  const std::shared_ptr<const OcioView>& view() const { return view_; }  ///< nullptr: the tone map
+  /// Whether table() returns at once.
+  bool ready() const;
+  /// The table, once it is complete, valid as long as this object or a copy; nullptr for the tone map. Throws the
+  /// computation's error.
+  const DisplayTable* table() const;
+
+ private:
+  std::shared_ptr<const OcioView> view_;
+  std::shared_future<DisplayTable> table_;  ///< valid with a view
+};
 
 }  // namespace relume::viewer

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "core/srgb.h"
 #include "files/atomic_file.h"
@@ -120,6 +121,22 @@ TEST(DisplayTable, IsCloseToOpenColorIOViews) {
     EXPECT_LT(errors.mean, 0.5f) << name;
     EXPECT_LT(errors.share, 0.07f) << name;
   }
+}
+
+TEST(DisplayTable, OpenColorIOTablesAreComputedInTheBackground) {
+  const OcioDisplay tone_map(nullptr);
+  EXPECT_TRUE(tone_map.ready());
+  EXPECT_EQ(tone_map.table(), nullptr);
+  if (!ocio_missing().empty()) GTEST_SKIP() << ocio_missing();
+  const TempFolder folder;
+  write_file(folder / "config.ocio", kConfig);
+  const auto view = std::make_shared<const OcioView>((folder / "config.ocio").string(), "Half");
+  const OcioDisplay display(view);
+  EXPECT_EQ(display.view(), view);
+  const DisplayTable* table = display.table();
+  EXPECT_TRUE(display.ready());
+  EXPECT_EQ(table, display.table()) << "it is uploaded once";
+  EXPECT_EQ(table->colors, display_table(*view).colors);
 }
 
 }  // namespace

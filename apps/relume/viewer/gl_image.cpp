@@ -128,12 +128,14 @@ DisplayShader::~DisplayShader() {
 void DisplayShader::use_table(const DisplayTransform& wish) {
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, table_);
-  if (table_of_ == std::pair(wish.ocio, wish.tone_map)) return;
-  table_of_ = {wish.ocio, wish.tone_map};
-  const DisplayTable table = wish.ocio ? display_table(*wish.ocio) : display_table(wish.tone_map);
-  table_size_ = table.size;
+  const std::pair source(wish.table, wish.tone_map);
+  if (table_of_ == source) return;
+  const DisplayTable of_tone_map = wish.table ? DisplayTable{} : display_table(wish.tone_map);
+  const DisplayTable& table = wish.table ? *wish.table : of_tone_map;
   glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, table.size, table.size, table.size, 0, GL_RGB, GL_FLOAT,
                table.colors.data());
+  table_size_ = table.size;
+  table_of_ = source;
 }
 
 GlImage::GlImage() {

@@ -10,11 +10,9 @@
 #include "framebuffer/tone_map.h"
 #include "viewer/gl.h"
 
-namespace relume {
-class OcioView;
-}  // namespace relume
-
 namespace relume::viewer {
+
+struct DisplayTable;
 
 /// Conversion of values to colours.
 enum class DisplayMode : int {
@@ -27,8 +25,8 @@ enum class DisplayMode : int {
 struct DisplayTransform {
   DisplayMode mode = DisplayMode::radiance;
   ToneMap tone_map = ToneMap::agx;
-  const OcioView* ocio = nullptr;  ///< replaces `tone_map`, which must then stay the same; nullptr: none
-  float exposure = 0;              ///< stops
+  const DisplayTable* table = nullptr;  ///< replaces `tone_map`, which must then stay the same; nullptr: none
+  float exposure = 0;                   ///< stops
   Vec2 range{0, 1};
   int channel = 0;  ///< for false_color; -1: length of the vector
   bool operator==(const DisplayTransform&) const = default;
@@ -50,7 +48,7 @@ class DisplayShader {
 
  private:
   friend class GlImage;
-  /// Binds the table of the tone map or OpenColorIO view.
+  /// Binds the table, or that of the tone map.
   void use_table(const DisplayTransform& wish);
 
   GLuint program_ = 0;
@@ -59,7 +57,7 @@ class DisplayShader {
   GLuint palette_ = 0;  ///< 2D, one row
   GLuint nearest_ = 0;  ///< sampler
   int table_size_ = 0;
-  std::optional<std::pair<const OcioView*, ToneMap>> table_of_;
+  std::optional<std::pair<const DisplayTable*, ToneMap>> table_of_;
 };
 
 class GlImage {

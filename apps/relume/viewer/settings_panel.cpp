@@ -256,7 +256,7 @@ void draw_settings_panel(State& state) {
   const SettingList standard = describe(state.defaults);
   draw_search(state, standard.size());
   const RowContext context{wanted, standard, state.automatic_exposure[static_cast<size_t>(state.edited_side)],
-                           state.ocio != nullptr};
+                           state.ocio.view() != nullptr};
   ImGui::BeginChild("settings");
   std::vector<SettingGroup> groups = setting_groups(wanted);
   bool changed = false;

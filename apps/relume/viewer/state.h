@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "framebuffer/ocio_view.h"
 #include "viewer/camera_path.h"
+#include "viewer/display_table.h"
 #include "viewer/document.h"
 #include "viewer/file_watch.h"
 #include "viewer/fly_camera.h"
@@ -95,7 +95,7 @@ struct State {
   bool follow_window = true;  ///< whether the image's size follows its area in the window
   bool paused = false;
   ResolutionPolicy resolution_policy;
-  std::shared_ptr<const OcioView> ocio;  ///< replaces the tone map; nullptr: the tone map
+  OcioDisplay ocio;  ///< may replace the tone map
 
   std::string buffer;
   Inspector inspector;

@@ -59,8 +59,9 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   if (!options.screenshot.empty()) check_image_file(options.screenshot, {});
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
   FileRoles roles = roles_of(options, steps);
-  std::shared_ptr<const OcioView> ocio = make_ocio_view(options.ocio, options.flags);
+  auto ocio_view = make_ocio_view(options.ocio, options.flags);
   viewer::Window::require_display();
+  const viewer::OcioDisplay ocio(std::move(ocio_view));
   const double start_s = now_s();
   const auto read_from = std::filesystem::file_time_type::clock::now();
   // On a low-priority thread, since rendering later uses the threads that it starts: the interface keeps priority.
@@ -77,11 +78,11 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   choose_variant(scene, settings.scene.variant);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene);
-  if (ocio && !ocio->note().empty()) log_info(verbosity, ocio->note());
+  if (ocio.view() && !ocio.view()->note().empty()) log_info(verbosity, ocio.view()->note());
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s, read_from};
   viewer::App app(options, settings, viewer::chooses_size(sources),
                   viewer::ScriptPlayer(std::move(steps), options.script),
-                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)), std::move(ocio));
+                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)), ocio);
   app.run();
   if (app.loading()) {
     // A scene that is still loading will not be shown: exits without waiting for it.

@@ -58,8 +58,8 @@ DisplayTransform Viewport::display_transform(const State& state, int side) const
   const ViewerFrame* frame = state.frames[static_cast<size_t>(side)].get();
   const bool in_studio = frame != nullptr && frame->in_studio;
   const Display display = display_for(settings.output, state.automatic_exposure[static_cast<size_t>(side)], in_studio);
-  d.ocio = state.ocio.get();
-  if (!d.ocio) d.tone_map = display.tone_map;
+  d.table = state.ocio.table();
+  if (!d.table) d.tone_map = display.tone_map;
   d.exposure = display.exposure;
   return d;
 }
@@ -76,6 +76,7 @@ void Viewport::adapt_exposure(State& state, size_t side) {
 }
 
 void Viewport::update(State& state) {
+  if (!state.ocio.ready()) return;
   for (int side = 0; side < kSides; ++side) {
     const auto s = static_cast<size_t>(side);
     const ViewerFrame* frame = state.frames[s].get();

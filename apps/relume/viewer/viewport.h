@@ -33,7 +33,7 @@ inline void* as_callback_data(GLuint name) { return std::bit_cast<void*>(uintptr
 
 class Viewport {
  public:
-  /// Uploads new frames to the GPU and converts them to display colours.
+  /// Uploads new frames to the GPU and converts them to display colours, once the table of --ocio is ready.
   void update(State& state);
 
   /// Draws into `room` and handles the mouse in it.
