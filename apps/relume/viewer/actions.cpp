@@ -166,7 +166,8 @@ void save_numbered_image(State& state, const std::string& extension) {
 
 void write_view_file(State& state, const std::filesystem::path& file) {
   if (!state.knows_camera()) throw Error(kNoCamera);
-  const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path});
+  const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path,
+                                          state.ocio.view() != nullptr});
   state.notify("wrote " + file.string());
   for (const std::string& omission : omissions) state.notify(omission, true);
 }

@@ -327,6 +327,13 @@ TEST(SaveView, ThingsThatShareANameAreReported) {
   EXPECT_NE(omissions[0].find("shares the name 'same'"), std::string::npos);
 }
 
+TEST(SaveView, AViewOfOpenColorIOIsReported) {
+  std::vector<std::string> omissions;
+  view_as_json({cornell(), {}, some_camera(), nullptr, true}, ".", omissions);
+  ASSERT_EQ(omissions.size(), 1u);
+  EXPECT_NE(omissions[0].find("--ocio is not saved"), std::string::npos);
+}
+
 TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {
   Document document = cornell();
   Material material = document.outline().materials[0];

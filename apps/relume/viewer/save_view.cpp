@@ -121,6 +121,8 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   put_edits(view.document, root, omissions);
   if (view.document.environment_is_edited())
     put_environment(view.document.outline().environment, view.settings.scene.env, folder, root, omissions);
+  if (view.has_ocio_view)
+    omissions.emplace_back("the view of --ocio is not saved; give the flag again with the saved view");
   put_settings(view.settings, moves ? 0 : view.document.time_s(), view.document.loaded()->scene.settings_json, root);
   return root.dump(1) + "\n";
 }

@@ -15,6 +15,7 @@ struct SavedView {
   const AllSettings& settings;
   CameraPose camera;
   const CameraPath* path = nullptr;  ///< two keys or more animate the camera; nullptr: static
+  bool has_ocio_view = false;        ///< whether an OpenColorIO view replaces the tone map
 };
 
 /// The file's text for a file in `folder`. Content that relume JSON cannot express is reported in `omissions`, one
