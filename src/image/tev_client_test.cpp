@@ -267,7 +267,7 @@ TEST(TevClient, LostConnectionIsSaidOnceAndRestored) {
     sent = client.update("a", 0, 0, 1, 1, value);
   }
   ASSERT_TRUE(sent);
-  EXPECT_NE(client.take_notice().find("again"), std::string::npos);
+  EXPECT_NE(client.take_notice().find("reconnected"), std::string::npos);
   EXPECT_EQ(again.wait_for("a", 1).planes.at(0).at(0), 3.0f);
 }
 

@@ -141,7 +141,7 @@ TEST(TextureDecode, FloatsAreMadeBearable) {
     std::memcpy(texture.texels.data(), given.data(), texture.texels.size());
     const std::string sentence = repair_texels(texture, "sky.exr", wanted);
     EXPECT_EQ(floats(texture), expected);
-    EXPECT_NE(sentence.find(is_data ? "sky.exr: 5 numbers" : "sky.exr: 4 numbers"), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(is_data ? "sky.exr: 5 values" : "sky.exr: 4 values"), std::string::npos) << sentence;
     EXPECT_TRUE(repair_texels(texture, "sky.exr", wanted).empty());
   }
 }
