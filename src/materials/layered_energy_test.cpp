@@ -1,6 +1,7 @@
 // White furnaces of the layers from make_layered_bsdf.h.
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "materials/testing/furnace.h"
@@ -95,14 +96,17 @@ TEST(LayeredEnergy, DiffuseTransmissionSharesDiffuseLight) {
   EXPECT_NEAR(eval_pdf(bsdf, wo, -wi).f.x, 0.25f * kInvPi, 1e-5f);
 }
 
-/// Light that enters a medium diffusely and leaves it by refraction has the factors 1/η² and η².
+/// Light that enters a medium diffusely and leaves it by refraction has the factors 1/η² and η², at any wavelength.
 TEST(LayeredEnergy, DiffuseTransmissionScalesLikeRefraction) {
   MaterialCase m = white("diffusely transmitting glass", 0, 0.5f, true);
   m.layers.emplace();
   m.layers->diffuse_transmission = 1;
-  for (const bool front_face : {true, false}) {
+  for (const auto& [front_face, dispersion] : {std::pair(true, 0.0f), {false, 0.0f}, {true, 1.0f}, {false, 1.0f}}) {
+    m.dispersion = dispersion;
+    m.wavelength_nm = dispersion > 0.0f ? kShortestWavelength : kNoWavelength;
+    const float eta = index_at(m.ior, dispersion, m.wavelength_nm);
     const Bsdf bsdf = testing::full_material(m, 0, MicrofacetModel::ggx).make(0.6f, front_face);
-    const float expected = front_face ? 1 / sqr(m.ior) : sqr(m.ior);
+    const float expected = front_face ? 1 / sqr(eta) : sqr(eta);
     EXPECT_FLOAT_EQ(refraction_eta_scale(bsdf), expected);
     const Vec3 wo = testing::viewer(0.6f);
     const Vec3 wi = -testing::viewer(0.3f);

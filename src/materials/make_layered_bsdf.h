@@ -120,7 +120,7 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)), 1.0f);
   base.add_diffuse(LobeKind::diffuse_transmission,
                    l.diffuse_transmission_color * (shares.diffuse * l.diffuse_transmission),
-                   material.volume ? relative_index(material.ior, front_face) : 1.0f);
+                   material.volume ? relative_index(m.ior, front_face) : 1.0f);
   if (shares.transparent > 0.0f) {
     Lobe& lobe = add_transmission(bsdf, m, material, base.f0[0], base.f90, shares.transparent, front_face,
                                   {material.microfacet_model, sqr(m.roughness)});

@@ -112,8 +112,12 @@ TEST(Dispersion, FurnaceIsWhiteInAllChannels) {
   scene.environment.color = Rgb(1);
   look(scene, 0.7f, {-1.2f, 1.5f, 0.1f});
   add_mesh(scene, dispersive_glass(1), box({-1, -0.5f, -1}, {1, 0.5f, 1}));
-  const Rgb mean = mean_of(render(scene, 32, 256, 256));
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 1.0f, 1.5e-3f) << "channel " << c;
+  for (const float diffuse : {0.0f, 1.0f}) {  // with diffuse transmission, too
+    scene.materials.back().diffuse_transmission = diffuse;
+    scene.materials.back().transmission = 1 - 0.5f * diffuse;
+    const Rgb mean = mean_of(render(scene, 32, 256, 256));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 1.0f, 1.5e-3f) << "channel " << c << ", diffuse " << diffuse;
+  }
 }
 
 /// Seen from inside a medium. Short wavelengths are reflected totally, to a plate of radiance 1. Long ones reach the
