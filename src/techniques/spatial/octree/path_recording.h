@@ -42,7 +42,7 @@ struct PathRecorder {
   uint32_t pixel;
   uint32_t current = 0;                  ///< current vertex
   uint32_t reached = 0;                  ///< number of recorded vertices; valid elements of the arrays below
-  Rgb throughput[kMaxRecordedVertices];  ///< throughput after the direction was chosen
+  Rgb throughput[kMaxRecordedVertices];  ///< throughput after the direction was chosen, without wavelength_weight()
   Rgb radiance[kMaxRecordedVertices];    ///< radiance of the path up to then, with the excluded emission
   float factor[kMaxRecordedVertices];    ///< cos θ / pdf_w; 0: no direction
 
@@ -85,6 +85,8 @@ struct PathRecorder {
     sample.densities = pack_densities(path.pdf_w, s.guide_pdf_w);
     factor[v] = shading_cosine(sp, path.ray.direction) / path.pdf_w;
     throughput[v] = path.throughput;
+    // Directions count by the light in the image, so the recorded radiance keeps the weight of the wavelength.
+    if (path.dispersed) throughput[v] /= wavelength_weight(path.wavelength_nm);
     radiance[v] = path.radiance;
   }
 

@@ -104,6 +104,8 @@ struct FakePath {
   Rgb throughput{1};
   Rgb radiance{0};
   float pdf_w = 0.5f;
+  float wavelength_nm = kNoWavelength;
+  bool dispersed = false;
   bool delta = false;
   uint32_t bounce = 0;
 };
@@ -192,6 +194,22 @@ TEST_F(Recording, ValueIsWhatWasFoundWithoutTheBsdfAndWithoutWhatLightsKnow) {
   other.emitted(path, false);
   other.finished(path);
   EXPECT_NEAR(samples_[1].value, 100 * cosine / 0.5f, 1e-3f);
+}
+
+TEST_F(Recording, ValueHasTheWeightOfTheWavelength) {
+  PathRecorder recorder = recording_.begin(0);
+  place(Vec3(0.5f), Vec3(0.5f));
+  recorder.arrived(point_, path_);
+  path_.wavelength_nm = 611;
+  path_.dispersed = true;
+  const Rgb weight = wavelength_weight(path_.wavelength_nm);
+  path_.throughput = Rgb(0.5f) * weight;
+  path_.bounce = 1;
+  recorder.scattered(point_, BsdfSample{}, path_);
+  path_.radiance += path_.throughput * Rgb(2, 4, 3);
+  recorder.finished(path_);
+  const float cosine = shading_cosine(point_, path_.ray.direction);
+  EXPECT_NEAR(samples_[0].value, luminance(weight * Rgb(2, 4, 3)) * cosine / 0.5f, 1e-3f);
 }
 
 TEST_F(Recording, DeltaBouncesLeaveNoDirection) {
