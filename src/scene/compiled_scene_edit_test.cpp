@@ -92,6 +92,29 @@ TEST_F(EmptyScene, ANewMaterialLeavesTheDefaultWhereItWas) {
   EXPECT_EQ(view.materials[view.meshes[view.instances[1].mesh].material].base_color, Rgb(1, 0, 0));
 }
 
+TEST_F(EmptyScene, DispersesOnlyWithAnInstanceOfADispersiveMaterial) {
+  Material glass;
+  glass.transmission = 1;
+  glass.thickness = 1;
+  glass.dispersion = 1;
+  const Index material = scene_.add_material(glass);
+  const Index mesh = scene_.add_mesh(triangle(material));
+  scene_.commit_edits();
+  EXPECT_FALSE(scene_.view().disperses);
+  const Index node = scene_.add_node(node_of(mesh));
+  scene_.commit_edits();
+  EXPECT_TRUE(scene_.view().disperses);
+  glass.dispersion = 0;
+  scene_.set_material(material, glass);
+  EXPECT_FALSE(scene_.view().disperses);
+  glass.dispersion = 1;
+  scene_.set_material(material, glass);
+  EXPECT_TRUE(scene_.view().disperses);
+  scene_.remove_node(node);
+  scene_.commit_edits();
+  EXPECT_FALSE(scene_.view().disperses);
+}
+
 TEST_F(EmptyScene, LightsShineOnceANodeHasThem) {
   const auto count = [&] { return scene_.view().lights.lights.size; };
   const uint32_t before = count();

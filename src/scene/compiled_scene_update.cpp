@@ -246,8 +246,9 @@ void CompiledScene::refresh_view() {
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
   view_.culls_back_faces =
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.cull_back_faces; });
-  view_.disperses =
-      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.dispersion > 0.0f; });
+  view_.disperses = std::any_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
+    return materials_[meshes_[i.mesh].material].dispersion > 0.0f;
+  });
   view_.textures = textures_.views();
   view_.lights = lights_.view();
   view_.camera = camera_view_;
