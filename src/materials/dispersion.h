@@ -20,7 +20,7 @@ inline constexpr float kLongestWavelength = 780.0f;
 RELUME_HD inline float index_at(float ior, float dispersion, float wavelength_nm) {
   if (!(dispersion > 0.0f) || wavelength_nm == kNoWavelength) return ior;
   const float growth = 523655.0f / (wavelength_nm * wavelength_nm) - 1.5168f;
-  return relume::max(ior + (ior - 1.0f) * (dispersion / 20.0f) * growth, 1.0f);
+  return ior + (ior - 1.0f) * (dispersion / 20.0f) * growth;  // at least 1, because dispersion is at most 20
 }
 
 namespace response_detail {

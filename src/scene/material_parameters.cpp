@@ -9,6 +9,7 @@ using Kind = ParameterWidget::Kind;
 
 constexpr ParameterRange kShare{0, 1};
 constexpr ParameterRange kPositive{0, 1e30f};
+constexpr ParameterRange kDispersionRange{0, 20};  // Abbe numbers from 1: the index stays above 1 at all wavelengths
 constexpr std::string_view kAlphaModes[] = {"opaque", "mask", "blend"};
 constexpr std::string_view kMicrofacetModels[] = {"ggx", "beckmann"};
 
@@ -111,8 +112,8 @@ const std::array kParameters = {
                       .name = "dispersion",
                       .member = &M::dispersion,
                       .kernel = &D::dispersion,
-                      .range = kPositive,
-                      .kernel_range = {0, 1000},
+                      .range = kDispersionRange,
+                      .kernel_range = kDispersionRange,
                       .gltf = {kDispersion, "dispersion"},
                       .widget = {Kind::number, "dispersion", "20 over the Abbe number; of refraction into a medium", 2},
                       .meaning = "`dispersion` of KHR_materials_dispersion: 20 over the Abbe number"},

@@ -124,7 +124,7 @@ inline void add_dispersive(std::vector<MaterialCase>& list) {
   clear.transmission = 1;
   list.push_back({"violet in glass", clear, true, 1.7f, {}, kFlint, kShortestWavelength});
   list.push_back({"red in glass", clear, true, 1.7f, {}, kFlint, kLongestWavelength});
-  list.push_back({"red without refraction", clear, true, 1.7f, {}, 1000, kLongestWavelength});
+  list.push_back({"red at Abbe number 1", clear, true, 1.7f, {}, 20, kLongestWavelength});
 }
 
 /// Materials of glTF: metals, plastics, glass, walls, coats, and mixtures.

@@ -252,13 +252,15 @@ TEST(GltfMaterial, LimitsNumbersThatAreOutOfRange) {
       {{"pbrMetallicRoughness",
         {{"roughnessFactor", 7}, {"metallicFactor", -1}, {"baseColorFactor", {1e300, 0, 0, 1}}}},
        {"extensions", {{"KHR_materials_ior", {{"ior", 0.2}}}, {"KHR_materials_dispersion", {{"dispersion", -1}}}}}});
+  file.add_triangle_with_material({{"extensions", {{"KHR_materials_dispersion", {{"dispersion", 21}}}}}});
   const Scene scene = file.load();
   EXPECT_EQ(scene.materials[0].roughness, 1.0f);
   EXPECT_EQ(scene.materials[0].metallic, 0.0f);
   EXPECT_EQ(scene.materials[0].base_color.r, 1.0f);
   EXPECT_EQ(scene.materials[0].ior, 1.0f);
   EXPECT_EQ(scene.materials[0].dispersion, 0.0f);
-  EXPECT_EQ(scene.warnings.size(), 5u);
+  EXPECT_EQ(scene.materials[1].dispersion, 20.0f);
+  EXPECT_EQ(scene.warnings.size(), 6u);
 }
 
 }  // namespace

@@ -227,6 +227,7 @@ TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
       {{{"materials", {{"paint", {{"rough", 1}}}}}}, "unknown key 'materials.paint.rough'"},
       {{{"materials", {{"paint", {{"roughness", 2}}}}}}, "materials.paint.roughness is 2 but must lie in [0, 1]"},
       {{{"materials", {{"paint", {{"dispersion", -1}}}}}}, "materials.paint.dispersion is -1 but must"},
+      {{{"materials", {{"paint", {{"dispersion", 21}}}}}}, "materials.paint.dispersion is 21 but must lie in [0, 20]"},
       {{{"nodes", {{"x", json::object()}}}}, "no node 'x'; it has part, eye"},
       {{{"settings", 4}}, "settings must be an object"},
   };
