@@ -36,17 +36,16 @@ struct TracedCamera {
 /// Surface point of a vertex for a viewer along `wo`.
 SurfacePoint seen(const SceneView& scene, const Place& place, const Vec3& wo) {
   SurfacePoint sp;
-  make_surface_point(scene, {place.position, -wo, kInfinity}, place.hit, 0.0f, sp);
+  make_surface_point(scene, {place.position, -wo, kInfinity}, place.hit, 0.0f, sp, kZooWavelength);
   return sp;
 }
-
-Place place_of(const Hit& hit, const SurfacePoint& sp) { return {hit, sp.position, sp.ng, false}; }
 
 TracedLight trace_light(const BdptContext& c, Sampler& sampler) {
   TracedLight t;
   LightSubpath l;
   Sampler copy = sampler;
   if (!start_light_subpath(c, sampler, l)) return t;
+  l.path.wavelength_nm = kZooWavelength;
   copy.start_dimension(kLightDimensions);
   t.light = c.emission.sample(copy.reusable(copy.next_1d())).light;
   const Vec2 u = copy.next_2d();
@@ -56,7 +55,7 @@ TracedLight trace_light(const BdptContext& c, Sampler& sampler) {
     SurfacePoint sp;
     if (!hit.valid() || !arrive(c, hit, l, sp)) break;
     sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);
-    t.places.push_back(place_of(hit, sp));
+    t.places.push_back({hit, sp.position, sp.ng, false});
     t.states.push_back(l);
     if (!continue_light_subpath(c, sp, l, sampler)) break;
     t.places.back().delta = l.path.delta;
@@ -68,14 +67,15 @@ TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler&
   TracedCamera t;
   CameraSubpath e;
   start_camera_subpath(c, x, y, sampler, e);
+  e.path.wavelength_nm = kZooWavelength;
   t.ray = e.path.ray;
   for (Hit hit = intersect(c.scene().accel, e.path.ray, 0); hit.valid() && e.count() < 7;
        hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id())) {
     SurfacePoint sp;
-    make_surface_point(c.scene(), e.path.ray, hit, 0.0f, sp);
+    make_surface_point(c.scene(), e.path.ray, hit, 0.0f, sp, kZooWavelength);
     e.weights.arrive(glm::dot(sp.ng, sp.wo), sqr(hit.t));
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
-    t.places.push_back(place_of(hit, sp));
+    t.places.push_back({hit, sp.position, sp.ng, false});
     t.states.push_back(e);
     if (sp.bsdf.empty() || !continue_camera_subpath(c, sp, e, sampler)) break;
     t.places.back().delta = e.path.delta;
@@ -196,7 +196,7 @@ enum Strategy : int { kVertexConnection, kCameraConnection, kLightConnection, kL
 class WeightCheck {
  public:
   WeightCheck(ZooLight light, ZooCamera camera, LightSelectorKind selector)
-      : frame_(make_zoo(light, camera), options(selector)), c_(frame_.context()) {}
+      : frame_(dispersive(make_zoo(light, camera), 10), options(selector)), c_(frame_.context()) {}
 
   void run(uint32_t samples) {
     for (uint32_t i = 0; i < samples; ++i) {
@@ -285,7 +285,7 @@ class WeightCheck {
     const LightSubpath& l = light.states[s - 1];
     const PathVertex v = make_path_vertex(y, l.path.throughput, l.weights.at(), Dispersion::none);
     const BsdfEval bsdf = eval_camera_vertex(camera.states[t - 1], z, w);
-    const AdjointEval adjoint = eval_vertex(c_.scene(), v, -w, kNoWavelength);
+    const AdjointEval adjoint = eval_vertex(c_.scene(), v, -w, kZooWavelength);
     if (is_black(bsdf.f) || is_black(adjoint.f)) return;
     WholePath path = from(light, s);
     path.surfaces.back().delta = false;

@@ -175,6 +175,13 @@ Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth, bool bent) {
   return scene;
 }
 
+Scene dispersive(Scene scene, float dispersion) {
+  for (Material& m : scene.materials) {
+    if (m.thickness > 0.0f) m.dispersion = dispersion;
+  }
+  return scene;
+}
+
 Scene make_closed_sphere(float albedo) {
   SceneBuilder b("closed sphere");
   Material wall = matte("wall", Rgb(albedo));

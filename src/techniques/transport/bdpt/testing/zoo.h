@@ -44,4 +44,9 @@ Scene make_lamp_in_glass(bool from_within = false);
 /// The same from inside, with a lamp halfway out of the block.
 Scene make_lamp_half_in_glass();
 
+/// Sets the dispersion of all materials with a thickness.
+Scene dispersive(Scene scene, float dispersion);
+/// Wavelength of all paths in tests that fix it, nanometres.
+inline constexpr float kZooWavelength = 450;
+
 }  // namespace relume::testing
