@@ -134,6 +134,53 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Determinism, ::testing::ValuesIn(kCases), case_
 INSTANTIATE_TEST_SUITE_P(Scenes, WithoutLearning, ::testing::ValuesIn(std::begin(kCases), std::end(kCases) - 2),
                          case_name);
 
+/// Spheres of dispersive glass, whose paths have wavelengths.
+Scene dispersive_spheres() {
+  Scene scene = build("cornell-glass");
+  for (Material& m : scene.materials) m.dispersion = 2;
+  return scene;
+}
+
+std::vector<uint32_t> rendered(const Scene& scene, const RenderSettings& settings) {
+  Session session(scene, settings);
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  return bits_of(session);
+}
+
+TEST(DispersionDeterminism, AnyNumberOfThreadsAndInterruptions) {
+  const Scene scene = dispersive_spheres();
+  const std::filesystem::path file = checkpoint_file("dispersion");
+  for (const EstimatorChoice estimator : {EstimatorChoice::path, EstimatorChoice::bdpt}) {
+    RenderSettings settings = small_settings(37, 45);
+    settings.estimator = estimator;
+    const std::vector<uint32_t> one = rendered(scene, settings);
+    EXPECT_NE(rendered(build("cornell-glass"), settings), one);
+    for (const int threads : {2, 5}) {
+      settings.threads = threads;
+      EXPECT_EQ(rendered(scene, settings), one) << threads << " threads";
+    }
+    Session first(scene, settings);
+    first.render_frame();
+    first.save_checkpoint(file);
+    Session resumed(scene, settings);
+    resumed.load_checkpoint(file);
+    for (int i = 0; i < 2; ++i) resumed.render_frame();
+    EXPECT_EQ(bits_of(resumed), one);
+    std::filesystem::remove(file);
+  }
+}
+
+TEST(DispersionDeterminism, AWindowHasTheBitsOfTheWholeImage) {
+  const Scene scene = dispersive_spheres();
+  RenderSettings settings = small_settings(37, 45);
+  const Image whole = render(scene, settings, 3);
+  settings.crop = {.x = 5, .y = 19, .width = 21, .height = 23};
+  const Image part = render(scene, settings, 3);
+  for (int y = 19; y < 42; ++y) {
+    for (int x = 5; x < 26; ++x) ASSERT_EQ(part.at(x, y), whole.at(x, y)) << x << ' ' << y;
+  }
+}
+
 TEST(Checkpoint, RefusesOtherSettingsAndScenesAndStaysUsable) {
   const std::filesystem::path file = checkpoint_file("other");
   const RenderSettings settings = small_settings(8, 8);
