@@ -246,6 +246,9 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp, path.wavelength_nm);
   absorb(c.scene, sp, hit.t, path);
   policy.emitted(path, add_surface_emission(c, previous, sp, path));
+  // Inside a dispersive medium even reflection depends on the wavelength: policies see a dispersed path from here on,
+  // and caches bypass the vertex.
+  if (c.scene.disperses) disperse(c.scene, sp, sp.ng, TransportMode::radiance, path);
   return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
 }
 
