@@ -358,30 +358,5 @@ TEST(Reprojection, OnlyTheInheritedPartOfAHistoryIsShortened) {
   EXPECT_NEAR(stage.history.mean[other].r, (7.0f * kMixedSamples + 1.0f * 4) / (kMixedSamples + 4), 1e-5f);
 }
 
-TEST(FirstVertex, AccountsForWhatThePathReflects) {
-  // Radiance = emission + f(scatter) · indirect + f(light) · direct, for every sample.
-  Stage stage(cornell());
-  stage.render();
-  int checked = 0;
-  for (uint32_t y = 0; y < kSize; ++y) {
-    for (uint32_t x = 0; x < kSize; ++x) {
-      const uint32_t i = y * kSize + x;
-      if (!stage.hits[i].valid()) continue;
-      Sampler sampler = SampleIndex{.seed = 1, .sample = 3}.sampler(x, y);
-      const CameraView& camera = stage.scene.view().camera;
-      const Ray ray = lone_camera_ray(camera, x, y, sampler);
-      SurfacePoint sp;
-      make_surface_point(stage.scene.view(), ray, stage.hits[i], camera.cone_spread() * stage.hits[i].t, sp);
-      const FirstVertex& v = stage.vertices[i];
-      Rgb sum = sp.emission;
-      if (length_squared(v.scatter) > 0) sum += eval_pdf(sp, v.scatter).f * v.indirect;
-      if (length_squared(v.to_light) > 0) sum += eval_pdf(sp, v.to_light).f * v.direct;
-      for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], stage.radiance[i][c], 1e-3f * (1.0f + stage.radiance[i][c]));
-      ++checked;
-    }
-  }
-  EXPECT_GT(checked, 100);
-}
-
 }  // namespace
 }  // namespace relume

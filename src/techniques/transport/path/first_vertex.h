@@ -36,6 +36,8 @@ struct FirstVertexPolicy : NoPolicy {
     if (!visible) return;
     vertex->light_value = luminance(c.irradiance);
     vertex->direct = c.irradiance * c.scale;
+    // The wavelength weight is not part of the BSDF or of `light_value`, so `direct` includes it.
+    if (c.dispersed) vertex->direct *= wavelength_weight(path.wavelength_nm);
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
     if (after.bounce != 1 || s.delta) return;

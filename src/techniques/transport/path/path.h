@@ -41,6 +41,7 @@ struct Connection {
   Vec2 u{0};          ///< random numbers of the point on the light
   Rgb irradiance{0};  ///< radiance · cos / pdf_w at that point
   float scale = 0;  ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale · dispersion_weight()
+  bool dispersed = false;  ///< the contribution includes the weight of the path's wavelength
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
@@ -157,7 +158,8 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
   }
   connection.scale = weight / pick.pmf;
   connection.contribution = path.throughput * bsdf.f * connection.irradiance * connection.scale;
-  if (c.scene.disperses) connection.contribution *= dispersion_weight(c.scene, sp, light.wi, path);
+  connection.dispersed = path.dispersed || disperses(c.scene, sp, light.wi);
+  if (connection.dispersed) connection.contribution *= dispersion_weight(c.scene, sp, light.wi, path);
   return connection.valid();
 }
 
