@@ -1,7 +1,6 @@
 #include "scene/scene.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -45,13 +44,23 @@ void hide_descendants(const Scene& scene, std::vector<bool>& visible) {
   }
 }
 
+/// The channels of a scene from last to first, so that the first one of a property wins. Clang 14 cannot compile
+/// std::views of libstdc++ 12.
+struct ReversedChannels {
+  const std::vector<AnimationChannel>& channels;
+
+  explicit ReversedChannels(const Scene& scene) : channels(scene.animation) {}
+  auto begin() const { return channels.rbegin(); }
+  auto end() const { return channels.rend(); }
+};
+
 }  // namespace
 
 std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
   std::vector<Transform> transforms(scene.nodes.size());
   for (size_t i = 0; i < scene.nodes.size(); ++i) transforms[i] = scene.nodes[i].transform;
   std::vector<bool> animated(scene.nodes.size(), false);
-  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {  // the first channel wins
+  for (const AnimationChannel& channel : ReversedChannels(scene)) {
     if (!is_transform(channel.property)) continue;
     apply(channel, time_s, transforms[static_cast<size_t>(channel.node)]);
     animated[static_cast<size_t>(channel.node)] = true;
@@ -68,7 +77,7 @@ std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
 std::vector<bool> visible_nodes(const Scene& scene, float time_s) {
   std::vector<bool> visible;
   for (const Node& node : scene.nodes) visible.push_back(node.visible);
-  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {
+  for (const AnimationChannel& channel : ReversedChannels(scene)) {
     if (channel.property == AnimatedProperty::visible)
       visible[static_cast<size_t>(channel.node)] = evaluate(channel, time_s).x != 0;
   }
@@ -79,7 +88,7 @@ std::vector<bool> visible_nodes(const Scene& scene, float time_s) {
 std::vector<bool> ever_visible_nodes(const Scene& scene) {
   std::vector<bool> visible;
   for (const Node& node : scene.nodes) visible.push_back(node.visible);
-  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {
+  for (const AnimationChannel& channel : ReversedChannels(scene)) {
     if (channel.property == AnimatedProperty::visible)
       visible[static_cast<size_t>(channel.node)] = value_range(channel).high > 0;
   }
@@ -89,7 +98,7 @@ std::vector<bool> ever_visible_nodes(const Scene& scene) {
 
 std::vector<float> morph_weights(const Scene& scene, Index node, float time_s) {
   std::vector<float> weights = scene.nodes[static_cast<size_t>(node)].morph_weights;
-  for (const AnimationChannel& channel : std::views::reverse(scene.animation)) {
+  for (const AnimationChannel& channel : ReversedChannels(scene)) {
     if (channel.property != AnimatedProperty::morph_weight || channel.node != node) continue;
     const auto target = static_cast<size_t>(channel.morph_target);
     if (target >= weights.size()) weights.resize(target + 1, 0.0f);
