@@ -108,9 +108,9 @@ void draw_numbers(const State& state, const ViewerFrame& frame) {
     ImGui::SameLine(ImGui::GetFontSize() * 5.5f);
     ImGui::TextUnformatted(value.c_str());
   };
-  row("frames", fmt::format("{:.1f} a second", state.frames_per_s));
-  row("rays", fmt::format("{:.2f} M a second", frame.rays_per_s * 1e-6));
-  row("samples", cli::format_samples(frame.samples) + " a pixel");
+  row("frames", fmt::format("{:.1f} per second", state.frames_per_s));
+  row("rays", fmt::format("{:.2f} M per second", frame.rays_per_s * 1e-6));
+  row("samples", cli::format_samples(frame.samples) + " per pixel");
   row("interface", fmt::format("{:.0f} Hz", state.interface_hz));
   const Statistics& s = frame.statistics;
   row("memory", cli::format_bytes(s.scene_bytes + s.buffer_bytes + s.technique_bytes));
