@@ -293,13 +293,13 @@ Errors errors_of(const MovingScene& moving, const std::vector<Image>& reference,
 void expect_no_ghosts(const MovingScene& moving) {
   const std::vector<Image> reference = references(moving.scene, 128);
   const Errors kept = errors_of(moving, reference, HistoryChoice::reproject);
-  const Errors anew = errors_of(moving, reference, HistoryChoice::accumulate);
-  for (const auto& [name, e] : {std::pair{"reproject", kept}, std::pair{"anew", anew}}) {
+  const Errors restarted = errors_of(moving, reference, HistoryChoice::accumulate);
+  for (const auto& [name, e] : {std::pair{"reproject", kept}, std::pair{"restarted", restarted}}) {
     std::cerr << name << ": MSE " << e.mse << ", temporal error " << e.temporal << ", mean error " << e.elsewhere
               << ", behind the object " << e.trail << " of " << e.trail_pixels << " pixels\n";
   }
-  EXPECT_LT(kept.mse, moving.mse * anew.mse);
-  EXPECT_LT(kept.temporal, moving.temporal * anew.temporal);
+  EXPECT_LT(kept.mse, moving.mse * restarted.mse);
+  EXPECT_LT(kept.temporal, moving.temporal * restarted.temporal);
   ASSERT_GT(kept.trail_pixels, 500);
   EXPECT_LT(std::fabs(kept.trail), moving.trail);
   // Indirect light lags behind the lamp: about two percent here, where it crosses the ceiling in a second.
@@ -320,10 +320,10 @@ void expect_no_stuck_pixels(const MovingScene& moving) {
     return render(moving.scene, other, 512);
   }();
   const Frame last = play(moving.scene, HistoryChoice::reproject, 1, kRest, kScale).back();
-  const double anew = mse(render(moving.scene, s, kRest + 1), truth);
+  const double restarted = mse(render(moving.scene, s, kRest + 1), truth);
   const double kept = mse(last.image, truth);
-  std::cerr << "at rest: MSE " << kept << ", anew " << anew << "\n";
-  EXPECT_LT(kept, 1.3 * anew);  // a sixteenth of the samples are from the motion
+  std::cerr << "at rest: MSE " << kept << ", restarted " << restarted << "\n";
+  EXPECT_LT(kept, 1.3 * restarted);  // a sixteenth of the samples are from the motion
   const auto [least, most] = std::minmax_element(last.samples.begin(), last.samples.end());
   EXPECT_EQ(*least, kRest + 1u);
   EXPECT_LE(*most, kRest + 1u + static_cast<uint32_t>(s.reproject.max_samples_changed));

@@ -30,10 +30,8 @@ def draw():
         d.dot(before + u * SIZE, TOP + v * SIZE, role="blue", radius=3)
     d.text(before, 32, "samples by direction", role="blue")
     d.text(after, 32, "the next frame")
-    d.arrow((before + SIZE + 12, 106), (after - 12, 106), role="orange", width=2)
-    d.text((before + SIZE + after) / 2, 94, "split most", role="orange", anchor="middle")
-    d.arrow((before + SIZE + 12, 176), (after - 12, 176), role="faint", width=2)
-    d.text((before + SIZE + after) / 2, 164, "join least", role="faint", anchor="middle")
+    d.step(before + SIZE + 12, after - 12, 106, "split most", role="orange")
+    d.step(before + SIZE + 12, after - 12, 176, "join least", role="faint")
     d.text(after + SIZE + 14, 106, "each leaf is", role="green")
     d.text(after + SIZE + 14, 126, "equally likely", role="green")
     for x, bits in ((before, ("0110", "0000", "0000")), (after, ("0100", "0010", "0000"))):

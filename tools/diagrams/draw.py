@@ -64,6 +64,11 @@ class Drawing:
         self.line(*points[:-1], neck, role=role, width=width, dashed=dashed)
         self.shapes.append(f'<polygon points="{_points([(x1, y1), *side])}" class="f-{role}"/>')
 
+    def step(self, x0, x1, y, label, role="ink"):
+        """A horizontal arrow from one state to the next, with its label above."""
+        self.arrow((x0, y), (x1, y), role=role, width=2)
+        self.text((x0 + x1) / 2, y - 12, label, role=role, anchor="middle")
+
     def curve(self, start, control, end, role="ink", width=1.5, dashed=False):
         """A quadratic Bézier curve."""
         path = f"M{_points([start])} Q{_points([control])} {_points([end])}"

@@ -36,10 +36,8 @@ def draw():
         d.dot(before + u * SIZE, TOP + height(u) * SIZE, role="blue")
     d.text(before, 36, "samples of a frame", role="blue")
     d.text(after, 36, "leaves of the next")
-    d.arrow((before + SIZE + 16, 106), (after - 16, 106), role="orange", width=2)
-    d.text((before + SIZE + after) / 2, 94, "many: split", role="orange", anchor="middle")
-    d.arrow((before + SIZE + 16, 176), (after - 16, 176), role="faint", width=2)
-    d.text((before + SIZE + after) / 2, 164, "few: join", role="faint", anchor="middle")
+    d.step(before + SIZE + 16, after - 16, 106, "many: split", role="orange")
+    d.step(before + SIZE + 16, after - 16, 176, "few: join", role="faint")
     d.text(after + SIZE + 10, 83, "surface")
 
     d.text(24, 250, "node n")

@@ -1,5 +1,5 @@
-"""A path adds up the variance that its vertices bring into the pixel. Where the sum would exceed a constant, the cell of that
-vertex replaces the rest of the path, but for a share α, which the next cell replaces."""
+"""A path sums the variance that its vertices add to the pixel. Where the sum would exceed a constant, the cell of that
+vertex replaces the rest of the path, except for a share α, which the next cell replaces."""
 
 from draw import Drawing
 
