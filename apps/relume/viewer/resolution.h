@@ -9,8 +9,9 @@ namespace relume::viewer {
 inline constexpr int kMinWidth = 320;
 inline constexpr int kMinHeight = 180;
 
-/// Time limit of the first frame after a rest, seconds, and its minimum size.
-inline constexpr double kFirstFrameBudget_s = 0.035;
+/// Time limit of the first frame after a rest, seconds, at the cost per pixel of a full frame, and its minimum size. A
+/// small frame costs two to three times as much per pixel.
+inline constexpr double kFirstFrameBudget_s = 0.018;
 inline constexpr double kFirstFramePixels = 96 * 54;
 
 /// Keeps the frame time near a budget. The scale changes in steps with hysteresis, because a change of size discards

@@ -58,7 +58,7 @@ TEST(ResolutionControl, OneSlowFrameChangesNothing) {
 
 TEST(ResolutionControl, TheFirstFrameAfterARestKeepsToItsBudget) {
   ResolutionControl control;
-  const double s_per_pixel = 5e-6;  // eight times as long for the smallest size
+  const double s_per_pixel = 3e-6;  // ten times as long for the smallest size
   render(control, kFull, s_per_pixel, 8);
   control.measured(s_per_pixel * 1280 * 720, kFull);
   const IVec2 first = control.first_frame_size(kFull);
