@@ -24,9 +24,12 @@ endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  # Without these options, ccache does not cache sources with precompiled headers.
+  # Sloppiness: without it, ccache does not cache sources with precompiled headers. Depend mode: ccache compares the text of
+  # headers, comments included, as GCC does for `#pragma once` in a precompiled header. Otherwise a changed comment brings
+  # back the old precompiled header, with which nothing compiles. Namespace: apart from entries made without depend mode.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 CCACHE_NAMESPACE=relume
+    ${CCACHE_PROGRAM})
 endif()
 
 # relume_not_hot(TARGET...): compiles targets without hot code with -Og. This takes a third less CPU time than -O3 and a
