@@ -28,5 +28,5 @@ def draw():
     d.text(298, FLOOR + 22, "x", anchor="middle")
     d.arrow((222, 276), (262, 232), role="orange")
     d.text(24, 290, "the cell averages all samples: c̄", role="orange")
-    d.text(580, 290, "pixel = L_direct + T · ρ(x) · c̄", role="green", anchor="end")
+    d.text(580, 290, "pixel = L_unfiltered + T · ρ(x) · c̄", role="green", anchor="end")
     return d
