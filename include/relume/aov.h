@@ -5,6 +5,7 @@
 
 namespace relume {
 
+/// A layer that Session::aov() can provide.
 struct AovLayer {
   std::string name;
   std::string help;  ///< quantity that the layer shows

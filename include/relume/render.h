@@ -15,20 +15,21 @@ namespace relume {
 struct RenderLimits {
   uint32_t samples = 0;  ///< samples per pixel of this image, on average, including those of a loaded checkpoint
   double time_s = 0;     ///< seconds in this loop
-  double error = 0;
+  double error = 0;      ///< relative error of the image, Session::estimated_error()
 };
 
-/// The limit that ended a rendering.
+/// The limit that ended a rendering; interrupted: the stop request did.
 enum class StopReason { samples, time, error, interrupted };
+/// The enumerator's name, such as "samples".
 RELUME_API const char* name_of(StopReason reason);
 
 /// Progress of a rendering.
 struct RenderProgress {
-  uint32_t frames = 0;
-  double samples = 0;  ///< per pixel, on average
-  double elapsed_s = 0;
-  uint32_t frames_done_here = 0;                           ///< without those of a loaded checkpoint
-  double samples_done_here = 0;                            ///< the same, per pixel
+  uint32_t frames = 0;                                     ///< frames of this image
+  double samples = 0;                                      ///< samples per pixel of this image, on average
+  double elapsed_s = 0;                                    ///< seconds in this loop
+  uint32_t frames_done_here = 0;                           ///< `frames` without those of a loaded checkpoint
+  double samples_done_here = 0;                            ///< `samples` without those of a loaded checkpoint
   double error = std::numeric_limits<double>::infinity();  ///< as of the last check; infinite before the first
 };
 
@@ -39,9 +40,9 @@ RELUME_API double fraction_done(const RenderProgress& state, const RenderLimits&
 RELUME_API double remaining_s(const RenderProgress& state, const RenderLimits& criteria);
 
 /// Renders frames until a limit is reached or `stop` is requested; calls `frame_done` after each complete frame. The
-/// first frame is always completed, so an image always exists. With a time limit, no frame begins that would end beyond
-/// it if it took as long as those before. Long preparation ends early (Session::shorten_preparation_on). Frames and
-/// samples count from Session::begin_image().
+/// first frame is always completed, so an image always exists. With a time limit, no frame begins that is expected to
+/// end beyond it, judging by the earlier frames. A stop request or the time limit also shortens preparation
+/// (Session::shorten_preparation_on()). Frames and samples count from Session::begin_image().
 RELUME_API StopReason render_until(Session& session, const RenderLimits& criteria, std::stop_token stop = {},
                                    const std::function<void(const RenderProgress&)>& frame_done = {});
 

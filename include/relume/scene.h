@@ -73,11 +73,11 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;     ///< whether the back emits, too
-  bool cull_back_faces = false;  ///< whether the camera sees through the back, as glTF specifies for single-sided faces
+  bool cull_back_faces = false;  ///< whether back faces are invisible to the camera, as glTF specifies if single-sided
   bool unlit = false;            ///< KHR_materials_unlit: emits the base colour, reflects nothing
 
-  float ior = 1.5f;             ///< KHR_materials_ior; at the line d, 587.56 nm
-  float dispersion = 0;         ///< KHR_materials_dispersion: 20 over the Abbe number; needs a thickness
+  float ior = 1.5f;             ///< KHR_materials_ior, at the Fraunhofer d line, 587.56 nm
+  float dispersion = 0;         ///< KHR_materials_dispersion: 20 / Abbe number; without effect if the thickness is 0
   float specular = 1;           ///< KHR_materials_specular
   TextureRef specular_texture;  ///< A
   Rgb specular_color{1};
@@ -148,7 +148,7 @@ struct Mesh {
   std::vector<UVec3> triangles;
   Index material = kNone;                      ///< kNone: glTF's default material
   std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep the default
-  std::optional<Index> default_material = {};  ///< material without a chosen variant; empty: `material`
+  std::optional<Index> default_material = {};  ///< material if no variant is chosen; empty: `material`
   std::vector<MorphTarget> morph_targets = {};
   int influences_per_vertex = 0;                ///< 0: the mesh is not skinned
   std::vector<JointInfluence> influences = {};  ///< influences_per_vertex for each vertex, in vertex order
@@ -158,8 +158,8 @@ struct Mesh {
 
 enum class PunctualType : uint8_t { point, spot, directional };
 
-/// Punctual light (KHR_lights_punctual) that shines along the node's -Z. Candela and lux map one to one to radiometric
-/// units.
+/// Punctual light (KHR_lights_punctual) that shines along the node's -Z. glTF's photometric units are read as
+/// radiometric ones: 1 cd as 1 W/sr, 1 lx as 1 W/m².
 struct PunctualLight {
   std::string name;
   PunctualType type = PunctualType::point;
@@ -169,12 +169,13 @@ struct PunctualLight {
   float angular_diameter_rad = 0;  ///< directional: 0 is a delta light
 };
 
+/// Daylight: the analytic sky of [Preetham99] and the sun. A radiance of 1 is 1 kcd/m².
 struct SunSky {
   float sun_elevation_rad = 0.6f;
   float sun_azimuth_rad = 0.0f;  ///< from +Z towards +X
   float turbidity = 3.0f;        ///< 1.7 (clear) … 10 (hazy)
-  float sky_scale = 1.0f;
-  float sun_scale = 1.0f;
+  float sky_scale = 1.0f;        ///< factor of the sky's radiance
+  float sun_scale = 1.0f;        ///< factor of the sun's radiance
   float sun_angular_diameter_rad = 0.00925f;
   Rgb ground_albedo{0.3f};
 };
@@ -196,7 +197,7 @@ struct Environment {
   int width = 0;           ///< map
   int height = 0;          ///< map
   std::vector<Rgb> map;    ///< radiance, row by row from the top
-  float rotation_rad = 0;  ///< about +Y
+  float rotation_rad = 0;  ///< about +Y, counter-clockwise as seen from above
   SunSky sun_sky;
 };
 
@@ -240,8 +241,8 @@ struct Skin {
 struct Node {
   std::string name;
   Index parent = kNone;
-  Transform transform;         ///< local; animated
-  std::optional<Mat4> matrix;  ///< matrix of the file, which replaces `transform` and cannot be animated
+  Transform transform;         ///< from the node to its parent; can be animated
+  std::optional<Mat4> matrix;  ///< local matrix of the file; replaces `transform` and cannot be animated
   std::vector<Index> meshes;
   std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: one copy of the meshes per matrix; empty: one copy
   Index light = kNone;
@@ -318,7 +319,7 @@ RELUME_API void validate(const Scene& scene, const std::string& place);
 /// last. Of channels that drive the same property, the first one applies.
 RELUME_API std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
-/// Number of triangles in the world, counting every instance. The scene must be valid.
+/// Number of triangles after instancing: each mesh counts once per instance. The scene must be valid.
 RELUME_API size_t placed_triangles(const Scene& scene);
 
 /// Keeps the channels of the chosen clips and those without a clip. `choice` is a name, an index (from 0), several of

@@ -1,4 +1,5 @@
-// A rendering session: a scene, its settings, and the frames rendered so far. Any thread may use it, one at a time.
+// A rendering session: a scene, its settings, and the frames rendered so far. Calls may come from any thread, but never
+// from two at once. Separate sessions are independent.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +21,12 @@
 
 namespace relume {
 
-/// Identifies a part of a session's scene. A plain index also identifies the parts of the initial scene.
+/// Identifies a part of a session's scene. Parts of the initial scene are identified by their index in Scene's arrays,
+/// which converts to a handle.
 template <typename Part>
 struct Handle {
   Index index = kNone;
-  uint64_t session = 0;  ///< number of the session that added the part; 0: a plain index
+  uint64_t session = 0;  ///< number of the session that added the part; 0: a part of the initial scene
 
   constexpr Handle() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): an index names its part, too
@@ -48,19 +50,19 @@ class RELUME_API Session {
 
   /// Renders one frame: one sample for each pixel that adaptive sampling selects. Returns false if `stop` was requested
   /// first. The image, the techniques and all state that later frames depend on are then as before the frame. Buffers
-  /// of a single frame, such as depth and normal, keep what the abandoned frame wrote. A frame whose samples have
-  /// entered a radiance cache is completed. An exception discards histories and caches.
+  /// of a single frame, such as depth and normal, keep what the abandoned frame wrote. Once its samples have entered a
+  /// radiance cache, a frame is completed in spite of `stop`. An exception discards histories and caches.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.
   /// Frames are unbiased but noisier until the preparation is complete.
   void shorten_preparation_on(std::stop_token token);
-  /// Whether all preparation was complete as of the last frame. A checkpoint of an unprepared session continues with
-  /// other bits than an uninterrupted session.
+  /// Whether all preparation was complete as of the last frame. Only then does a checkpoint continue with the same bits
+  /// as an uninterrupted session.
   bool prepared() const;
 
-  /// Discards all samples, histories and caches, and sets the seed. Frames are then those of a new session with the
-  /// scene in its present state. Only the times of passes are kept.
+  /// Discards all samples, histories and caches, and sets the seed. The next frames equal those of a new session with
+  /// the scene in its present state. Statistics keep their times only.
   void restart(int seed);
 
   /// Frames since the last change.
@@ -69,7 +71,8 @@ class RELUME_API Session {
   /// history that survives a change makes it higher.
   double kept_samples() const;
 
-  /// Begins a new image with the next frame, for example of a sequence, whether or not anything has changed.
+  /// Begins a new image with the next frame, for example of a sequence. Resets the counters below, but keeps samples
+  /// and histories.
   void begin_image();
   /// Frames since begin_image(), or since the session began.
   uint32_t image_frames() const;
@@ -79,12 +82,16 @@ class RELUME_API Session {
   double image_render_s() const;
 
   /// Change the scene between frames. Histories are kept where they stay valid; without a history, samples start over.
-  /// Times lie in the range of the setting "scene-time". Throw Error (invalid_handle) for parts that are not in the
-  /// scene.
+  /// Throw Error (invalid_handle) for parts that are not in the scene, and for values out of range.
+  ///
+  /// Moves animated nodes and parameters to a time in the range of the setting "scene-time".
   void set_time(float time_s);
+  /// Renders with this camera; std::nullopt: with the scene's own camera, which the setting "camera" selects.
   void set_camera(const std::optional<CameraPose>& camera);
   /// The camera that frames are rendered with.
   CameraPose camera() const;
+  /// Sets the transform from the node to its parent. It replaces Node::matrix and ends the animation of that transform.
+  /// The node or an ancestor must be animated, movable (see the constructor) or added by add_node().
   void set_transform(NodeHandle node, const Transform& transform);
   void set_light(LightHandle light, const PunctualLight& value);
   void set_environment(const Environment& environment);
@@ -132,7 +139,8 @@ class RELUME_API Session {
 
   /// Names of the arbitrary output variables with these settings: albedo, normal, depth, motion, variance, …
   static std::vector<std::string> aov_names(const Settings& settings);
-  /// Planes of one output variable with their conventional EXR channel names. Throws Error for an unknown name.
+  /// Planes of one output variable as of the last frame, with their conventional EXR channel names ("albedo.R"). Albedo
+  /// and the like are means over the frames since the last change. Throws Error for an unknown name.
   std::vector<ExrChannel> aov(const std::string& name) const;
 
   const Statistics& statistics() const;
@@ -145,7 +153,8 @@ class RELUME_API Session {
   /// Hash of all scene content that affects the image, as of the session's construction.
   uint64_t scene_hash() const;
 
-  /// Write or read all state needed to continue with the same bits. Loading throws Error if scene or settings differ.
+  /// Write and read the state from which rendering continues bit for bit. Throw Error for failed writes and reads, and
+  /// when loading if the scene or the settings differ.
   void save_checkpoint(const std::filesystem::path& file) const;
   void load_checkpoint(const std::filesystem::path& file);
 

@@ -11,12 +11,12 @@ namespace relume {
 
 struct PassTime {
   std::string name;
-  double seconds = 0;
+  double seconds = 0;  ///< elapsed time
 };
 
-/// A number that a pass reports, such as the fill of its structures or its omissions.
+/// A number that a pass reports, such as the number of cells in use or of dropped samples.
 struct PassStatistic {
-  std::string name;  ///< "pass.number"
+  std::string name;  ///< pass and number: "octree.leaves"
   double value = 0;
 };
 
@@ -27,11 +27,11 @@ struct Statistics {
   uint64_t frames = 0;   ///< complete frames
   uint64_t samples = 0;  ///< camera samples of all pixels
   uint64_t paths = 0;
-  uint64_t rays = 0;  ///< path and shadow rays
-  uint64_t nonfinite_samples = 0;
-  uint64_t scene_bytes = 0;      ///< the compiled scene
-  uint64_t buffer_bytes = 0;     ///< per-pixel buffers
-  uint64_t technique_bytes = 0;  ///< further structures of the passes
+  uint64_t rays = 0;               ///< path and shadow rays
+  uint64_t nonfinite_samples = 0;  ///< samples with NaN or infinity, which count as black
+  uint64_t scene_bytes = 0;        ///< the compiled scene
+  uint64_t buffer_bytes = 0;       ///< per-pixel buffers
+  uint64_t technique_bytes = 0;    ///< further structures of the passes
   int threads = 0;
   std::vector<PassTime> passes;
   std::vector<PassStatistic> pass_statistics;  ///< values of the last frame

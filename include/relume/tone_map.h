@@ -22,7 +22,8 @@ enum class ToneMap : int {
 /// Names of the enum's values for settings, in order.
 inline constexpr std::array<std::string_view, 5> kToneMapNames{"none", "reinhard", "aces", "agx", "neutral"};
 
-/// Tone-maps every pixel. write_image() then stores the result as PNG, JPEG or TGA.
+/// Multiplies every pixel by 2^exposure (stops) and applies the curve. write_image() stores the result as PNG, JPEG or
+/// TGA.
 RELUME_API Image tone_map(const Image& image, ToneMap curve, float exposure);
 
 }  // namespace relume

@@ -26,7 +26,7 @@
 
 namespace relume {
 
-/// Sum over all threads of the backend. Integer, so the order does not matter.
+/// Sum of `values`, computed by the backend's threads. Exact in any order of additions, because they are integers.
 inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
   constexpr uint32_t kPart = 65536;
   std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
@@ -79,6 +79,7 @@ struct Session::State {
   /// Creates empty buffers and passes for the settings.
   void rebuild_pipeline() { take(empty_pipeline()); }
 
+  /// A pipeline and its buffers, without content.
   struct Fresh {
     std::unique_ptr<BufferTable> buffers;
     FramePasses passes;
@@ -90,6 +91,7 @@ struct Session::State {
     fresh.passes.pipeline.add_buffers(*fresh.buffers);
     return fresh;
   }
+  /// Replaces the session's pipeline and buffers.
   void take(Fresh fresh) {
     buffers = std::move(fresh.buffers);
     passes = std::move(fresh.passes);
@@ -141,14 +143,16 @@ struct Session::State {
     kept_image.clear();
   }
 
-  /// Restores the state before a frame that was stopped or ended by an exception. `kept`: whether keep() copied the
-  /// buffers.
+  /// Restores the state before a frame that was stopped or ended by an exception. `kept`: whether BufferTable::keep()
+  /// copied the buffers. `may_lose_image`: whether the frame may have cleared the displayed image, so that
+  /// keep_image()'s copy replaces it.
   void undo_frame(bool kept, bool may_lose_image) {
     buffers->swap();
     if (kept) backend->execute([&] { buffers->restore(); });
     if (may_lose_image) show_kept_image();
   }
 
+  /// Adds changes that did not come from the animation.
   void edit(Change change) {
     changes |= change;
     edited = edited || change != Change::none;
@@ -184,8 +188,8 @@ struct Session::State {
   requires std::invocable<F, CompiledScene&>
   void edit(const F& change) { edit(change_scene(change)); }
 
-  /// Seed of the sequences. Each animation time at which they start has separate numbers, independent of earlier
-  /// frames.
+  /// Seed of the sample sequences. It depends on the animation time at which they start and on earlier edits, but not
+  /// on the number of earlier frames.
   uint32_t scramble() const {
     const auto seed = static_cast<uint32_t>(settings.seed);
     if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
@@ -245,12 +249,12 @@ struct Session::State {
   Change changes = Change::none;
   bool edited = false;  ///< whether `changes` include any from outside the animation
   Counters counters;
-  std::stop_token hurry;
+  std::stop_token hurry;  ///< see Session::shorten_preparation_on()
   RemovedParts removed;
-  bool has_other_parts = false;  ///< whether parts differ from those at the session's construction
+  bool has_other_parts = false;  ///< whether parts were added or removed since the session's construction
   std::function<void(const std::string&)> pass_hook;
-  std::vector<Rgb> kept_image;  ///< displayed while buffers are empty
-  bool shows_kept_image = false;
+  std::vector<Rgb> kept_image;    ///< copy of the last complete image
+  bool shows_kept_image = false;  ///< whether `kept_image` is displayed, because the buffers are empty
   mutable Statistics statistics;
   double image_begun_s = 0;  ///< statistics.render_s when the image began
 };

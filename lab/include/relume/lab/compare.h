@@ -34,11 +34,11 @@ struct ComparisonRequest {
 /// Medians over the repetitions. Errors exclude pixels that are not finite in the image or the reference.
 struct ContenderScore {
   std::string name;
-  double mse = 0;
+  double mse = 0;  ///< this and the next three: see Metrics
   double rel_mse = 0;
   double mape = 0;
   double flip = 0;
-  double temporal_error = 0;  ///< relative; only for animations
+  double temporal_error = 0;  ///< relative MSE of the error's change between frames (flicker); only for animations
   double samples = 0;         ///< per pixel
   double time_s = 0;
   std::vector<double> mses;  ///< one per repetition
@@ -61,6 +61,7 @@ class ComparisonReport {
   /// Limits of the comparison, one sentence each.
   const std::vector<std::string>& notes() const;
 
+  /// Scores and settings of the contenders.
   std::string to_json() const;
   /// One line per contender.
   std::string to_csv() const;

@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// Reasons for pixels of the previous frame (forward: `history-reject-reason`) and of this frame (`history-reason`).
-/// The buffers contain these numbers.
+/// Numbers in two buffers. `history-reject-reason` has a reason for each pixel of the previous frame (forward
+/// reprojection only), `history-reason` one for each pixel of this frame.
 enum class RejectReason : uint32_t {
   empty,           ///< no history, or the background; in this frame: no history moved here
   none,            ///< the history is kept

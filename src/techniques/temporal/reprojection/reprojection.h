@@ -11,12 +11,13 @@ namespace relume {
 
 inline constexpr uint64_t kNoVote = ~uint64_t{0};
 
-/// A depth-test vote for a pixel. The smallest wins: the least depth, then the lowest stored sample.
+/// A depth-test vote of a stored sample for a pixel, as a key whose minimum wins: the least depth (metres), then the
+/// lowest index of a stored sample.
 RELUME_HD inline uint64_t vote_of(float depth, uint32_t stored_sample) {
   return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
 }
 
-/// A rejection, larger than every vote. A pixel without votes keeps the nearest rejection.
+/// Flag of a rejection, which makes it larger than every vote. A pixel without votes keeps the nearest rejection.
 inline constexpr uint64_t kRejected = uint64_t{1} << 63;
 RELUME_HD inline uint64_t rejection_of(float depth, RejectReason reject_reason) {
   return kRejected | vote_of(depth, static_cast<uint32_t>(reject_reason));
@@ -48,7 +49,7 @@ struct DepthVoteKernel {
   View<uint32_t> limits;          ///< maximum sample count of each history after changes of light; 0: the history ends
   uint32_t capacity = 1;
   float max_error = 0;        ///< ε of eq. 15, in exposed display units
-  float max_light_error = 0;  ///< change of light in exposed, tone-mapped units; larger ones reduce max_samples_changed
+  float max_light_error = 0;  ///< change of light in tone-mapped display units; larger changes lower the limit further
   float exposure = 1;         ///< factor from radiance to display units
   uint32_t max_samples_changed = 1;  ///< limit of the sample count for changes of light up to max_light_error
   bool lights_changed = false;
@@ -230,8 +231,8 @@ struct DepthVoteKernel {
   }
 };
 
-/// Makes the pixel of the winning sample the source of each pixel. Pixels without a source may look back for histories
-/// around the previous position of their surface.
+/// Finds the source of each pixel: the pixel of the previous frame whose stored sample won the depth test. Pixels
+/// without a source may look back for histories around the previous position of their surface.
 struct SourceKernel {
   SceneView scene;
   View<const uint64_t> votes;
@@ -268,6 +269,7 @@ struct SourceKernel {
   }
 
  private:
+  /// Clears the pixel's history.
   RELUME_HD void forget(uint32_t pixel) const {
     for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
     pixels[pixel] = StoredPixel{};
@@ -285,12 +287,13 @@ struct SourceKernel {
     return elsewhere ? RejectReason::other_surface : RejectReason::none;
   }
 
-  /// Whether the reason concerns other surfaces than the pixel's own.
+  /// Whether the reason concerns another surface than the one that the pixel shows: its own may still have a history.
   RELUME_HD static bool may_look_back(RejectReason reason) {
     return reason == RejectReason::empty || reason == RejectReason::occluded || reason == RejectReason::mixed ||
            reason == RejectReason::other_surface;
   }
 
+  /// Continues the history of pixel `source` of the previous frame at `pixel`, with `sample` as its stored sample.
   RELUME_HD void take_over(uint32_t pixel, uint32_t source, const StoredSample& sample) const {
     kept[pixel] = 1;
     sources[pixel] = source;

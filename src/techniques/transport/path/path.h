@@ -20,15 +20,15 @@ struct PathState {
   float eta_scale = 1;  ///< product of the throughput factors ignored by roulette: 1/η² and the largest component of
                         ///< the wavelength weight
   float rr_reference = 1;  ///< largest component of the throughput after the first bounce: reference of roulette
-  float pdf_w = 0;         ///< density of the ray's direction
+  float pdf_w = 0;         ///< density of the ray's direction, per steradian
   float wavelength_nm = kNoWavelength;  ///< of the whole path; kNoWavelength in scenes without dispersion
   bool dispersed = false;  ///< whether a vertex scattered by wavelength; throughput then includes the weight, except on
                            ///< light subpaths
-  bool delta = true;  ///< whether the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
-  Rgb medium{0};      ///< absorption along the ray, per metre: the sum over all bodies around it
-  float cone_width = 0;   ///< footprint at the ray's origin, metres
-  float cone_spread = 0;  ///< growth per metre
-  uint32_t bounce = 0;    ///< scattering events so far
+  bool delta = true;       ///< the ray leaves the camera or a delta lobe: next event estimation cannot sample along it
+  Rgb medium{0};           ///< absorption along the ray, per metre: the sum over all media around it
+  float cone_width = 0;    ///< footprint at the ray's origin, metres
+  float cone_spread = 0;   ///< growth per metre
+  uint32_t bounce = 0;     ///< scattering events so far
   uint32_t rays = 0;
 };
 
@@ -36,10 +36,10 @@ struct PathState {
 struct Connection {
   Ray ray;
   Rgb contribution{0};
-  uint32_t ray_id = 0;
+  uint32_t ray_id = 0;  ///< seed of stochastic alpha along the ray
   LightId light = kNoLight;
   Vec2 u{0};          ///< random numbers of the point on the light
-  Rgb irradiance{0};  ///< radiance · cos / pdf_w at that point
+  Rgb irradiance{0};  ///< radiance that arrives at the surface · cosine there / pdf_w
   float scale = 0;  ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale · dispersion_weight()
   bool dispersed = false;  ///< the contribution includes the weight of the path's wavelength
 
@@ -87,7 +87,7 @@ RELUME_HD inline Rgb dispersion_weight(const SceneView& scene, const SurfacePoin
 }
 
 /// Adds the emission of the hit surface, weighted against next event estimation from the previous vertex. Returns
-/// whether that strategy could have sampled it.
+/// whether next event estimation could have sampled it.
 RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
                                            PathState& path) {
   if (is_black(sp.emission)) return false;
@@ -102,7 +102,8 @@ RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePo
   return lights_know;
 }
 
-/// Adds light from infinity along a ray that left the scene. Returns whether light sampling could have found it.
+/// Adds light from infinity along a ray that left the scene, weighted in the same way. Returns whether next event
+/// estimation could have sampled it.
 RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
   const LightsView& lights = c.scene.lights;
   const Vec3& wi = path.ray.direction;
@@ -168,9 +169,10 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
   path.throughput *= transmittance_to(scene, sp, distance, path.medium);
 }
 
-/// Inverse of the relative throughput below which roulette starts, and at which it keeps surviving paths. The
-/// throughput is relative to that of the first bounce, because noise is seen against the albedo of the visible surface.
-/// Larger values reduce noise and trace more rays.
+/// Survival probability of Russian roulette per unit of relative throughput. Roulette starts where the relative
+/// throughput is below 1 / 1.1, and raises that of survivors to this value. It is relative to the throughput of the
+/// first bounce, because noise is seen against the albedo of the visible surface. Larger values reduce noise and trace
+/// more rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
 /// Applies the wavelength weight at the first vertex that scatters by wavelength, where the path continues towards `w`.

@@ -1,4 +1,4 @@
-// Policies: operations of caches, histories and learning along a path, in addition to the estimate.
+// Policies: hooks that the path tracer calls along a path, for caches, histories and learning.
 #pragma once
 
 #include <concepts>
@@ -10,8 +10,8 @@ namespace relume {
 struct PathState;
 struct Connection;
 
-/// The default policy does nothing and compiles away. A watching policy takes paths and surfaces as constants; a
-/// steering policy changes them.
+/// The default policy does nothing and compiles away. A watching policy takes paths and surfaces by const reference; a
+/// steering policy takes them by reference and changes them.
 struct NoPolicy {
   /// Called after the emission at the end of the path's ray was added. `lights_know`: next event estimation could also
   /// have sampled it.
@@ -28,8 +28,8 @@ struct NoPolicy {
   RELUME_HD void finished(const PathState&) {}
 };
 
-/// A policy whose goes_on() decides after arrived() whether the path continues. arrived() prefetches the data of
-/// goes_on(); hosts process arrivals of many paths in between.
+/// A policy that decides in goes_on(), not in arrived(), whether the path continues. Its arrived() prefetches the data
+/// that goes_on() reads; between the two calls, CPUs process the arrivals of other paths to hide the latency.
 template <typename Policy>
 concept DecidesLater = requires(Policy& policy, PathState& path) {
   { policy.goes_on(path) } -> std::same_as<bool>;
