@@ -1,11 +1,11 @@
-"""Runs inside Blender for tools/compare_cycles: renders a glTF scene with Cycles like relume.
+"""Renders a glTF scene with Cycles as relume would. tools/compare_cycles runs it inside Blender:
 
     blender -b --factory-startup --python tools/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
 
-All surfaces become Lambertian with their base colour, so that scenes should contain no others. Emissive materials emit
-their emissive factor times KHR_materials_emissive_strength; masks cut as in glTF. Uses no denoiser, clamp or adaptive
-sampling, a box filter of one pixel, and the scene's first camera. Prints "seconds: X" for preparing, sampling and
-writing, after Blender's own output."""
+Replaces all surfaces by Lambertian ones of the same base colour. Emitters emit emissiveFactor times
+KHR_materials_emissive_strength. Alpha masks and blending are as in glTF. Renders the scene's first camera with a
+one-pixel box filter, without denoising, clamping and adaptive sampling. Prints "seconds: X", from preparation to output,
+after Blender's own output."""
 
 import argparse
 import json
@@ -38,7 +38,7 @@ def set_up_cycles(scene, options):
     cycles.time_limit = 0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
-    # Cycles does not count scattering at the last vertex: its limit is one less than relume's.
+    # Cycles does not count the scattering event at the last vertex, so its limit is one less than relume's.
     bounces = options.max_bounces - 1
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
     cycles.transparent_max_bounces = 64

@@ -2,9 +2,9 @@
 //
 //   g++ -std=c++20 -O2 -Isrc tools/fit_ltc.cpp -o /tmp/fit_ltc && /tmp/fit_ltc > src/materials/ltc_table.cpp
 //
-// For each roughness and angle of the viewer the lobe is aligned with the mean direction of reflection, and three
-// numbers (its two widths and a shear in the plane of incidence) are found by the simplex method of Nelder and Mead, so
-// that the third power of the difference between the densities is small.
+// For each roughness and viewing angle, the lobe is aligned with the mean direction of reflection. The simplex method
+// of Nelder and Mead fits its two widths and its shear in the plane of incidence. It minimises the cube of the
+// difference between the densities.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ using namespace relume;
 
 namespace {
 
-constexpr int kSamples = 40;  // squared: directions a fit is judged by
+constexpr int kSamples = 40;  // per dimension: directions at which the densities are compared
 
 struct Lobe {
   Microfacet microfacet;

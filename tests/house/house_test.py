@@ -184,7 +184,7 @@ class Repository(unittest.TestCase):
                 self.assertEqual(tool.main(), 0)
                 drawing.write_text(drawing.read_text(encoding="utf-8") + " ", encoding="utf-8")
                 self.assertEqual(tool.main(), 1)
-        self.assertEqual(printed.getvalue().count("diagram.svg differs from its drawing"), 2)
+        self.assertEqual(printed.getvalue().count("diagram.svg is out of date"), 2)
 
     def test_comments_keep_line_numbers(self):
         text = 'a /* 1\n2 */ b "// no" // c\nd R"(\n)" 1\'000\n'

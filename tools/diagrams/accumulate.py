@@ -1,4 +1,4 @@
-"""The samples of one pixel scatter; their mean settles, and the band of its standard error narrows. A change starts again."""
+"""The samples of one pixel scatter; their mean converges, and its standard error shrinks. A change restarts both."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A path is followed with a probability that rises with the variance of its cell; a pixel whose path is culled shows the cell."""
+"""A path survives with a probability that rises with the variance of its cell; a pixel whose path is culled shows the cell."""
 
 from draw import Drawing
 

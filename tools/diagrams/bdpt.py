@@ -1,4 +1,4 @@
-"""A camera subpath and a light subpath, and the connections between them: each joins s light and t camera vertices to one path."""
+"""A camera subpath, a light subpath, and their connections: each combines s light and t camera vertices into one path."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""Within a block, least squares explain noisy light by normals and positions: the fit is smooth, and jumps where normals do."""
+"""Within a block, a least-squares fit of noisy light to normals and positions: smooth, with steps where the normals have them."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""One direction is drawn, from the BSDF or from the tree. Either way it is divided by the density of the mixture of both."""
+"""A direction is sampled from the BSDF or from the tree. Its weight divides by the density of the mixture of both."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""All directions at one point unfold to a square: on the left half the density of the tree, on the right that of the light."""
+"""All directions at one point, unfolded to a square: the density of the tree on the left, that of the light on the right."""
 
 import math
 

@@ -1,5 +1,5 @@
-"""Leaves of a quadtree over the square of directions are equally likely, so density is refinement. A migration splits the leaf
-whose samples found most, in exchange for four leaves that found least. One bit per node holds the tree."""
+"""All leaves of a quadtree over the square of directions are equally likely, so finer leaves mean a higher density. A migration
+splits the leaf with the most light and merges the four with the least. The tree takes one bit per node."""
 
 from draw import Drawing
 

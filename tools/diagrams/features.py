@@ -1,5 +1,5 @@
-"""A mirror is a window for filters: features are those of the image behind it, at the length of the path along the camera ray.
-Rough reflections blur the image; their features lie nearer to the reflecting surface."""
+"""Filters see through mirrors: the features are those of the reflected surface, placed on the camera ray at the length of the
+path. Rough reflections blur the image, so their features lie nearer to the reflecting surface."""
 
 from draw import Drawing
 

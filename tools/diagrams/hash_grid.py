@@ -1,5 +1,5 @@
-"""Cells grow with the distance from the camera. A hash of cell and level chooses the slots to probe, a fingerprint finds the
-cell among them. A slot holds the sums of this frame, which paths add to, and the moments of earlier frames, which they read."""
+"""Cells grow with the distance from the camera. A hash of cell and level gives the slots to probe, and a fingerprint identifies
+the cell. A slot holds the sums of this frame, which paths add to, and the moments of earlier frames, which they read."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""A light tree: at each node, the bounds of the children at x decide at random which of them is opened."""
+"""A light tree: at each node, a random number selects a child in proportion to the bound of its light at x."""
 
 import math
 

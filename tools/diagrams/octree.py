@@ -1,5 +1,5 @@
-"""Leaves with many samples of the last frame are split, siblings with few are joined. An inner node is one word; the number of
-a leaf is its place in every array. (Drawn in two dimensions: four children in place of eight.)"""
+"""Leaves with many samples in the last frame are split, siblings with few are merged. An inner node is one word; the index of
+a leaf addresses all arrays. (Drawn in two dimensions: four children instead of eight.)"""
 
 from draw import Drawing
 

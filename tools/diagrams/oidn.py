@@ -1,4 +1,4 @@
-"""The library filters the accumulated mean with albedo and normals: after each of 15 frames, then more and more seldom."""
+"""The library filters the accumulated mean, guided by albedo and normals: after each of 15 frames, then at growing intervals."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A path tries two strategies at each vertex: a shadow ray to a sampled light, and the BSDF's direction, which may meet one."""
+"""A path combines two strategies at each vertex: a shadow ray to a sampled light, and a BSDF sample that may hit a light."""
 
 from draw import Drawing
 

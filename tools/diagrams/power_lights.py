@@ -1,4 +1,4 @@
-"""An alias table: columns of equal width, each shared by at most two lights."""
+"""An alias table: columns of equal probability, each shared by at most two lights."""
 
 from draw import Drawing
 

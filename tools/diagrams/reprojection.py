@@ -1,4 +1,4 @@
-"""Stored samples are verified from the new camera; the histories of those that pass move to the pixels where they are seen."""
+"""Stored samples are validated for the new camera. The histories of valid ones move to the pixels that now show them."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""Rays from every cell of a grid find, once, the lights that the cell sees; a point chooses from its cell's list."""
+"""Rays traced once from every cell of a grid find the lights visible there; a surface point samples the list of its cell."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""Levels of the filter double the distance of their taps, which stop at edges; the noise of the light sets their reach."""
+"""Each level of the filter doubles the distance of the taps. Edges stop the filter; noise widens its luminance weights."""
 
 from draw import Drawing
 

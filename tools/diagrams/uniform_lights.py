@@ -1,4 +1,4 @@
-"""One random number chooses a light and, with what is left of it, a point on the light."""
+"""One random number selects a light; its rescaled remainder selects a point on that light."""
 
 from draw import Drawing
 

@@ -1,4 +1,4 @@
-"""A region of the octree lists the lights that shadow rays of one frame reached; the next frame chooses among them."""
+"""A region of the octree lists the lights that shadow rays of one frame reached; the next frame samples this list."""
 
 from draw import Drawing
 

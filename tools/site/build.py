@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""tools/site/build.py OUT: builds the documentation as a site, a folder of HTML pages with search, into OUT.
+"""tools/site/build.py OUT: builds the documentation into OUT, as HTML pages with search.
 
-Copies the pages and their images to build/docs/source, with links of the site; docs/README.md defines the navigation. A
-link to a file that is no page becomes its text and the file's path in the repository. Dead links, pages outside the
-navigation and all warnings of Sphinx fail the build. Needs Sphinx and MyST, which scripts/docs installs.
+Copies the pages and their images to build/docs/source and rewrites their links; docs/README.md defines the navigation.
+Links to source files become plain text with the path in the repository. Dead links, pages outside the navigation and
+warnings of Sphinx fail the build. Needs Sphinx and MyST, which scripts/docs installs.
 """
 
 import argparse
@@ -48,7 +48,7 @@ SECTION = re.compile(r"^\*\*(.+?)\*\*$|^\| \[.*?\]\((\S+?)\)", re.MULTILINE)
 
 
 class Broken(Exception):
-    """A problem of the pages, for their author."""
+    """A page is invalid; the message tells its author why."""
 
 
 def site_names(root):
