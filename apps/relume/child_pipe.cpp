@@ -26,7 +26,8 @@ constexpr int kUnknownExit = 255;  // the exit status could not be determined
 
 ChildPipe::ChildPipe(const std::vector<std::string>& arguments) {
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("a pipe cannot be opened; close other files");
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw Error("cannot open a pipe: too many open files; close other programs or raise the limit (ulimit -n)");
   std::vector<char*> argv;
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
@@ -44,7 +45,7 @@ ChildPipe::ChildPipe(const std::vector<std::string>& arguments) {
   pipe_ = ends[1];
   if (failure == 0) return;
   close(pipe_);
-  throw Error(fmt::format("{} cannot be started; is it installed?", arguments[0]));
+  throw Error(fmt::format("{} cannot be started; install it, or check its permissions", arguments[0]));
 }
 
 ChildPipe::~ChildPipe() {

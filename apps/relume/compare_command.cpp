@@ -49,7 +49,8 @@ class NewFolder {
     std::error_code failure;
     made_ = std::filesystem::create_directories(folder_, failure);
     if (failure)
-      throw UsageError(fmt::format("{}: the folder cannot be created ({})", folder_.string(), failure.message()));
+      throw UsageError(fmt::format("{}: the folder cannot be created ({}); choose another with -o", folder_.string(),
+                                   failure.message()));
   }
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
@@ -110,10 +111,11 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   for (const ImageContender& image : options.images) {
     for (const Contender& contender : options.contenders) {
       if (image.name == contender.name)
-        throw UsageError(fmt::format("two contenders are called '{}'; use --image NAME=FILE", image.name));
+        throw UsageError(
+            fmt::format("two contenders are called '{}'; rename the image with --image NAME=FILE", image.name));
     }
     if (!std::filesystem::exists(image.file))
-      throw Error(fmt::format("{}: there is no such file", image.file.string()));
+      throw Error(fmt::format("{}: the file of --image does not exist; check its path", image.file.string()));
   }
   options.common.flags = o.flags;
   const AllSettings common = resolve(options.common);

@@ -59,7 +59,9 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
 std::filesystem::path make_output_folder(const std::string& output) {
   std::error_code failure;
   std::filesystem::create_directories(output, failure);
-  if (failure) throw UsageError(fmt::format("{}: the folder cannot be created ({})", output, failure.message()));
+  if (failure)
+    throw UsageError(
+        fmt::format("{}: the folder cannot be created ({}); choose another with -o", output, failure.message()));
   return output;
 }
 
@@ -203,7 +205,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
 
 int run(const ExperimentOptions& o, const Verbosity& verbosity) {
   if (o.action == "run") return run_experiments(o, verbosity);
-  if (o.action != "list") throw UsageError(fmt::format("experiment has the actions list and run, not '{}'", o.action));
+  if (o.action != "list") throw UsageError(fmt::format("experiment has no action '{}'; use list or run", o.action));
   return list_experiments();
 }
 

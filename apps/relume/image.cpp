@@ -49,7 +49,8 @@ void check_image_file(const std::filesystem::path& file, const std::vector<std::
 
 void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
   if (aovs.empty() || lower_extension(file) == ".exr") return;
-  throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
+  throw UsageError(
+      fmt::format("{}: only .exr files can store layers; write an .exr file, or remove --aov", file.string()));
 }
 
 std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known) {
@@ -57,7 +58,7 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
   for (const std::string_view name : split_at_commas(text)) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      throw UsageError(fmt::format("--aov: there is no '{}'{}", name, suggestion(name, known)));
+      throw UsageError(fmt::format("--aov: there is no layer '{}'{}", name, suggestion(name, known)));
     }
     names.emplace_back(name);
   }

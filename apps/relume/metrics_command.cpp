@@ -93,7 +93,7 @@ int run_metrics(const MetricsOptions& options) {
   const auto [a, b] = read_images(options);
   const Metrics metrics = measure(options, a, b);
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
-    warn(fmt::format("ignored pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
+    warn(fmt::format("pixels with NaN or infinity are ignored: {} in {}, {} in {}", metrics.nonfinite_a, options.a,
                      metrics.nonfinite_b, options.b));
   }
   if (!options.flip_map.empty()) write_flip_map(options, a, b);

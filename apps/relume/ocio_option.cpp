@@ -17,7 +17,7 @@ std::shared_ptr<const OcioView> make_ocio_view(const std::string& option,
   const size_t colon = option.rfind(':');
   if (colon == 0 || colon == option.npos || colon + 1 == option.size())
     throw UsageError(fmt::format(
-        "--ocio is '{}', but must be a configuration and one of its views, such as config.ocio:Filmic", option));
+        "--ocio is '{}', but must name a configuration and one of its views, such as config.ocio:Filmic", option));
   return std::make_shared<const OcioView>(ocio_config(option), option.substr(colon + 1));
 }
 

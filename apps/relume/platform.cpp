@@ -124,7 +124,9 @@ void prepare_signals() {
 }
 
 InterruptGuard::InterruptGuard(std::string notice) : notice_(std::move(notice)) {
-  if (pipe2(g_pipe, O_CLOEXEC) != 0) throw Error("a pipe for signals cannot be opened; close other files");
+  if (pipe2(g_pipe, O_CLOEXEC) != 0)
+    throw Error(
+        "cannot open a pipe for signals: too many open files; close other programs or raise the limit (ulimit -n)");
   g_interrupts = 0;
   waiter_ = std::thread([this] {
     char byte = 0;

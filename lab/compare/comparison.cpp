@@ -111,7 +111,7 @@ void Comparing::read_images() {
     check_finite(image.file.string(), images_.back());
   }
   if (o.reference_file.empty()) return;
-  if (is_animation(o)) throw Error("a reference from a file is one image; leave --frames or --reference out");
+  if (is_animation(o)) throw Error("--reference reads one image, but --frames compares several; remove one of the two");
   references_.push_back(read_reference(o.reference_file));
   check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
   check_finite(o.reference_file.string(), references_.back().image);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <glm/vec3.hpp>
 
 #include "metrics/statistics.h"
@@ -43,7 +44,8 @@ Estimate scaled(Estimate estimate, double factor) {
 
 Estimate difference(const Estimate& a, const Estimate& b) {
   if (a.without.size() != b.without.size())
-    throw Error("only estimates with the same number of repetitions can be compared");
+    throw Error(fmt::format("estimates of {} and {} repetitions cannot be compared; give both the same number",
+                            a.without.size(), b.without.size()));
   Estimate result{a.value - b.value, a.without};
   for (size_t i = 0; i < b.without.size(); ++i) result.without[i] -= b.without[i];
   return result;
@@ -51,7 +53,8 @@ Estimate difference(const Estimate& a, const Estimate& b) {
 
 Estimate squared_bias(const std::vector<Image>& repetitions, const Image& reference, double reference_mse) {
   const size_t n = repetitions.size();
-  if (n < 3) throw Error("the noise of a bias needs at least three repetitions; repeat with another seed");
+  if (n < 3)
+    throw Error(fmt::format("the error of a squared bias needs at least three repetitions, not {}; add seeds", n));
   for (const Image& image : repetitions) check_same_size(image, reference);
   // Σ_{r≠s} d_r d_s = (Σ d_r)² − Σ d_r²; without repetition k, the same sums over the others.
   double all = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
@@ -19,7 +20,9 @@ constexpr float kNormalCosine = 0.906f;  // 25°
 void check_planes(const Image& image, const SurfaceMotion& surface) {
   const size_t count = image.pixels.size();
   if (surface.motion.size() == count && surface.depth.size() == count && surface.normal.size() == count) return;
-  throw Error("the planes of motion, depth and normal must have the size of the image");
+  throw Error(
+      fmt::format("motion, depth and normal have {}, {} and {} pixels, but the image has {}; use planes of its size",
+                  surface.motion.size(), surface.depth.size(), surface.normal.size(), count));
 }
 
 /// Index of the pixel that showed the surface of pixel (x, y) in the previous frame.

@@ -177,8 +177,8 @@ std::map<std::string, std::string> string_attributes(const Imf::Header& header) 
 void check_writable(const std::string& name, const ExrFile& exr) {
   if (exr.width <= 0 || exr.height <= 0 || exr.channels.empty())
     throw Error(
-        fmt::format("{}: an image of {}x{} pixels and {} channels cannot be written; give it pixels and channels", name,
-                    exr.width, exr.height, exr.channels.size()));
+        fmt::format("{}: an image of {}x{} pixels and {} channels cannot be written; it needs at least one of each",
+                    name, exr.width, exr.height, exr.channels.size()));
   const PixelWindow& w = exr.data_window;
   if (w.x < 0 || w.y < 0 || w.width < 0 || w.height < (w.empty() ? 0 : 1) || w.width > exr.width - w.x ||
       w.height > exr.height - w.y)
@@ -188,8 +188,8 @@ void check_writable(const std::string& name, const ExrFile& exr) {
   std::set<std::string_view> names;
   for (const ExrChannel& channel : exr.channels) {
     if (channel.values.size() != count)
-      throw Error(fmt::format("{}: channel '{}' has {} values for {} pixels; all channels need the size of the image",
-                              name, channel.name, channel.values.size(), count));
+      throw Error(fmt::format("{}: channel '{}' has {} values for {} pixels; give it one value per pixel", name,
+                              channel.name, channel.values.size(), count));
     if (channel.name.empty() || !names.insert(channel.name).second)
       throw Error(fmt::format("{}: two channels have the name '{}'; use different names", name, channel.name));
   }

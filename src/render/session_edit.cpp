@@ -109,7 +109,8 @@ NodeHandle Session::find_node(const std::string& name) const {
   for (size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].name == name && !state_->removed.nodes[i]) return {static_cast<Index>(i), state_->number};
   }
-  throw Error(ErrorCode::not_found, fmt::format("there is no node '{}' in the scene", name));
+  throw Error(ErrorCode::not_found,
+              fmt::format("{}: there is no node '{}'; check its name", state_->scene->source().name, name));
 }
 
 }  // namespace relume

@@ -26,14 +26,16 @@ void check_target(const ImageTarget& target, const BufferTable& buffers) {
   const auto width = static_cast<int>(buffers.width());
   const auto height = static_cast<int>(buffers.height());
   if (target.pixels == nullptr)
-    throw Error("the image cannot be read, because the target's pixels are null; give memory for them");
+    throw Error("the image cannot be read, because ImageTarget::pixels is null; set it to the memory for the image");
   if (target.width != width || target.height != height) {
-    throw Error(fmt::format("the image has {}x{} pixels, but the target {}x{}; make them equal", width, height,
-                            target.width, target.height));
+    throw Error(fmt::format("the image has {}x{} pixels, but the target has {}x{}; use a target of the image's size",
+                            width, height, target.width, target.height));
   }
   const size_t row = static_cast<size_t>(width) * pixel_bytes(target.layout);
   if (target.row_stride != 0 && target.row_stride < row)
-    throw Error(fmt::format("a row of the target has {} bytes, but needs {}", target.row_stride, row));
+    throw Error(
+        fmt::format("ImageTarget::row_stride is {} bytes, but a row needs {}; raise it, or use 0 for packed rows",
+                    target.row_stride, row));
 }
 
 /// Whether a buffer can be inspected: it is displayed and has a standard element type.

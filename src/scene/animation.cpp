@@ -55,7 +55,7 @@ Vec4 value_at(const Channel& channel, float time_s, bool turns) {
 }
 
 std::string known_clips(const Scene& scene) {
-  if (scene.clips.empty()) return "the scene has no animations by name; leave --animation out";
+  if (scene.clips.empty()) return "the scene has no named animations; remove --animation";
   std::string names;
   for (const std::string& name : scene.clips) names += (names.empty() ? "'" : ", '") + name + "'";
   return "it has " + names;

@@ -46,7 +46,7 @@ TEST(Animation, NamesThoseThatThereAre) {
   EXPECT_NE(problem.find("no animation 'fly'; it has 'walk', 'run, fast', '2'"), std::string::npos) << problem;
   Scene still = testing::plate();
   select_animation(still, "");
-  EXPECT_NE(problem_of([&] { select_animation(still, "walk"); }).find("has no animations by name"), std::string::npos);
+  EXPECT_NE(problem_of([&] { select_animation(still, "walk"); }).find("has no named animations"), std::string::npos);
 }
 
 TEST(Animation, ACompiledScenePlaysWhatIsChosen) {

@@ -296,8 +296,9 @@ Index find_camera(const Scene& scene, const std::string& name) {
   if (nodes.empty()) {
     throw Error(
         ErrorCode::not_found,
-        fmt::format("{}: there is no camera '{}', and no other either; leave --camera out to use a default view",
-                    scene.name, name));
+        fmt::format(
+            "{}: there is no camera '{}', because the scene has no cameras; remove --camera to use a default view",
+            scene.name, name));
   }
   size_t index = 0;
   const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);

@@ -112,7 +112,8 @@ class Validator {
     const Mesh& m = scene_.meshes[mesh];
     for (const std::vector<Vec3>* array : {&t.positions, &t.normals, &t.tangents}) {
       if (!array->empty() && array->size() != m.positions.size())
-        fail("mesh {} '{}' has a morph target '{}' with another number of vertices", mesh, m.name, t.name);
+        fail("mesh {} '{}' has {} vertices, but its morph target '{}' has {}", mesh, m.name, m.positions.size(), t.name,
+             array->size());
       for (const Vec3& displacement : *array) {
         if (!(max_component(abs(displacement)) <= kMaxCoordinate))
           fail("mesh {} '{}' has a morph target '{}' that is not finite or beyond {:g} m", mesh, m.name, t.name,
@@ -125,18 +126,18 @@ class Validator {
     const Mesh& m = scene_.meshes[mesh];
     if (m.influences_per_vertex < 0 ||
         m.influences.size() != m.positions.size() * static_cast<size_t>(m.influences_per_vertex))
-      fail("mesh {} '{}' has {} influences of joints for {} vertices", mesh, m.name, m.influences.size(),
-           m.positions.size());
+      fail("mesh {} '{}' has {} joint influences, but {} vertices with {} each", mesh, m.name, m.influences.size(),
+           m.positions.size(), m.influences_per_vertex);
     for (const JointInfluence& influence : m.influences) {
       if (!(influence.weight >= 0 && is_finite(influence.weight)))
-        fail("mesh {} '{}' has a joint's weight that is negative or not finite", mesh, m.name);
+        fail("mesh {} '{}' has a joint weight of {}, which is negative or not finite", mesh, m.name, influence.weight);
     }
     const auto per_vertex = static_cast<size_t>(m.influences_per_vertex);
     for (size_t first = 0; per_vertex > 0 && first < m.influences.size(); first += per_vertex) {
       float sum = 0;
       for (size_t k = first; k < first + per_vertex; ++k) sum += m.influences[k].weight;
       if (!(std::fabs(sum - 1) <= 1e-3f))
-        fail("mesh {} '{}' has a vertex whose joints' weights sum to {}, not 1", mesh, m.name, sum);
+        fail("mesh {} '{}' has a vertex whose joint weights sum to {}, not 1", mesh, m.name, sum);
     }
   }
 
@@ -182,8 +183,7 @@ class Validator {
     if (n.skin != kNone) check_skinned_node(n);
     for (const float weight : n.morph_weights) {
       if (!(std::fabs(weight) <= kMaxCoordinate))
-        fail("node {} '{}' has a weight of a morph target that is not finite or beyond {:g}", i, n.name,
-             kMaxCoordinate);
+        fail("node {} '{}' has a morph weight that is not finite or beyond {:g}", i, n.name, kMaxCoordinate);
     }
   }
 
@@ -219,12 +219,12 @@ class Validator {
     if (c.property == AnimatedProperty::morph_weight && !has_morph_target(c))
       fail("animation channel {} moves the missing morph target {} of node {}", i, c.morph_target, c.node);
     if (c.property == AnimatedProperty::visible && c.interpolation != Interpolation::step)
-      fail("animation channel {} interpolates the visibility of a node; it must be a step", i);
+      fail("animation channel {} interpolates visibility, which can only step", i);
     check_keys(i, c);
     if (c.property != AnimatedProperty::morph_weight) return;
     const ValueRange range = value_range(c);
     if (!(std::max(std::fabs(range.low), std::fabs(range.high)) <= kMaxCoordinate))
-      fail("animation channel {} sets the weight of a morph target above {:g}", i, kMaxCoordinate);
+      fail("animation channel {} has a morph weight above {:g}", i, kMaxCoordinate);
   }
 
   bool has_morph_target(const AnimationChannel& c) const {
@@ -257,17 +257,17 @@ class Validator {
 void validate(const Material& m, const std::string& place) {
   for_each_parameter(m, [&](const MaterialParameter& p, const auto& value) {
     if (!is_usable(value, p.range))
-      fail(place, "the {} of material '{}' is not finite; give it another value", p.name, m.name);
+      fail(place, "material '{}': {} is not finite; give it a finite value", m.name, p.name);
   });
   if (!is_radiance(m.emission))
-    fail(place, "material '{}' has an emission that is negative or above {:g}; give it another value", m.name,
-         kMaxRadiance);
+    fail(place, "material '{}' has an emission of ({}, {}, {}); give it values from 0 to {:g}", m.name, m.emission.r,
+         m.emission.g, m.emission.b, kMaxRadiance);
 }
 
 void validate(const PunctualLight& l, const std::string& place) {
   if (!is_radiance(l.intensity))
-    fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another value", l.name,
-         kMaxRadiance);
+    fail(place, "light '{}' has an intensity of ({}, {}, {}); give it values from 0 to {:g}", l.name, l.intensity.r,
+         l.intensity.g, l.intensity.b, kMaxRadiance);
   for (const LightParameter& p : light_parameters()) {
     if (!in_range(l.*p.member, 0, upper_limit(p, l)))
       fail(place, "light '{}': {} is {} radians; give it a value between 0 and {}", l.name, p.name, l.*p.member,
@@ -299,8 +299,10 @@ void validate(const Environment& e, const std::string& place) {
   const SunSky& s = e.sun_sky;
   if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
-    fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another value",
-         kMaxRadiance);
+    fail(
+        place,
+        "the environment has a colour, albedo or scale that is negative or above {:g}; give them values from 0 to {:g}",
+        kMaxRadiance, kMaxRadiance);
   // Limits: sky radiance below 1e4 kcd/m², or that of a disk of 128 klx over its solid angle. Suns without extent are
   // invisible.
   const float half_sine = std::sin(0.25f * s.sun_angular_diameter_rad);
@@ -311,7 +313,10 @@ void validate(const Environment& e, const std::string& place) {
     fail(place, "the sun or the sky is brighter than {:g}; give it a smaller scale", kMaxRadiance);
   if (!is_finite(e.rotation_rad) || !is_finite(s.sun_elevation_rad) || !is_finite(s.sun_azimuth_rad) ||
       !is_finite(s.turbidity) || !in_range(s.sun_angular_diameter_rad, 0, kPi))
-    fail(place, "the environment has an angle or turbidity out of range; give it another value");
+    fail(place,
+         "the environment has an angle or turbidity that is not finite, or a sun diameter of {} radians; give finite "
+         "values, and a diameter from 0 to pi",
+         s.sun_angular_diameter_rad);
 }
 
 void validate(const Scene& scene, const std::string& place) { Validator(scene, place).run(); }

@@ -30,7 +30,7 @@ void load_environment_map(const std::filesystem::path& file, Environment& enviro
   const Activity activity("loading " + file.filename().string());
   Image image = read_image(file);
   if (image.width < 1 || image.height < 1)
-    throw Error(fmt::format("{}: the environment map has no pixels", file.string()));
+    throw Error(fmt::format("{}: the environment map has no pixels; export it again", file.string()));
   clean(image.pixels);
   environment.kind = EnvironmentKind::map;
   environment.color = Rgb(1);

@@ -265,11 +265,11 @@ class Commands(RefusalTest):
             (FAILED, "--techniques default,default", "--techniques: two contenders are called 'default'; rename one with NAME="),
             (FAILED, "--techniques a=lights:uniform,a=lights:power", "--techniques: two contenders are called 'a'"),
             (FAILED, "--image a=small.exr --image a=fits.exr", "--image: two contenders are called 'a'"),
-            (USAGE, "--techniques psf --image psf=fits.exr", "two contenders are called 'psf'; use --image NAME=FILE"),
+            (USAGE, "--techniques psf --image psf=fits.exr", "two contenders are called 'psf'; rename the image with --image NAME=FILE"),
             (FAILED, "--techniques a=width:8", "a: width is common to all contenders; give it as --width"),
             (FAILED, "--techniques small.exr", r"small\.exr: .* no attribute 'relume\.settings'"),
             (FAILED, "--reference small.exr", r"small\.exr has 8x8 pixels, but 24x18 are compared; give --width and --height"),
-            (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one image; leave --frames or --reference out"),
+            (FAILED, "--reference fits.exr --frames 0-3", "--reference reads one image, but --frames compares several; remove one of the two"),
             (FAILED, "--reference nan.exr", r"nan\.exr: the image has no finite pixel; check its source"),
             (FAILED, "--image nan.exr", r"nan\.exr: the image has no finite pixel; check its source"),
             (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference reads an image.* --reference-settings .*; choose one"),
@@ -282,7 +282,7 @@ class Commands(RefusalTest):
     def test_experiment(self):
         self.refuse_each(["experiment"], [
             (USAGE, "", "experiment needs ACTION"),
-            (USAGE, "rnu", "experiment has the actions list and run, not 'rnu'"),
+            (USAGE, "rnu", "experiment has no action 'rnu'; use list or run"),
             (USAGE, "run", "experiment run needs names or --all; `relume experiment list` shows them"),
             (USAGE, "run reprojection --all", "experiment run takes names or --all, not both"),
             (FAILED, "run reprojektion", "no experiment 'reprojektion'; did you mean 'reprojection'"),

@@ -55,7 +55,7 @@ class Images(ProgramTest):
         self.assertEqual(png_pixels(self.folder / "settings.png"), png_pixels(self.folder / "half.png"))
         for text in ("half.ocio", "half.ocio:", ":Half"):
             done = run("render", "furnace", "-o", "no.png", "--ocio", text, cwd=self.folder)
-            self.assertIn(f"--ocio is '{text}', but must be a configuration and one of its views", done.stderr)
+            self.assertIn(f"--ocio is '{text}', but must name a configuration and one of its views", done.stderr)
             self.assertEqual(done.returncode, 2)
         for more, sentence in ((["--ocio", "half.ocio:Filmic"], "it has Half"), (["--ocio", "half.ocio:Half", "--tone-map", "agx"], "give one of them")):
             self.assertIn(sentence, run("render", "furnace", "-o", "no.png", *map(str, look), *more, cwd=self.folder).stderr)

@@ -302,7 +302,7 @@ class Settings(Viewer):
         self.assertEqual(set(png_pixels(self.folder / "image.png")[3][0]), {128})
         for file, value in (("dark.png", 128), ("window.png", 255)):  # a stop brighter: all of the background's radiance
             self.assertAlmostEqual(png_pixels(self.folder / file)[3][100][3], value, delta=1, msg=file)
-        for more, code, sentence in ((["half.ocio"], 2, "must be a configuration and one of its views"), (["half.ocio:Filmic"], 1, "it has Half"),
+        for more, code, sentence in ((["half.ocio"], 2, "must name a configuration and one of its views"), (["half.ocio:Filmic"], 1, "it has Half"),
                                      (["half.ocio:Half", "--tone-map", "agx"], 2, "give one of them"), (["none.ocio:Half"], 1, "none.ocio")):
             done = run(*view, "--smoke", 1, "--ocio", *more, cwd=self.folder)
             self.assertIn(sentence, done.stderr)
@@ -326,7 +326,7 @@ class Settings(Viewer):
         self.assertIn("steps.txt:2: set:", done.stderr)
 
     def test_steps_that_would_mean_nothing_end_with_their_line(self):
-        for step, said in (("split of", "neither on nor off"), ("pace of", "none of"), ("set camera nope", "there is no camera 'nope'")):
+        for step, said in (("split of", "split is 'of'; use on or off"), ("pace of", "pace is 'of'; use on, moving or off"), ("set camera nope", "there is no camera 'nope'")):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
             done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
             self.assertEqual(done.returncode, 1, step)

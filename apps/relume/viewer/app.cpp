@@ -59,7 +59,8 @@ void App::run() {
   while (!window_.should_close() && !finished()) {
     frame();
     if (!state_.frame() && !first_problem_.empty()) throw Error(first_problem_);
-    if (smoke_ && now_s() - newest_frame_s_ > kPatience_s) throw Error("no frame was rendered for five minutes");
+    if (smoke_ && now_s() - newest_frame_s_ > kPatience_s)
+      throw Error("no frame was rendered for five minutes; reduce --width and --height, or run on an idle machine");
   }
   finish();
 }

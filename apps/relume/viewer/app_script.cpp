@@ -15,9 +15,10 @@ namespace {
 
 /// Index of the item of that name in one of the scene's lists.
 template <typename Items>
-Index index_of(const Items& items, const std::string& name) {
+Index index_of(const Items& items, const char* kind, const std::string& name) {
   const auto found = std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
-  if (found == items.end()) throw Error("there is no '" + name + "'");
+  if (found == items.end())
+    throw Error(std::string("the scene has no ") + kind + " '" + name + "'; check its name in the scene panel");
   return static_cast<Index>(found - items.begin());
 }
 
@@ -29,12 +30,13 @@ void choose_panel(State& state, const std::string& name) {
     state.panel_wanted = true;
     return;
   }
-  throw Error("there is no panel '" + name + "'; there are settings, scene, camera and buffers");
+  throw Error("there is no panel '" + name + "'; use settings, scene, camera or buffers");
 }
 
 void set_sun(State& state, float hour) {
   Environment e = state.document->outline().environment;
-  if (e.kind != EnvironmentKind::sun_sky) throw Error("the environment has no sun; choose sun and sky");
+  if (e.kind != EnvironmentKind::sun_sky)
+    throw Error("the environment has no sun; start the viewer with --env sun_sky");
   state.sun_hour = hour;
   move_sun(state, e.sun_sky);
   state.document->set_environment(e);
@@ -53,7 +55,7 @@ void emit(State& state, float factor) {
     material.emission *= factor;
     state.document->set_material(s.index, material);
   } else {
-    throw Error("no light or material is selected");
+    throw Error("no light or material is selected; select one in an earlier step");
   }
   state.touch();
 }
@@ -87,13 +89,13 @@ void App::act_on_scene(const ScriptStep& step) {
   const Scene& scene = state_.document->outline();
   if (step.verb == "select") {
     if (word == "node")
-      select(state_, {Selected::node, index_of(scene.nodes, step.words[1])});
+      select(state_, {Selected::node, index_of(scene.nodes, "node", step.words[1])});
     else if (word == "light")
-      select(state_, {Selected::light, index_of(scene.lights, step.words[1])});
+      select(state_, {Selected::light, index_of(scene.lights, "light", step.words[1])});
     else if (word == "material")
-      select(state_, {Selected::material, index_of(scene.materials, step.words[1])});
+      select(state_, {Selected::material, index_of(scene.materials, "material", step.words[1])});
     else
-      throw Error("select needs a node, a light or a material");
+      throw Error("'" + word + "' cannot be selected; use node, light or material");
   }
   if (step.verb == "sun") set_sun(state_, number_in(word));
   if (step.verb == "emit") emit(state_, number_in(word));
@@ -125,11 +127,11 @@ void App::act(const ScriptStep& step) {
     state_.request_changed = true;
   }
   if (step.verb == "split") {
-    if (w[0] != "on" && w[0] != "off") throw Error("'" + w[0] + "' is neither on nor off");
+    if (w[0] != "on" && w[0] != "off") throw Error("split is '" + w[0] + "'; use on or off");
     set_split(state_, w[0] == "on");
   }
   if (step.verb == "pace") {
-    if (w[0] != "on" && w[0] != "moving" && w[0] != "off") throw Error("'" + w[0] + "' is none of on, moving, off");
+    if (w[0] != "on" && w[0] != "moving" && w[0] != "off") throw Error("pace is '" + w[0] + "'; use on, moving or off");
     state_.resolution_policy.hold_rate = w[0] != "off";
     state_.resolution_policy.full_at_rest = w[0] != "moving";
     state_.request_changed = true;

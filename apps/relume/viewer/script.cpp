@@ -52,7 +52,7 @@ std::string_view take_word(std::string_view& text) {
 uint32_t count_in(const std::string& text) {
   const float value = number_in(text);
   if (!(value >= 0 && value <= kMostFrames))
-    throw Error(fmt::format("{} is not a number from 0 to {}", text, kMostFrames));
+    throw Error(fmt::format("'{}' is not a number from 0 to {}", text, kMostFrames));
   return static_cast<uint32_t>(value);
 }
 
@@ -92,7 +92,8 @@ std::vector<ScriptStep> parse_script(std::string_view text, const std::string& p
       step.words.emplace_back(last ? trimmed(std::exchange(rest, {})) : take_word(rest));
     }
     if (step.words.size() < verb->fewest)
-      throw Error(fmt::format("{}:{}: {} needs {} more", place, line, step.verb, verb->fewest - step.words.size()));
+      throw Error(fmt::format("{}:{}: {} has {} arguments, but needs {}; see docs/viewer.md", place, line, step.verb,
+                              step.words.size(), verb->fewest));
     steps.push_back(std::move(step));
   }
   return steps;
@@ -108,7 +109,8 @@ std::vector<int> parse_keys(const std::string& text, const std::string& place) {
     const auto found = key_codes().find(name);
     const bool plain = name.size() == 1 &&
                        (std::isdigit(static_cast<unsigned char>(name[0])) != 0 || (name[0] >= 'a' && name[0] <= 'z'));
-    if (found == key_codes().end() && !plain) throw Error(fmt::format("{}: there is no key '{}'", place, name));
+    if (found == key_codes().end() && !plain)
+      throw Error(fmt::format("{}: there is no key '{}'; docs/viewer.md lists them", place, name));
     keys.push_back(plain ? std::toupper(static_cast<unsigned char>(name[0])) : found->second);
   }
   return keys;
@@ -179,7 +181,8 @@ void ScriptPlayer::update(const ScriptTarget& target) {
       if (!perform(step, target)) {
         ++tick_;
         const bool waits = step.verb == "seconds";
-        if (!waits && target.now_s() - progress_s_ > kPatience_s) throw Error("no frame was rendered for five minutes");
+        if (!waits && target.now_s() - progress_s_ > kPatience_s)
+          throw Error("no frame was rendered for five minutes; reduce --width and --height, or run on an idle machine");
         return;
       }
     } catch (const Error& error) {

@@ -28,8 +28,10 @@ TEST(Script, ReadsStepsAndComments) {
 TEST(Script, RefusesWithPlaceAndLine) {
   EXPECT_EQ(error_of([] { parse_script("key w\ndance\n", "tour.txt"); }),
             "tour.txt:2: there is no step 'dance'; docs/viewer.md lists them");
-  EXPECT_EQ(error_of([] { parse_script("drag 0 0 1\n", "tour.txt"); }), "tour.txt:1: drag needs 1 more");
-  EXPECT_EQ(error_of([] { parse_keys("shift+bogus", "tour.txt"); }), "tour.txt: there is no key 'bogus'");
+  EXPECT_EQ(error_of([] { parse_script("drag 0 0 1\n", "tour.txt"); }),
+            "tour.txt:1: drag has 3 arguments, but needs 4; see docs/viewer.md");
+  EXPECT_EQ(error_of([] { parse_keys("shift+bogus", "tour.txt"); }),
+            "tour.txt: there is no key 'bogus'; docs/viewer.md lists them");
 }
 
 TEST(Script, NamesKeysAsGlfwDoes) {
@@ -147,7 +149,8 @@ TEST(ScriptPlayer, GivesUpAfterFiveMinutes) {
   player.update(stage.target());
   stage.now_s += 301;
   EXPECT_EQ(error_of([&] { player.update(stage.target()); }),
-            "tour.txt:2: frames: no frame was rendered for five minutes");
+            "tour.txt:2: frames: no frame was rendered for five minutes; reduce --width and --height, or run on an "
+            "idle machine");
 }
 
 }  // namespace

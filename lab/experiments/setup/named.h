@@ -18,7 +18,7 @@ auto& named(List& list, std::string_view name) {
     if (element.name == name) return element;
     names.emplace_back(element.name);
   }
-  throw Error("nothing is called '" + std::string(name) + "'" + suggestion(name, names));
+  throw Error("there is no '" + std::string(name) + "'" + suggestion(name, names));
 }
 
 }  // namespace relume

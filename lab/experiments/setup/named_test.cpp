@@ -24,7 +24,7 @@ TEST(Named, AnErrorTellsTheNamesThatExist) {
     named(list, "vlc");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "nothing is called 'vlc'; there are path and psf");
+    EXPECT_STREQ(error.what(), "there is no 'vlc'; there are path and psf");
   }
 }
 

@@ -144,7 +144,8 @@ std::optional<ExperimentScene> sponza(const ExperimentContext& context) {
   if (context.scene_folder.empty()) return std::nullopt;
   const std::filesystem::path file = context.scene_folder / "sponza" / "sponza.gltf";
   if (!std::filesystem::exists(file))
-    throw Error(file.string() + ": the file does not exist; give the folder above its folder with --scenes");
+    throw Error(file.string() +
+                ": the file does not exist; use --scenes with the folder that contains sponza/sponza.gltf");
   ExperimentScene result;
   result.name = "Sponza";
   result.scene = load_scene(file);
@@ -188,7 +189,9 @@ ExperimentScene at_rest(ExperimentScene scene) {
 std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees) {
   std::optional<CameraPose> camera = scene.camera;
   if (degrees == 0) return camera;
-  if (!camera) throw Error(scene.name + ": the camera can only be turned if the experiment places it");
+  if (!camera)
+    throw Error(scene.name +
+                ": the camera cannot be turned, because the experiment does not set ExperimentScene::camera");
   const Vec4 eye = camera->to_world[3];
   camera->to_world[3] = Vec4(0, 0, 0, 1);
   camera->to_world = rotation_y(degrees) * camera->to_world;
@@ -199,7 +202,9 @@ std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees) {
 std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
   std::optional<CameraPose> camera = turned(scene, degrees);
   if (aside_m == 0) return camera;
-  if (!camera) throw Error(scene.name + ": the camera can only be moved if the experiment places it");
+  if (!camera)
+    throw Error(scene.name +
+                ": the camera cannot be moved, because the experiment does not set ExperimentScene::camera");
   camera->to_world[3] += aside_m * scene.camera->to_world[0];
   return camera;
 }

@@ -87,7 +87,7 @@ HuffmanTable::HuffmanTable(const std::vector<uint8_t>& lengths, const BitReader&
 
 uint32_t HuffmanTable::decode(BitReader& bits) const {
   const Entry entry = entries_[bits.peek(max_length_)];
-  if (entry.length == 0) bits.fail("its compressed data have an unknown Huffman code");
+  if (entry.length == 0) bits.fail("its compressed data contain an unknown Huffman code");
   bits.skip(entry.length);
   return entry.symbol;
 }

@@ -133,7 +133,9 @@ class Reader {
     if (!bytes_.empty()) fail();
   }
   [[noreturn]] void fail() const {
-    throw Error(fmt::format("{}: the process that reads the file gave no valid result; load the file again", place_));
+    throw Error(fmt::format(
+        "{}: the process that reads the file returned damaged data; load the file again, or convert it to glTF",
+        place_));
   }
 
  private:

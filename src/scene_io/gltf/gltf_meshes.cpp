@@ -75,12 +75,15 @@ std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int 
 
 void MeshImporter::count_vertices(size_t count) {
   if (vertices_read_ += count; vertices_read_ > kMaxVerticesRead)
-    document_.fail(fmt::format("its primitives read more than {} vertices", kMaxVerticesRead));
+    document_.fail(fmt::format("its primitives read more than {} vertices; simplify the meshes or split the file",
+                               kMaxVerticesRead));
 }
 
 void MeshImporter::count_deformation(size_t bytes) {
   if (deformation_bytes_ += bytes; deformation_bytes_ > kMaxDeformationBytes)
-    document_.fail(fmt::format("its morph targets and joints take more than {} GiB", kMaxDeformationBytes >> 30));
+    document_.fail(
+        fmt::format("its morph targets and joints take more than {} GiB; simplify the meshes or split the file",
+                    kMaxDeformationBytes >> 30));
 }
 
 /// Reads vertices and triangles of `mesh`, whose name and material are set. Keeps no triangles if the primitive has

@@ -75,7 +75,7 @@ void AnimationWriter::write_clip(Index clip, const std::string& name) {
   if (!channels_.empty()) {
     output_.add("animations", {{"name", name}, {"channels", std::move(channels_)}, {"samplers", std::move(samplers_)}});
   } else if (clip != kNone) {
-    output_.warn(fmt::format("animation '{}' moves nothing and is left out", name));
+    output_.warn(fmt::format("animation '{}' moves nothing and is not written", name));
   }
 }
 
@@ -115,7 +115,7 @@ void AnimationWriter::add_parameter(const ParameterChannel& channel, Index clip)
     return candidate.part == channel.part && candidate.parameter == channel.parameter;
   });
   if (p == known.end()) {
-    output_.warn(fmt::format("glTF cannot animate '{}'; its key frames are left out", channel.parameter));
+    output_.warn(fmt::format("glTF cannot animate '{}'; its key frames are not written", channel.parameter));
     return;
   }
   std::vector<float> values;
@@ -139,7 +139,9 @@ const ParameterChannel* AnimationWriter::alpha_of(const ParameterChannel& base_c
     if (c.part != AnimatedPart::material || c.index != base_color.index || c.parameter != "alpha") continue;
     if (c.clip != clip && c.clip != kNone) continue;
     if (c.times == base_color.times && c.interpolation == base_color.interpolation) return &c;
-    output_.warn("alpha has other key frames than its base colour; they are left out");
+    output_.warn(
+        fmt::format("material '{}': alpha and base colour have different key frames; those of alpha are not written",
+                    scene_.materials[static_cast<size_t>(c.index)].name));
   }
   return nullptr;
 }

@@ -65,7 +65,7 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
     if (settings.is_object()) {
       extras["settings"] = std::move(settings);
     } else {
-      output.warn("the scene's settings are not a JSON object; they are left out");
+      output.warn("the scene's settings are not a JSON object and are not written");
     }
   }
   return extras;

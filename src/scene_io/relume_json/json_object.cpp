@@ -67,7 +67,7 @@ float JsonObject::number(const char* key, float fallback, float low, float high)
   if (!is_usable_number(at(key))) wrong_type(key, "a number");
   const float value = at(key).get<float>();
   if (value < low || value > high)
-    fail(fmt::format("{} is {} but must lie in [{}, {}]", path_of(key), value, low, high));
+    fail(fmt::format("{} is {}, but must be from {} to {}", path_of(key), value, low, high));
   return value;
 }
 
@@ -94,7 +94,7 @@ Rgb JsonObject::rgb(const char* key, const Rgb& fallback) const {
   const json& value = at(key);
   if (!is_usable_number(value) && !is_vec3(value)) wrong_type(key, "a number or a list of three numbers");
   const Rgb result = value.is_number() ? Rgb(value.get<float>()) : to_vec3(value);
-  if (min_component(result) < 0) fail(fmt::format("{} must not be negative", path_of(key)));
+  if (min_component(result) < 0) fail(fmt::format("{} is {}, but must not be negative", path_of(key), value.dump()));
   return result;
 }
 

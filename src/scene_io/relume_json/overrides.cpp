@@ -41,7 +41,8 @@ std::vector<float> key_times(const std::vector<JsonObject>& keys) {
     key.require("time");
     const float time = key.number("time", 0, -kLargest, kLargest);
     if (!times.empty() && time <= times.back())
-      key.fail(fmt::format("{} must be later than the key before it", key.path_of("time")));
+      key.fail(fmt::format("{} is {:g}, but must be later than {:g}, the time of the key before it",
+                           key.path_of("time"), time, times.back()));
     times.push_back(time);
   }
   return times;
@@ -84,7 +85,8 @@ PunctualLight read_light(const JsonObject& object) {
     light.*p.member = degrees(object, p.key, light.*p.member, p.low_deg, p.high_deg);
   for (const LightParameter& p : light_parameters()) {
     if (light.*p.member > upper_limit(p, light))
-      object.fail(fmt::format("{} must be at most {:g}", object.path_of(p.key), glm::degrees(upper_limit(p, light))));
+      object.fail(fmt::format("{} is {:g}, but must be at most {:g}", object.path_of(p.key),
+                              glm::degrees(light.*p.member), glm::degrees(upper_limit(p, light))));
   }
   return light;
 }
@@ -99,7 +101,8 @@ SunSky read_sun_sky(const JsonObject& object) {
   sky.sun_angular_diameter_rad = degrees(object, "sun_angular_diameter_deg", sky.sun_angular_diameter_rad, 0.01f, 90);
   sky.ground_albedo = object.rgb("ground_albedo", sky.ground_albedo);
   if (max_component(sky.ground_albedo) > 1)
-    object.fail(fmt::format("{} must not exceed 1", object.path_of("ground_albedo")));
+    object.fail(fmt::format("{} is {:g}, but must be at most 1", object.path_of("ground_albedo"),
+                            max_component(sky.ground_albedo)));
   return sky;
 }
 
@@ -121,7 +124,8 @@ bool read(const JsonObject& object, const MaterialParameter& p, bool value) { re
 Rgb read(const JsonObject& object, const MaterialParameter& p, const Rgb& value) {
   const Rgb color = object.rgb(p.key, value);
   if (object.has(p.key) && max_component(color) > p.range.high)
-    object.fail(fmt::format("{} must not exceed {:g}", object.path_of(p.key), p.range.high));
+    object.fail(
+        fmt::format("{} is {:g}, but must be at most {:g}", object.path_of(p.key), max_component(color), p.range.high));
   return color;
 }
 template <typename T>
@@ -259,7 +263,8 @@ void apply_lights(const JsonObject& root, Scene& scene) {
     node.light = static_cast<Index>(scene.lights.size());
     node.transform.translation = object.vec3("position", Vec3(0));
     const Vec3 direction = object.vec3("direction", Vec3(0, -1, 0));
-    if (!(glm::length(direction) > 0)) object.fail(fmt::format("{} has length 0", object.path_of("direction")));
+    if (!(glm::length(direction) > 0))
+      object.fail(fmt::format("{} has length 0; give it another value", object.path_of("direction")));
     node.transform.rotation = look_rotation(direction);
     scene.lights.push_back(std::move(light));
     scene.add_node(std::move(node));

@@ -23,7 +23,7 @@ Scene load_base_scene(const JsonObject& root, const std::filesystem::path& base_
   if (lower_extension(file) == ".json")
     root.fail("scene must not be another JSON file; name a model or a built-in scene");
   if (!std::filesystem::exists(file))
-    root.fail(fmt::format("scene is {}, but this file does not exist", file.string()));
+    root.fail(fmt::format("scene is {}, but this file does not exist; check its path", file.string()));
   return load_scene(file);
 }
 

@@ -15,7 +15,7 @@ namespace {
 void check_errors(oidn::DeviceRef& device) {
   const char* message = nullptr;
   if (device.getError(message) == oidn::Error::None) return;
-  throw Error(std::string("Open Image Denoise failed: ") + (message ? message : "it gives no reason") +
+  throw Error(std::string("Open Image Denoise failed: ") + (message ? message : "unknown reason") +
               "; use denoise bmfr or svgf instead");
 }
 
