@@ -76,7 +76,7 @@ TEST(ComparisonPage, TheBestIsMarkedAndNamedWhereIntervalsLieApart) {
   EXPECT_EQ(in_short(c), "a is closest to the reference: relMSE 2. By the same measure, b has 2.5 times as much.");
 }
 
-TEST(ComparisonPage, NobodyIsWhereTheyOverlap) {
+TEST(ComparisonPage, MarksNoBestIfIntervalsOverlap) {
   const Comparison c = compared({contender("a", {1, 2, 3}), contender("b", {2.5, 4, 6}), contender("c", {9, 10, 11})});
   EXPECT_EQ(comparison_table(c).columns.at(kRelMse).better, Better::none);
   EXPECT_EQ(in_short(c),

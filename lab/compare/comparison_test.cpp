@@ -188,7 +188,7 @@ TEST_F(ComparisonTest, AnimationsReportFlicker) {
   EXPECT_EQ(c.contenders[0].repetitions[0].frames, 8u);
 }
 
-TEST_F(ComparisonTest, AImageFromElsewhereIsAColumn) {
+TEST_F(ComparisonTest, AnExternalImageIsAContender) {
   ComparisonOptions o = beside_image("grey", grey());
   const Comparison c = run("cornell", o);
   ASSERT_EQ(c.contenders.size(), 2u);

@@ -21,11 +21,11 @@ std::vector<size_t> leaders_of(std::vector<ContenderResult> contenders, bool wit
 
 using Indices = std::vector<size_t>;
 
-TEST(Ranking, WhoseIntervalLiesApartLeads) {
+TEST(Ranking, ADisjointIntervalLeads) {
   EXPECT_EQ(leaders_of({contender({4, 5, 6}), contender({1, 3, 2})}), Indices{1});
 }
 
-TEST(Ranking, WhoseIntervalsOverlapCannotBeToldApart) {
+TEST(Ranking, OverlappingIntervalsShareTheLead) {
   EXPECT_EQ(leaders_of({contender({4, 5, 6}), contender({1, 2, 3}), contender({2.9, 3.5, 7})}), (Indices{1, 2}));
   EXPECT_EQ(leaders_of({contender({1, 1, 1}), contender({1, 1, 1})}), (Indices{0, 1}));
 }
@@ -35,7 +35,7 @@ TEST(Ranking, TwoRepetitionsTellNothing) {
   EXPECT_EQ(leaders_of({contender({4}), contender({1})}), (Indices{1, 0}));
 }
 
-TEST(Ranking, AImageIsExactlyWhatItIs) {
+TEST(Ranking, AnImageHasNoInterval) {
   const ContenderResult image = contender({0.5}, true);
   EXPECT_EQ(leaders_of({contender({1, 2, 3}), image}), Indices{1});
   EXPECT_EQ(leaders_of({contender({1, 2, 3}), image}, false), Indices{0});

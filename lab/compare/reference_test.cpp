@@ -141,7 +141,7 @@ TEST_F(ReferenceTest, KnowsHowSurfacesMoved) {
   EXPECT_GT(turned->surface.depth[middle], 0.5f);
 }
 
-TEST_F(ReferenceTest, AImageOfAnotherSizeIsRefused) {
+TEST_F(ReferenceTest, RejectsACachedImageOfAnotherSize) {
   const Scene scene = find_builtin_scene("cornell")->build();
   ReferenceRenderer renderer(scene, small(), 2, folder_);
   ASSERT_TRUE(renderer.render(0, {}, {}));

@@ -29,7 +29,7 @@ TEST(EqualTime, ABudgetOfFewFramesMovesToWhereTimesAgree) {
   EXPECT_LT(equal.spread(), 1e-9);
 }
 
-TEST(EqualTime, EverybodyRendersAFrame) {
+TEST(EqualTime, EveryContenderRendersAFrame) {
   const EqualTime equal = equal_time({{0.5}, {0.02, 0.04, 0.06, 0.08}}, 0.05);
   EXPECT_EQ(equal.frames[0], 1u);
   EXPECT_GT(equal.spread(), 4);

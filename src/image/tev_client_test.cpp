@@ -232,7 +232,7 @@ TEST(TevClient, ViewerRebuildsTheImage) {
   EXPECT_TRUE(client.take_notice().empty());
 }
 
-TEST(TevClient, NobodyThereIsAnError) {
+TEST(TevClient, AMissingViewerIsAnError) {
   uint16_t port = 0;
   {
     const FakeViewer viewer;
@@ -247,7 +247,7 @@ TEST(TevClient, NobodyThereIsAnError) {
   EXPECT_THROW(TevClient({"host.invalid", 1}), Error);
 }
 
-TEST(TevClient, LostConnectionIsSaidOnceAndRestored) {
+TEST(TevClient, ReportsALostConnectionOnceAndReconnects) {
   auto viewer = std::make_unique<FakeViewer>();
   const uint16_t port = viewer->port();
   TevClient client({"127.0.0.1", port}, {.retry = 20ms});

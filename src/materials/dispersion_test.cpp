@@ -42,7 +42,7 @@ TEST(Dispersion, ResponsesPeakAtThePrimaries) {
   }
 }
 
-TEST(Dispersion, WeightsAreWhiteInTheMean) {
+TEST(Dispersion, WeightsAverageToWhite) {
   const glm::dvec3 mean = integral([](float nm) { return wavelength_weight(nm) * wavelength_pdf(nm); });
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 1.0, 1e-5) << c;
   for (int i = 0; i < kSteps; ++i) {

@@ -64,12 +64,12 @@ TEST_F(CheckpointTest, RefusesTimesThatNoSessionHas) {
   }
 }
 
-TEST_F(CheckpointTest, RefusesMoreFramesSinceAChangeThanAtAll) {
+TEST_F(CheckpointTest, RejectsMoreFramesSinceAChangeThanInTotal) {
   write({.frames = 2, .since_change = 3});
   EXPECT_THROW(read(), Error);
 }
 
-TEST_F(CheckpointTest, RefusesMoreInAImageThanAtAll) {
+TEST_F(CheckpointTest, RejectsMoreFramesInTheImageThanInTotal) {
   write({.frames = 2, .image_frames = 3});
   EXPECT_THROW(read(), Error);
   write({.paths = 2, .image_paths = 3});

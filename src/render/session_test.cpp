@@ -34,7 +34,7 @@ double mean_luminance(const Image& image) {
   return sum / static_cast<double>(image.pixels.size());
 }
 
-TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
+TEST(Session, RestartsIfAuxiliaryBuffersAreAddedOrRemoved) {
   RenderSettings settings = small_settings();
   settings.denoise = DenoiseChoice::svgf;
   Session session = furnace(settings);
@@ -174,7 +174,7 @@ TEST(Session, RefusesIndicesThatTheSceneDoesNotHave) {
   EXPECT_EQ(session.frames_since_change(), 1u);
 }
 
-TEST(Session, GoesOnWithTheSameSequenceWhereOnlyTheClockMoves) {
+TEST(Session, ContinuesItsSequenceIfOnlyTheTimeChanges) {
   Session moving_clock = furnace(small_settings());
   Session still = furnace(small_settings());
   for (int i = 0; i < 8; ++i) {

@@ -114,7 +114,7 @@ TEST(RenderUntil, InterruptDropsTheFrameInProgress) {
   EXPECT_EQ(session.samples, 3u);
 }
 
-TEST(RenderUntil, InterruptDuringTheFirstFrameStillGivesAImage) {
+TEST(RenderUntil, InterruptDuringTheFirstFrameStillGivesAnImage) {
   FakeSession session;
   session.interrupt_at = 1;
   EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);

@@ -133,7 +133,7 @@ TEST(SharedHistory, ReprojectionIsBiasedByLessThanTwoPercent) {
   }
 }
 
-TEST(History, ReprojectionBeatsStartingAnew) {
+TEST(History, ReprojectionBeatsRestarting) {
   constexpr int kLarger = 96;  // at 32, every second pixel is on an edge, which reprojection rejects
   const auto settings = [](HistoryChoice history) { return settings_of(AllocationChoice::uniform, history, kLarger); };
   const Moments truth = measure(cornell(), settings(HistoryChoice::accumulate), 64, 2, 1001);

@@ -288,7 +288,7 @@ TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
   EXPECT_TRUE(notices[0].failed_task);
 }
 
-TEST(RenderThread, AImageOfWhatIsNewIsMadeForWhatWasAskedForLast) {
+TEST(RenderThread, FinishesAFrameOfTheLastRequestBeforeItStops) {
   // Slow frames of a different size, so that the end comes before the first is complete.
   Stage stage;
   stage.post();
@@ -307,7 +307,7 @@ TEST(RenderThread, AImageOfWhatIsNewIsMadeForWhatWasAskedForLast) {
   EXPECT_GT(width, 0);
 }
 
-TEST(RenderThread, TasksFindAImageThoughTheNextIsBegun) {
+TEST(RenderThread, TasksSeeACompleteFrameWhileTheNextIsRequested) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());

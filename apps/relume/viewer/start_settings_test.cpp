@@ -15,7 +15,7 @@ namespace {
 LightSelectionChoice interactive_lights() { return resolve({.preset = "interactive"}).render.lights; }
 DenoiseChoice interactive_denoiser() { return resolve({.preset = "interactive"}).render.denoise; }
 
-TEST(StartSettings, AreInteractiveWhereNobodySaysOtherwise) {
+TEST(StartSettings, DefaultToThePresetInteractive) {
   SettingSources sources;
   sources.flags = {{"width", "100"}, {"max-bounces", "3"}};
   const AllSettings settings = resolve_start(sources);
@@ -25,7 +25,7 @@ TEST(StartSettings, AreInteractiveWhereNobodySaysOtherwise) {
   EXPECT_EQ(settings.render.path.max_bounces, 3);
 }
 
-TEST(StartSettings, AreTheUsersWhereTheySpeakOfTechniques) {
+TEST(StartSettings, KeepTheDefaultsIfTheUserChoosesATechnique) {
   const RenderSettings plain;
   for (const auto& flag : {std::pair("denoise", "none"), std::pair("lights", "vlc"), std::pair("cache", "none")}) {
     SettingSources sources;
@@ -89,7 +89,7 @@ TEST(Presets, KeepTheImageAndWhatTheSceneAsksFor) {
   EXPECT_EQ(apply_preset(current, "", "", "preview").render.path.max_bounces, 3);
 }
 
-TEST(SettingsInScene, StayButForWhatTheSceneAsksFor) {
+TEST(SettingsInScene, StayExceptForThoseOfTheScene) {
   AllSettings current = resolve_start({});
   current.render.camera = "side";
   current.render.time_s = 2;
@@ -116,7 +116,7 @@ TEST(SettingsInScene, AreTheScenesWhereTheyDoNotCombineWithTheUsers) {
   EXPECT_EQ(settings.render.width, 123);
 }
 
-TEST(SettingsInScene, AreRefusedWhereTheSceneAsksForWhatThereIsNot) {
+TEST(SettingsInScene, RejectUnknownAndIncompatibleSettingsOfTheScene) {
   EXPECT_THROW(settings_in_scene({}, R"({"max-bouncs": 3})", "scene"), Error);
   EXPECT_THROW(settings_in_scene({}, R"({"cache": "psf", "guide": "cdq"})", "scene"), Error);
 }

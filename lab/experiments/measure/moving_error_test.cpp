@@ -42,7 +42,7 @@ TEST(MovingError, SlowContendersHaveFewerFrames) {
   EXPECT_NEAR(many.time_share, 1, 0.6 / many.frames);  // within half a frame
 }
 
-TEST(MovingError, EverybodyEndsAtTheReferencesView) {
+TEST(MovingError, EveryContenderEndsAtTheReferencesView) {
   const MovingErrors errors =
       measure({.frames = 6, .repetitions = 1, .step_deg = 40, .reference_spp = 256, .clock = rays_clock});
   const MovingError& clean = errors.contenders[2];

@@ -151,7 +151,7 @@ TEST_P(Caches, KeepTheirBitsWhereOtherPoliciesWatchTheirPaths) {
   EXPECT_EQ(run(true), run(false));
 }
 
-TEST_P(Caches, ATableSixteenTimesTooSmallForgets) {
+TEST_P(Caches, ATableSixteenTimesTooSmallDegrades) {
   CachedFrameSettings settings = small(GetParam(), 48);
   CachedFrames roomy(build("cornell"), settings);
   const double expected = mean_over(roomy, 2, 12);

@@ -132,7 +132,7 @@ TEST(CellHistory, PoolsFramesUpToTheMaximumCellSize) {
   EXPECT_EQ(h.frames, 3u);
 }
 
-TEST(CellHistory, StartsAnewWhenTwoFramesStrayToOneSide) {
+TEST(CellHistory, RestartsAfterTwoOutliersOnTheSameSide) {
   const AveragingRule rule{1e6f, 4, 4};
   testing::Random random(5);
   const auto frame = [&](float mean) {
@@ -151,7 +151,7 @@ TEST(CellHistory, StartsAnewWhenTwoFramesStrayToOneSide) {
   EXPECT_NEAR(h.moments.mean.r, 3.0f, 1.1f);  // five standard errors of 64 samples of standard deviation 1.73
 }
 
-TEST(CellHistory, GathersThinFramesUntilTheyTell) {
+TEST(CellHistory, PoolsSparseFramesUntilTheyAreSignificant) {
   const AveragingRule rule{1024, 4, 8};
   testing::Random random(7);
   const auto frame = [&](float mean) {

@@ -52,7 +52,7 @@ TEST(RegionChange, ChanceIsNone) {
   }
 }
 
-TEST(RegionChange, WhatOneCellCannotTellARegionDoes) {
+TEST(RegionChange, ARegionDetectsChangesTooSmallForOneCell) {
   Region region(64, 64, 4);
   for (int i = 0; i < 50; ++i) region.render(one);
   // Half of the cells become brighter, half darker by a quarter, 3.5 standard errors of a frame's 64 samples. None
@@ -66,7 +66,7 @@ TEST(RegionChange, WhatOneCellCannotTellARegionDoes) {
   EXPECT_LT(missing, 0.08);
 }
 
-TEST(RegionChange, OneCellMaySayItAloneTwice) {
+TEST(RegionChange, TwoOutlyingFramesOfOneCellAreAChange) {
   Region region(1, 64, 5);
   for (int i = 0; i < 50; ++i) region.render(one);
   for (int i = 0; i < 2; ++i) region.render([](size_t) { return 3.0f; });

@@ -259,7 +259,7 @@ TEST(HashGrid, ClampsFirefliesToAMultipleOfTheMean) {
   EXPECT_NEAR(grid.view(grid_camera()).moments(point(0)).mean.r, (10.0 + 4.0) / 11.0, 1e-5);
 }
 
-TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
+TEST(HashGrid, NewCellsInheritFromTheNeighbouringLevel) {
   HashGridSettings settings = plain();
   settings.inherited_count = 16;
   Backend backend(1);
@@ -282,7 +282,7 @@ TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
   }
 }
 
-TEST(HashGrid, CellsThatStandAloneTellNoOther) {
+TEST(HashGrid, IsolatedCellsShareNoSamples) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;
   settings.inherited_count = 128;
@@ -305,7 +305,7 @@ TEST(HashGrid, CellsThatStandAloneTellNoOther) {
   EXPECT_FALSE(neighbour_knows(true));
 }
 
-TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
+TEST(HashGrid, UndersampledCellsReadCoarserCells) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;
   settings.min_count = 8;

@@ -41,7 +41,7 @@ struct Pixels {
   std::vector<uint32_t> nonfinite;
 };
 
-TEST(Accumulate, AveragesEveryPixelByItself) {
+TEST(Accumulate, AveragesPixelsIndependently) {
   Pixels p(2);
   p.rays = {3, 5};
   p.add(0, Rgb(1, 2, 3));

@@ -30,7 +30,7 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
 }
 
-TEST(BackwardReprojection, LeavesOutWhatKnowsNothing) {
+TEST(BackwardReprojection, ExcludesTapsWithoutSamples) {
   Plane plane;
   std::vector<float> values(16);
   for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
@@ -81,7 +81,7 @@ TEST(BackwardReprojection, InterpolatesVariances) {
   EXPECT_EQ(now.moments.m2[7], 0.0f);
 }
 
-TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
+TEST(BackwardReprojection, PixelsWithoutAHistoryHaveAReason) {
   Plane plane;
   plane.motion[0] = Vec2(9, 0);
   plane.motion[1] = Vec2(-1, -1);  // was at pixel 6, which has no samples

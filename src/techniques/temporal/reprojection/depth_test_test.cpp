@@ -55,7 +55,7 @@ TEST(DepthTest, OneRelitSampleEndsTheHistoryThatOthersVoteFor) {
   EXPECT_EQ(static_cast<RejectReason>(reasons[0]), RejectReason::relit);
 }
 
-TEST(DepthTest, MovesBuffersAndBeginsAnewWhereNothingLands) {
+TEST(DepthTest, MovesBuffersAndClearsPixelsWithoutASource) {
   const std::vector<float> before{1, 2, 3};
   std::vector<float> now(3, 9);
   const std::vector<uint32_t> sources{2, kNoSource, 0};

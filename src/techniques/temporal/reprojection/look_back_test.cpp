@@ -83,7 +83,7 @@ struct Sources {
   SourceKernel kernel;
 };
 
-TEST(LookBack, FillsPixelsOfWhichNothingIsKnown) {
+TEST(LookBack, FillsPixelsWhoseSurfaceHasNoVote) {
   const MovedPlane plane;
   for (const RejectReason reason : {empty, occluded, mixed, view_dependent, near_specular, relit}) {
     Sources s(plane);
@@ -106,7 +106,7 @@ TEST(LookBack, AVoteComesFirst) {
   EXPECT_EQ(s.reasons[7], number(none));
 }
 
-TEST(LookBack, AVoteOfAnotherSurfaceGivesWay) {
+TEST(LookBack, AVoteOfAnotherSurfaceIsReplaced) {
   const MovedPlane plane;
   Sources s(plane);
   s.votes[7] = vote_of(1, 11);

@@ -171,7 +171,7 @@ TEST(Reprojection, NoticesWhatIsHiddenNow) {
   EXPECT_GT(stage.count(RejectReason::occluded), 0);
 }
 
-TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
+TEST(Reprojection, MirrorsAreRejectedIfTheCameraMoves) {
   Stage stage(cornell_of(0.05f, 1.0f));  // α = 0.0025
   stage.render();
   stage.shift_camera(0.01f);
@@ -180,7 +180,7 @@ TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
   EXPECT_GT(stage.count(RejectReason::near_specular), 0);
 }
 
-TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
+TEST(Reprojection, MirrorsAreKeptIfOnlyTheCameraTurns) {
   Stage stage(cornell_of(0.05f, 1.0f));
   stage.render();
   stage.turn_camera(0.1f);
@@ -203,7 +203,7 @@ TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
   EXPECT_GT(stage.count(RejectReason::near_specular), static_cast<int>(kPixels) / 2);
 }
 
-TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
+TEST(Reprojection, PixelsWithoutAHistoryHaveAReason) {
   const auto reasons = [](Stage& stage, RejectReason reason) {
     return std::count_if(stage.votes.begin(), stage.votes.end(), [&](uint64_t c) { return reason_of(c) == reason; });
   };

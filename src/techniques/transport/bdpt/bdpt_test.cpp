@@ -240,7 +240,7 @@ Scene make_sheet_below_ceiling() {
   return scene;
 }
 
-TEST(Bdpt, ShadowRaysMeetSheetsAnew) {
+TEST(Bdpt, ShadowRaysDrawAlphaIndependently) {
   // All light passes the sheet twice, which leaves a quarter.
   Scene open = make_sheet_below_ceiling();
   open.materials[1].alpha = 0;
