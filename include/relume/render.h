@@ -18,7 +18,7 @@ struct RenderLimits {
   double error = 0;      ///< relative error of the image, Session::estimated_error()
 };
 
-/// The limit that ended a rendering; interrupted: the stop request did.
+/// The reason why a rendering ended: a limit, or a stop request (interrupted).
 enum class StopReason { samples, time, error, interrupted };
 /// The enumerator's name, such as "samples".
 RELUME_API const char* name_of(StopReason reason);

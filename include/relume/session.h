@@ -21,12 +21,11 @@
 
 namespace relume {
 
-/// Identifies a part of a session's scene. Parts of the initial scene are identified by their index in Scene's arrays,
-/// which converts to a handle.
+/// Identifies a part of a session's scene. An index into Scene's arrays converts to a handle.
 template <typename Part>
 struct Handle {
   Index index = kNone;
-  uint64_t session = 0;  ///< number of the session that added the part; 0: a part of the initial scene
+  uint64_t session = 0;  ///< number of the session that the handle belongs to; 0: not checked (a plain index)
 
   constexpr Handle() = default;
   // NOLINTNEXTLINE(google-explicit-constructor): an index names its part, too
@@ -71,8 +70,8 @@ class RELUME_API Session {
   /// history that survives a change makes it higher.
   double kept_samples() const;
 
-  /// Begins a new image with the next frame, for example of a sequence. Resets the counters below, but keeps samples
-  /// and histories.
+  /// Begins a new image with the next frame, for example of a sequence, whether or not anything has changed. Resets the
+  /// counters below, but keeps samples and histories.
   void begin_image();
   /// Frames since begin_image(), or since the session began.
   uint32_t image_frames() const;
@@ -81,9 +80,10 @@ class RELUME_API Session {
   /// Seconds spent in render_frame() for these frames, without those of a loaded checkpoint.
   double image_render_s() const;
 
-  /// Change the scene between frames. Histories are kept where they stay valid; without a history, samples start over.
-  /// Throw Error (invalid_handle) for parts that are not in the scene, and for values out of range.
-  ///
+  // Changes of the scene between frames. Histories are kept where they stay valid; without a history, samples start
+  // over. These calls throw Error for values out of range, and with the code invalid_handle for parts that are not in
+  // the scene.
+
   /// Moves animated nodes and parameters to a time in the range of the setting "scene-time".
   void set_time(float time_s);
   /// Renders with this camera; std::nullopt: with the scene's own camera, which the setting "camera" selects.
@@ -139,8 +139,9 @@ class RELUME_API Session {
 
   /// Names of the arbitrary output variables with these settings: albedo, normal, depth, motion, variance, …
   static std::vector<std::string> aov_names(const Settings& settings);
-  /// Planes of one output variable as of the last frame, with their conventional EXR channel names ("albedo.R"). Albedo
-  /// and the like are means over the frames since the last change. Throws Error for an unknown name.
+  /// Planes of one output variable as of the last frame, with their conventional EXR channel names ("albedo.R"). Layers
+  /// that accumulate, such as albedo, are means over the frames since the last change. Throws Error for an unknown
+  /// name.
   std::vector<ExrChannel> aov(const std::string& name) const;
 
   const Statistics& statistics() const;

@@ -34,7 +34,7 @@ struct ComparisonRequest {
 /// Medians over the repetitions. Errors exclude pixels that are not finite in the image or the reference.
 struct ContenderScore {
   std::string name;
-  double mse = 0;  ///< this and the next three: see Metrics
+  double mse = 0;  ///< mean squared error; for this and the next three see Metrics
   double rel_mse = 0;
   double mape = 0;
   double flip = 0;

@@ -24,11 +24,11 @@ struct PathState {
   float wavelength_nm = kNoWavelength;  ///< of the whole path; kNoWavelength in scenes without dispersion
   bool dispersed = false;  ///< whether a vertex scattered by wavelength; throughput then includes the weight, except on
                            ///< light subpaths
-  bool delta = true;       ///< the ray leaves the camera or a delta lobe: next event estimation cannot sample along it
-  Rgb medium{0};           ///< absorption along the ray, per metre: the sum over all media around it
-  float cone_width = 0;    ///< footprint at the ray's origin, metres
-  float cone_spread = 0;   ///< growth per metre
-  uint32_t bounce = 0;     ///< scattering events so far
+  bool delta = true;  ///< whether the ray leaves the camera or a delta lobe, where next event estimation has no density
+  Rgb medium{0};      ///< absorption along the ray, per metre: the sum over all media around it
+  float cone_width = 0;   ///< footprint at the ray's origin, metres
+  float cone_spread = 0;  ///< growth per metre
+  uint32_t bounce = 0;    ///< scattering events so far
   uint32_t rays = 0;
 };
 
@@ -169,10 +169,10 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
   path.throughput *= transmittance_to(scene, sp, distance, path.medium);
 }
 
-/// Survival probability of Russian roulette per unit of relative throughput. Roulette starts where the relative
-/// throughput is below 1 / 1.1, and raises that of survivors to this value. It is relative to the throughput of the
-/// first bounce, because noise is seen against the albedo of the visible surface. Larger values reduce noise and trace
-/// more rays.
+/// Factor of Russian roulette: a path survives with the probability kRouletteThreshold × relative throughput. Roulette
+/// acts below 1 / kRouletteThreshold and raises survivors to that value. Throughput is relative to that after the first
+/// bounce, because noise is seen against the albedo of the visible surface. Larger values reduce noise and trace more
+/// rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
 /// Applies the wavelength weight at the first vertex that scatters by wavelength, where the path continues towards `w`.
