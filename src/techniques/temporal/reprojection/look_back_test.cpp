@@ -83,7 +83,7 @@ struct Sources {
   SourceKernel kernel;
 };
 
-TEST(LookBack, FillsPixelsWhoseSurfaceHasNoVote) {
+TEST(LookBack, FillsOnlyWhereTheReasonConcernsAnotherSurface) {
   const MovedPlane plane;
   for (const RejectReason reason : {empty, occluded, mixed, view_dependent, near_specular, relit}) {
     Sources s(plane);
