@@ -220,15 +220,16 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
   }
   for (BoxVariation variation : variations) results.push_back(measure(context, closed_box(variation), two));
 
-  const SceneResult* const box = &named(results, "closed box");
-  const SceneResult* const sponza_hall = hall ? &named(results, hall->name) : nullptr;
+  const SceneResult* const box = &named(results, "scene", "closed box");
+  const SceneResult* const sponza_hall = hall ? &named(results, "scene", hall->name) : nullptr;
   ExperimentResult result;
   claim_gain(box, kPaperBox, "gain-box", "the box", "4/32", result.claims);
   claim_best(box, kPaperBox, "best-box", "4/32", result.claims);
   claim_gain(sponza_hall, kPaperSponza, "gain-sponza", "Sponza", "2/32", result.claims);
   claim_best(sponza_hall, kPaperSponza, "best-sponza", "2/32", result.claims);
-  claim_no_gain(named(results, "directional light"), "no-gain-directional", "under directional light", result.claims);
-  claim_no_gain(named(results, "highly reflective"), "no-gain-reflective", "for highly reflective materials",
+  claim_no_gain(named(results, "scene", "directional light"), "no-gain-directional", "under directional light",
+                result.claims);
+  claim_no_gain(named(results, "scene", "highly reflective"), "no-gain-reflective", "for highly reflective materials",
                 result.claims);
   result.blocks.emplace_back(
       table("Against path tracing at equal time, in the paper's first moments",

@@ -117,7 +117,7 @@ Claim claim_less_noise(const std::vector<Case>& cases) {
   std::string measured;
   std::vector<Ratio> gains;
   for (const char* scene : {"cornell-spheres", "cornell-mirror", "cornell-water"}) {
-    gains.push_back(gain(named(cases, scene).samples));
+    gains.push_back(gain(named(cases, "scene", scene).samples));
     measured += fmt::format("{}{}: {}", measured.empty() ? "" : ", ", scene, to_text(gains.back()));
   }
   return judged_ratios("less-noise", "[Sun20 §5.1.1]", "At equal samples bidirectional path tracing has less noise.",
@@ -209,7 +209,7 @@ Claim claim_reference(const ExperimentContext& context, const std::vector<Case>&
     StudyOptions options = options_of(context, "light=estimator:light");
     options.spp = context.choose(64, 16);
     const Comparison c = study(context, built_in(scene, kBounces), options);
-    const Rectangle& region = named(cases, scene).region;
+    const Rectangle& region = named(cases, "scene", scene).region;
     std::vector<double> differences;
     for (const Image& image : contender_named(c, "light").images)
       differences.push_back(region_mean(image, region) / region_mean(c.reference.image, region) - 1);
@@ -237,9 +237,9 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   ExperimentResult result;
   result.claims.push_back(claim_less_noise(cases));
   claim_frames(context, result.claims);
-  result.claims.push_back(claim_region(named(cases, "cornell-water"), "time-water", kOurs, 5));
-  result.claims.push_back(claim_region(named(cases, "cornell-glass"), "time-glass", kOurs, 5));
-  result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", kOurs, 2));
+  result.claims.push_back(claim_region(named(cases, "scene", "cornell-water"), "time-water", kOurs, 5));
+  result.claims.push_back(claim_region(named(cases, "scene", "cornell-glass"), "time-glass", kOurs, 5));
+  result.claims.push_back(claim_region(named(cases, "scene", "lamp-room"), "time-lamps", kOurs, 2));
   result.claims.push_back(claim_reference(context, cases));
   std::vector<Case> own_lights;
   for (const OwnLight& own : kOwnLights) {

@@ -224,7 +224,7 @@ std::string percent_text(const std::vector<double>& shares) {
 /// Each kind of feature keeps its contrast, with a lower error than the same samples without a denoiser.
 void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims) {
   for (const Feature& f : kFeatures) {
-    const Still& still = named(stills, f.scene);
+    const Still& still = named(stills, "scene", f.scene);
     const Comparison& c = still.comparison;
     const double possible = contrast_kept(still.clean, c.reference.image, f.region);
     std::string measured;

@@ -86,7 +86,7 @@ TableBlock memory_table(const std::vector<SceneResult>& scenes) {
   return block;
 }
 
-double figure(const AdaptedError& e, std::string_view name) { return named(e.figures, name).value; }
+double figure(const AdaptedError& e, std::string_view name) { return named(e.figures, "figure", name).value; }
 
 /// Claim from the measured, not the declared, memory of the passes.
 Claim claim_memory(const SceneResult& scene, const std::string& id) {

@@ -169,7 +169,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guide
   claims.push_back(judged_ratios(fmt::format("never-worse{}", guided.suffix), kOurs,
                                  fmt::format("Guiding ({}) does little harm anywhere else.", guided.name), measured,
                                  ratios, 1 / 1.3));
-  const Ratio uniform = gain(named(scenes, "warehouse"), guided, 0);
+  const Ratio uniform = gain(named(scenes, "scene", "warehouse"), guided, 0);
   claims.push_back(
       judged_within(fmt::format("uniform-light{}", guided.suffix), guided.source,
                     fmt::format("`warehouse`: under uniform light guiding ({}) gives no gain.", guided.name),

@@ -140,9 +140,10 @@ Claim claim_scene(const MovingErrors& scene) {
   std::string measured;
   std::vector<Ratio> ratios;
   for (const char* paper : kPapers) {
-    ratios.push_back(error_ratio(named(scene.contenders, paper).mses, named(scene.contenders, kInteractive).mses));
+    ratios.push_back(error_ratio(named(scene.contenders, "contender", paper).mses,
+                                 named(scene.contenders, "contender", kInteractive).mses));
     measured += fmt::format("{}{} {} in {:.0f} % of the time", measured.empty() ? "" : ", ", paper,
-                            to_text(ratios.back()), 100 * named(scene.contenders, paper).time_share);
+                            to_text(ratios.back()), 100 * named(scene.contenders, "contender", paper).time_share);
   }
   std::string id = scene.scene;
   std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -157,7 +158,8 @@ Ratio gain_over(const std::vector<MovingErrors>& scenes, std::string_view name) 
   double log_value = 0;
   double squared_spread = 0;
   for (const MovingErrors& scene : scenes) {
-    const Ratio ratio = error_ratio(named(scene.contenders, name).mses, named(scene.contenders, kInteractive).mses);
+    const Ratio ratio = error_ratio(named(scene.contenders, "contender", name).mses,
+                                    named(scene.contenders, "contender", kInteractive).mses);
     log_value += std::log(ratio.value) / static_cast<double>(scenes.size());
     squared_spread += sqr(std::log(ratio.interval.high / ratio.value) / static_cast<double>(scenes.size()));
   }

@@ -84,7 +84,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
 /// Errors of the static lists with the lowest `cost`.
 template <typename Cost>
 const AdaptedError& best_lists(const SceneResult& scene, const Cost& cost) {
-  const AdaptedError* best = &named(scene.errors, kLists);
+  const AdaptedError* best = &named(scene.errors, "contender", kLists);
   for (const AdaptedError& e : scene.errors) {
     if (e.name.starts_with(kLists) && cost(e) < cost(*best)) best = &e;
   }
@@ -103,7 +103,7 @@ TableBlock table(const SceneResult& scene) {
        {"times lower than the light tree", "", Better::higher},
        {"times time", "", Better::higher}},
       {}};
-  const AdaptedError& tree = named(scene.errors, kTree);
+  const AdaptedError& tree = named(scene.errors, "contender", kTree);
   int color = 0;
   for (const AdaptedError& e : scene.errors) {
     const Ratio ratio = error_ratio(tree.mse[0], e.mse[0]);
@@ -125,8 +125,8 @@ Ratio against(const AdaptedError& worse, const AdaptedError& better) {
 /// Claims of the paper about the cache, for one variant of its settings.
 void claim_warehouse(const SceneResult& scene, const char* cache, const std::string& suffix, const char* source,
                      std::vector<Claim>& claims) {
-  const AdaptedError& ours = named(scene.errors, cache);
-  const Ratio tree = against(named(scene.errors, kTree), ours);
+  const AdaptedError& ours = named(scene.errors, "contender", cache);
+  const Ratio tree = against(named(scene.errors, "contender", kTree), ours);
   claims.push_back(judged_ratios("warehouse-light-tree" + suffix, source,
                                  fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
                                              "magnitude less error than the light hierarchy.",
@@ -134,20 +134,21 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
                                  to_text(tree) + " lower MSE on `warehouse` than the light tree", {tree}, 5));
   const AdaptedError& lists = best_lists(scene, [](const AdaptedError& e) { return e.mean_mse(); });
   const Ratio ratio = against(lists, ours);
-  claims.push_back(
-      judged_ratios("warehouse-static-lists" + suffix, source,
-                    fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
-                                "magnitude less error than static light lists.",
-                                cache),
-                    fmt::format("{} lower MSE on `warehouse` than the best lists ({}); {} with their "
-                                "defaults",
-                                to_text(ratio), lists.name, to_text(against(named(scene.errors, kLists), ours))),
-                    {ratio}, 5));
+  claims.push_back(judged_ratios(
+      "warehouse-static-lists" + suffix, source,
+      fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
+                  "magnitude less error than static light lists.",
+                  cache),
+      fmt::format("{} lower MSE on `warehouse` than the best lists ({}); {} with their "
+                  "defaults",
+                  to_text(ratio), lists.name, to_text(against(named(scene.errors, "contender", kLists), ours))),
+      {ratio}, 5));
   std::vector<Ratio> ratios;
   std::string measured;
   const AdaptedError& fast = best_lists(scene, [](const AdaptedError& e) { return e.mean_mse() * e.median_s(); });
   for (const AdaptedError* other :
-       {&named(scene.errors, "uniform"), &named(scene.errors, "power"), &named(scene.errors, kTree), &fast}) {
+       {&named(scene.errors, "contender", "uniform"), &named(scene.errors, "contender", "power"),
+        &named(scene.errors, "contender", kTree), &fast}) {
     ratios.push_back(equal_time_ratio(*other, ours));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", other->name, to_text(ratios.back()));
   }
@@ -164,7 +165,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
   std::string measured;
   for (const SceneResult& scene : scenes) {
     if (scene.name.starts_with("warehouse")) continue;
-    ratios.push_back(against(named(scene.errors, kTree), named(scene.errors, cache)));
+    ratios.push_back(against(named(scene.errors, "contender", kTree), named(scene.errors, "contender", cache)));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratios.back()));
   }
   claims.push_back(judged_ratios(
@@ -174,7 +175,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
 }
 
 void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
-  const Ratio ratio = against(named(field.errors, "power"), named(field.errors, kTree));
+  const Ratio ratio = against(named(field.errors, "contender", "power"), named(field.errors, "contender", kTree));
   claims.push_back(judged_ratios(
       "tree-is-tuned", "[relume]",
       "The baseline is strong: where nothing is hidden, the light tree has less error than sampling by power.",

@@ -15,7 +15,7 @@ constexpr const char* kPaper = "[Schipek22 §6.1]";
 /// exclude lamp edges, where caches trace additional camera rays. The choice ignores the biases, since their noise
 /// would favour the lowest of several.
 const FrameAverages* quiet_graph(const SceneAverages& scene) {
-  const double limit = 0.5 * named(scene.caches, "path").surface_variance.value;
+  const double limit = 0.5 * named(scene.caches, "cache", "path").surface_variance.value;
   const FrameAverages* best = nullptr;
   for (const FrameAverages& a : scene.graphs) {
     if (a.surface_variance.value <= limit) best = &a;
@@ -34,7 +34,7 @@ void claim_less_bias(std::string id, std::string claim, const FrameAverages& a, 
 }
 
 void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
-  const FrameAverages& path = named(scene.caches, "path");
+  const FrameAverages& path = named(scene.caches, "cache", "path");
   const FrameAverages* graph = quiet_graph(scene);
   const std::string id = "graph-bias-" + scene.name;
   const std::string claim =
@@ -47,7 +47,7 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
     claims.push_back(unmeasured(id, kPaper, claim, kBeyondNoise, measured));
     return;
   }
-  claim_less_bias(id, claim, *graph, named(scene.caches, "psf"), 1,
+  claim_less_bias(id, claim, *graph, named(scene.caches, "cache", "psf"), 1,
                   fmt::format("; variance away from lamps {:.2f} of path tracing's",
                               graph->surface_variance.value / path.surface_variance.value),
                   claims);
@@ -56,7 +56,7 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
 /// With the same cells, both have almost the same bias, so that "no more" requires a margin.
 void claim_primary(const SceneAverages& scene, std::vector<Claim>& claims) {
   claim_less_bias("primary-bias-" + scene.name, fmt::format("{}: apsf has no more bias than psf.", scene.name),
-                  named(scene.caches, "apsf"), named(scene.caches, "psf"), 1.05, "", claims);
+                  named(scene.caches, "cache", "apsf"), named(scene.caches, "cache", "psf"), 1.05, "", claims);
 }
 
 ExperimentResult run_psf_bias(const ExperimentContext& context) {

@@ -40,9 +40,9 @@ struct Timing {
   std::string scene;
   int bounces = 0;
   std::vector<FrameFigures> list;
-  double of(std::string_view name) const { return named(list, name).frame_ms; }
+  double of(std::string_view name) const { return named(list, "contender", name).frame_ms; }
   Ratio ratio(std::string_view a, std::string_view b) const {
-    return time_ratio(named(list, a).frame_s, named(list, b).frame_s);
+    return time_ratio(named(list, "contender", a).frame_s, named(list, "contender", b).frame_s);
   }
 };
 
@@ -193,7 +193,7 @@ struct Difference {
 
 Difference difference_ms(const Timing& t, std::string_view a, std::string_view b) {
   const auto half_width = [&](std::string_view name) {
-    const Interval interval = median_interval(named(t.list, name).frame_s);
+    const Interval interval = median_interval(named(t.list, "contender", name).frame_s);
     return 1000 * (interval.high - interval.low) / 2;
   };
   return {t.of(a) - t.of(b), std::hypot(half_width(a), half_width(b))};

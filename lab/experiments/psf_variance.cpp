@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 
 void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims) {
-  const FrameAverages& psf = named(scene.caches, "psf");
-  const FrameAverages* least = &named(scene.caches, "path");
+  const FrameAverages& psf = named(scene.caches, "cache", "psf");
+  const FrameAverages* least = &named(scene.caches, "cache", "path");
   std::vector<const char*> verdicts;
   const auto compare = [&](const FrameAverages& other) {
     if (other.name == psf.name) return;

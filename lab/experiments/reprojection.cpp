@@ -266,7 +266,7 @@ Claim claim_error_bound(const ExperimentContext& context, const ExperimentScene&
 }
 
 Ratio ratio_named(const std::vector<SceneResult>& results, std::string_view name) {
-  return early_ratio(named(results, name).cases.front(), 1);
+  return early_ratio(named(results, "scene", name).cases.front(), 1);
 }
 
 Claim claim_lights_and_triangles(const ExperimentContext& context, const std::vector<SceneResult>& results,

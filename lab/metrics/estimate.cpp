@@ -54,7 +54,8 @@ Estimate difference(const Estimate& a, const Estimate& b) {
 Estimate squared_bias(const std::vector<Image>& repetitions, const Image& reference, double reference_mse) {
   const size_t n = repetitions.size();
   if (n < 3)
-    throw Error(fmt::format("the error of a squared bias needs at least three repetitions, not {}; add seeds", n));
+    throw Error(fmt::format(
+        "the error of a squared bias needs at least three repetitions, not {}; raise the number of repetitions", n));
   for (const Image& image : repetitions) check_same_size(image, reference);
   // Σ_{r≠s} d_r d_s = (Σ d_r)² − Σ d_r²; without repetition k, the same sums over the others.
   double all = 0;

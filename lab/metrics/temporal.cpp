@@ -20,9 +20,9 @@ constexpr float kNormalCosine = 0.906f;  // 25°
 void check_planes(const Image& image, const SurfaceMotion& surface) {
   const size_t count = image.pixels.size();
   if (surface.motion.size() == count && surface.depth.size() == count && surface.normal.size() == count) return;
-  throw Error(
-      fmt::format("motion, depth and normal have {}, {} and {} pixels, but the image has {}; use planes of its size",
-                  surface.motion.size(), surface.depth.size(), surface.normal.size(), count));
+  throw Error(fmt::format(
+      "motion, depth and normal have {}, {} and {} pixels, but the image has {}; give each one value per pixel",
+      surface.motion.size(), surface.depth.size(), surface.normal.size(), count));
 }
 
 /// Index of the pixel that showed the surface of pixel (x, y) in the previous frame.

@@ -78,7 +78,7 @@ std::vector<float> frame_times(int count) {
 }
 
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name) {
-  return named(comparison.contenders, name);
+  return named(comparison.contenders, "contender", name);
 }
 
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison) {

@@ -12,19 +12,19 @@ struct Technique {
 
 TEST(Named, IsTheElementItself) {
   std::vector<Technique> list{{"path", 1}, {"psf", 2}};
-  named(list, "psf").samples = 3;
+  named(list, "cache", "psf").samples = 3;
   EXPECT_EQ(list[1].samples, 3);
   const std::vector<Technique>& same = list;
-  EXPECT_EQ(&named(same, "path"), &list[0]);
+  EXPECT_EQ(&named(same, "cache", "path"), &list[0]);
 }
 
 TEST(Named, AnErrorTellsTheNamesThatExist) {
   const std::vector<Technique> list{{"path", 1}, {"psf", 2}};
   try {
-    named(list, "vlc");
+    named(list, "cache", "vlc");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "there is no 'vlc'; there are path and psf");
+    EXPECT_STREQ(error.what(), "there is no cache 'vlc'; there are path and psf");
   }
 }
 

@@ -33,15 +33,15 @@ void add_light(Scene& scene, const PunctualLight& light, const Vec3& position, c
 }
 
 void use_point_light(Scene& scene) {
-  named(scene.nodes, "lamp").meshes.clear();
+  named(scene.nodes, "node", "lamp").meshes.clear();
   PunctualLight light;
   light.intensity = {23.2f, 17.1f, 8.2f};  // same irradiance below as the lamp that it replaces
   add_light(scene, light, {0, 5.3f, 0}, {0.001f, 0, 0});
 }
 
 void use_directional_light(Scene& scene, const Vec3& from) {
-  named(scene.nodes, "lamp").meshes.clear();
-  named(scene.nodes, "ceiling").meshes.clear();
+  named(scene.nodes, "node", "lamp").meshes.clear();
+  named(scene.nodes, "node", "ceiling").meshes.clear();
   PunctualLight light;
   light.type = PunctualType::directional;
   light.intensity = {3.0f, 2.8f, 2.4f};
@@ -50,7 +50,7 @@ void use_directional_light(Scene& scene, const Vec3& from) {
 
 /// Replaces the tall box by a sphere of 20 · 4^levels triangles.
 void use_dense_mesh(Scene& scene, int levels) {
-  Node& node = named(scene.nodes, "tall box");
+  Node& node = named(scene.nodes, "node", "tall box");
   Mesh& mesh = scene.meshes[static_cast<size_t>(node.meshes.front())];
   const Index material = mesh.material;
   mesh = icosphere(1.1f, levels);
@@ -60,7 +60,7 @@ void use_dense_mesh(Scene& scene, int levels) {
 
 void use_reflective_materials(Scene& scene) {
   for (const char* name : {"boxes", "white", "blue"}) {
-    Material& material = named(scene.materials, name);
+    Material& material = named(scene.materials, "material", name);
     material.metallic = 1;
     material.roughness = name == std::string_view("boxes") ? 0.05f : 0.25f;
   }
@@ -68,9 +68,9 @@ void use_reflective_materials(Scene& scene) {
 
 void use_glass(Scene& scene) {
   Material clear = glass("boxes", 1.5f);
-  named(scene.materials, "boxes") = clear;
+  named(scene.materials, "material", "boxes") = clear;
   // Above the floor, since the surfaces of two volumes must not touch.
-  for (const char* name : {"tall box", "short box"}) named(scene.nodes, name).transform.translation.y += 0.05f;
+  for (const char* name : {"tall box", "short box"}) named(scene.nodes, "node", name).transform.translation.y += 0.05f;
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ ExperimentScene closed_box(BoxVariation variation) {
   result.scene = find_builtin_scene("cornell-closed")->build();
   result.scene.animation.clear();
   for (const char* wall : {"white", "red", "green", "blue"}) {
-    Material& material = named(result.scene.materials, wall);
+    Material& material = named(result.scene.materials, "material", wall);
     material.specular = 1;
     material.roughness = 0.5f;
   }
