@@ -294,7 +294,9 @@ void RenderJob::report(StopReason reason) const {
   const uint32_t pilot = pilot_samples(settings_.render);
   if (pilot > 0 && session_->frames_since_change() <= pilot)
     warn(
-        "rendering ended within the pilot samples of adaptive sampling, so the image is biased; raise --time or --spp");
+        fmt::format("rendering ended within the {} pilot frames of adaptive sampling, so the image is biased; give it "
+                    "more time, or lower --adaptive.max",
+                    pilot));
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));

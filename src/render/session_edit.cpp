@@ -110,7 +110,7 @@ NodeHandle Session::find_node(const std::string& name) const {
     if (nodes[i].name == name && !state_->removed.nodes[i]) return {static_cast<Index>(i), state_->number};
   }
   throw Error(ErrorCode::not_found,
-              fmt::format("{}: there is no node '{}'; check its name", state_->scene->source().name, name));
+              fmt::format("there is no node '{}' in the scene; Scene::nodes has the names", name));
 }
 
 }  // namespace relume

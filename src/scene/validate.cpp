@@ -297,12 +297,15 @@ void validate(const Environment& e, const std::string& place) {
     fail(place, "the environment map has {} pixels, which does not match its size {}x{}", e.map.size(), e.width,
          e.height);
   const SunSky& s = e.sun_sky;
-  if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
-      !(is_finite(s.sun_scale) && s.sun_scale >= 0))
-    fail(
-        place,
-        "the environment has a colour, albedo or scale that is negative or above {:g}; give them values from 0 to {:g}",
-        kMaxRadiance, kMaxRadiance);
+  if (!is_radiance(e.color) || !is_radiance(s.ground_albedo))
+    fail(place,
+         "the environment has a colour of ({}, {}, {}) and a ground albedo of ({}, {}, {}); give them values from 0 to "
+         "{:g}",
+         e.color.r, e.color.g, e.color.b, s.ground_albedo.r, s.ground_albedo.g, s.ground_albedo.b, kMaxRadiance);
+  if (!(is_finite(s.sky_scale) && s.sky_scale >= 0) || !(is_finite(s.sun_scale) && s.sun_scale >= 0))
+    fail(place,
+         "the environment has a sky scale of {} and a sun scale of {}; give them finite values that are not negative",
+         s.sky_scale, s.sun_scale);
   // Limits: sky radiance below 1e4 kcd/m², or that of a disk of 128 klx over its solid angle. Suns without extent are
   // invisible.
   const float half_sine = std::sin(0.25f * s.sun_angular_diameter_rad);

@@ -18,7 +18,7 @@ template <typename Items>
 Index index_of(const Items& items, const char* kind, const std::string& name) {
   const auto found = std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
   if (found == items.end())
-    throw Error(std::string("the scene has no ") + kind + " '" + name + "'; check its name in the scene panel");
+    throw Error(std::string("the scene has no ") + kind + " '" + name + "'; the panel Scene lists the names");
   return static_cast<Index>(found - items.begin());
 }
 

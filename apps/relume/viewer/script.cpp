@@ -92,8 +92,8 @@ std::vector<ScriptStep> parse_script(std::string_view text, const std::string& p
       step.words.emplace_back(last ? trimmed(std::exchange(rest, {})) : take_word(rest));
     }
     if (step.words.size() < verb->fewest)
-      throw Error(fmt::format("{}:{}: {} has {} arguments, but needs {}; see docs/viewer.md", place, line, step.verb,
-                              step.words.size(), verb->fewest));
+      throw Error(fmt::format("{}:{}: {} needs at least {} argument{}, but has {}; see docs/viewer.md", place, line,
+                              step.verb, verb->fewest, verb->fewest == 1 ? "" : "s", step.words.size()));
     steps.push_back(std::move(step));
   }
   return steps;

@@ -29,7 +29,7 @@ TEST(Script, RefusesWithPlaceAndLine) {
   EXPECT_EQ(error_of([] { parse_script("key w\ndance\n", "tour.txt"); }),
             "tour.txt:2: there is no step 'dance'; docs/viewer.md lists them");
   EXPECT_EQ(error_of([] { parse_script("drag 0 0 1\n", "tour.txt"); }),
-            "tour.txt:1: drag has 3 arguments, but needs 4; see docs/viewer.md");
+            "tour.txt:1: drag needs at least 4 arguments, but has 3; see docs/viewer.md");
   EXPECT_EQ(error_of([] { parse_keys("shift+bogus", "tour.txt"); }),
             "tour.txt: there is no key 'bogus'; docs/viewer.md lists them");
 }
