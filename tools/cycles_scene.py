@@ -1,4 +1,4 @@
-"""Renders a glTF scene with Cycles as relume would. tools/compare_cycles runs it inside Blender:
+"""Renders a glTF scene in Cycles with relume's settings. tools/compare_cycles runs it inside Blender:
 
     blender -b --factory-startup --python tools/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
 
