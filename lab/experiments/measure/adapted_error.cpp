@@ -147,7 +147,7 @@ std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentC
   const AdaptedOptions o = adapted_options(context);
   std::vector<std::pair<std::string, std::string>> setup = learning_setup(context);
   setup.emplace_back("Frames", fmt::format("{} sessions with separate seeds, {} frames to adapt and {} measured in "
-                                           "each; techniques that do not adapt use one session",
+                                           "each; techniques that neither adapt nor prepare use one session",
                                            o.sessions, o.warm_up, o.frames));
   setup.emplace_back("Intervals",
                      fmt::format("95 %, from the means of {} blocks of {} frames; of static lists from {} sessions",
