@@ -30,7 +30,7 @@ struct Statistics {
   uint64_t rays = 0;               ///< path and shadow rays
   uint64_t nonfinite_samples = 0;  ///< samples with NaN or infinity, which count as black
   uint64_t scene_bytes = 0;        ///< the compiled scene
-  uint64_t buffer_bytes = 0;       ///< per-pixel buffers
+  uint64_t buffer_bytes = 0;       ///< per-pixel buffers, including spare memory for another image size
   uint64_t technique_bytes = 0;    ///< further structures of the passes
   int threads = 0;
   std::vector<PassTime> passes;

@@ -11,11 +11,11 @@
 
 namespace relume {
 
-Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
+Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height, BlockPool& pool)
     : description_(std::move(description)),
       size_(static_cast<size_t>(width) * height * description_.id.element_bytes),
-      data_(new std::byte[size_]),
-      previous_(description_.double_buffered ? new std::byte[size_] : nullptr) {}
+      data_(pool.take(size_)),
+      previous_(description_.double_buffered ? pool.take(size_) : BlockPool::Block()) {}
 
 bool Buffer::clear_new(const std::stop_token& stop) const {
   constexpr size_t kBlock = size_t{1} << 20;
@@ -37,7 +37,7 @@ void Buffer::clear() {
 
 void Buffer::keep() {
   if (!description_.persistent || description_.double_buffered) return;
-  if (!kept_) kept_.reset(new std::byte[size_]);
+  if (!kept_) kept_ = data_.get_deleter().pool->take(size_);
   std::memcpy(kept_.get(), data(), size_);
 }
 
@@ -51,7 +51,7 @@ void Buffer::fail_type() const {
 
 Buffer& BufferTable::add(BufferDescription description) {
   assert(find(description.id.name) == nullptr);
-  return *buffers_.emplace_back(std::make_unique<Buffer>(std::move(description), width_, height_));
+  return *buffers_.emplace_back(std::make_unique<Buffer>(std::move(description), width_, height_, *pool_));
 }
 
 Buffer* BufferTable::find(std::string_view name) { return const_cast<Buffer*>(std::as_const(*this).find(name)); }

@@ -15,6 +15,7 @@
 
 #include "core/change.h"
 #include "core/view.h"
+#include "framebuffer/block_pool.h"
 #include "framebuffer/buffer_key.h"
 
 namespace relume {
@@ -41,7 +42,7 @@ struct BufferDescription {
 /// clear_new(), which can be stopped.
 class Buffer {
  public:
-  Buffer(BufferDescription description, uint32_t width, uint32_t height);
+  Buffer(BufferDescription description, uint32_t width, uint32_t height, BlockPool& pool);
 
   const BufferDescription& description() const { return description_; }
   std::string_view name() const { return description_.id.name; }
@@ -92,15 +93,17 @@ class Buffer {
 
   BufferDescription description_;
   size_t size_;
-  std::unique_ptr<std::byte[]> data_;
-  std::unique_ptr<std::byte[]> previous_;
-  std::unique_ptr<std::byte[]> kept_;  ///< copy made by keep()
-  mutable bool is_new_ = true;         ///< whether data_ and previous_ are still uninitialised
+  BlockPool::Block data_;
+  BlockPool::Block previous_;
+  BlockPool::Block kept_;       ///< copy made by keep()
+  mutable bool is_new_ = true;  ///< whether data_ and previous_ are still uninitialised
 };
 
 class BufferTable {
  public:
-  BufferTable(uint32_t width, uint32_t height) : width_(width), height_(height) {}
+  /// Buffers take their memory from `pool`, and return it.
+  BufferTable(uint32_t width, uint32_t height, std::shared_ptr<BlockPool> pool = BlockPool::create())
+      : width_(width), height_(height), pool_(std::move(pool)) {}
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
@@ -147,6 +150,7 @@ class BufferTable {
  private:
   uint32_t width_;
   uint32_t height_;
+  std::shared_ptr<BlockPool> pool_;
   std::vector<std::unique_ptr<Buffer>> buffers_;
 };
 

@@ -156,7 +156,7 @@ const Statistics& Session::statistics() const {
   s.statistics.rays = s.counters.rays;
   s.statistics.nonfinite_samples = sum(*s.backend, s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
-  s.statistics.buffer_bytes = s.buffers->memory_bytes();
+  s.statistics.buffer_bytes = s.buffers->memory_bytes() + s.pool->spare_bytes();
   s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();

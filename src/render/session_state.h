@@ -15,6 +15,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "frame/launch.h"
+#include "framebuffer/block_pool.h"
 #include "relume/error.h"
 #include "relume/session.h"
 #include "render/build_pipeline.h"
@@ -85,16 +86,24 @@ struct Session::State {
     FramePasses passes;
   };
   Fresh empty_pipeline() const {
-    Fresh fresh{
-        std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height)),
-        build_passes(settings)};
+    Fresh fresh{std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width),
+                                              static_cast<uint32_t>(settings.height), pool),
+                build_passes(settings)};
     fresh.passes.pipeline.add_buffers(*fresh.buffers);
     return fresh;
   }
   /// Replaces the session's pipeline and buffers.
   void take(Fresh fresh) {
+    const auto size = [](const BufferTable& table) { return std::pair(table.width(), table.height()); };
+    const bool resized = buffers && size(*buffers) != size(*fresh.buffers);
+    if (resized) pool->raise_limit(buffers->memory_bytes());
     buffers = std::move(fresh.buffers);
     passes = std::move(fresh.passes);
+    if (resized) {
+      pool->next_size();
+    } else {
+      pool->clear();
+    }
   }
 
   /// Applies pending changes: clears the content that they invalidate, and starts new sample sequences if no history
@@ -243,6 +252,7 @@ struct Session::State {
   RenderSettings settings;
   uint64_t hash;
   std::unique_ptr<Backend> backend;
+  std::shared_ptr<BlockPool> pool = BlockPool::create();  ///< memory of `buffers`, across image sizes
   std::unique_ptr<BufferTable> buffers;
   FramePasses passes;
   std::unique_ptr<CompiledScene> scene;

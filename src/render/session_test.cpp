@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -50,6 +51,32 @@ TEST(Session, RestartsIfAuxiliaryBuffersAreAddedOrRemoved) {
     if (auxiliary) {
       EXPECT_NEAR(session.aov("albedo").front().values[6 * 16 + 8], 1, 0.01) << "of the sphere, in the middle";
     }
+  }
+}
+
+TEST(Session, KeepsTheMemoryOfAnotherSizeOnly) {
+  RenderSettings settings = small_settings();
+  settings.denoise = DenoiseChoice::svgf;
+  Session session = furnace(settings);
+  const auto image = [&](int width) {
+    settings.width = width;
+    EXPECT_TRUE(session.set_settings(settings));
+    session.restart(3);
+    for (int i = 0; i < 3; ++i) session.render_frame();
+    return session.image().pixels;
+  };
+  const std::vector<Rgb> first = image(16);
+  const uint64_t bytes = session.statistics().buffer_bytes;
+  session.restart(3);
+  EXPECT_EQ(session.statistics().buffer_bytes, bytes);
+  image(8);
+  EXPECT_EQ(image(16), first);
+  EXPECT_EQ(session.statistics().buffer_bytes, bytes) << "restart() frees spare memory";
+  for (const int width : {8, 16, 8, 16}) {
+    settings.width = width;
+    EXPECT_TRUE(session.set_settings(settings));
+    session.render_frame();
+    EXPECT_LE(session.statistics().buffer_bytes, 2 * bytes);
   }
 }
 

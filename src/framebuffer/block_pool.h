@@ -1,0 +1,61 @@
+// Keeps the memory of pixel buffers when the image size changes, for a return to the earlier size. The system takes
+// tens of milliseconds to free the buffers of a full-size frame.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace relume {
+
+class BlockPool : public std::enable_shared_from_this<BlockPool> {
+  struct Private {
+    explicit Private() = default;
+  };
+
+ public:
+  /// Returns a block to its pool.
+  struct Return {
+    std::shared_ptr<BlockPool> pool;
+    size_t bytes = 0;
+    void operator()(std::byte* block) const { pool->put_back(block, bytes); }
+  };
+  using Block = std::unique_ptr<std::byte[], Return>;
+
+  static std::shared_ptr<BlockPool> create() { return std::make_shared<BlockPool>(Private()); }
+  explicit BlockPool(Private) {}
+
+  /// An uninitialised block: a spare one of that size, or a new one. Frees spare blocks if memory is short. Throws
+  /// std::bad_alloc. Thread-safe.
+  Block take(size_t bytes);
+
+  /// Raises the limit of spare_bytes(), initially 0. Above it, the smallest spare blocks are freed.
+  void raise_limit(size_t bytes);
+
+  /// Call after each change of the image size: frees blocks that are spare since kKeptChanges changes.
+  void next_size();
+  static constexpr uint32_t kKeptChanges = 16;
+
+  /// Frees all spare blocks.
+  void clear();
+
+  size_t spare_bytes() const;
+
+ private:
+  struct Spare {
+    std::unique_ptr<std::byte[]> block;
+    uint32_t since = 0;  ///< change of size at which it became spare
+  };
+
+  void put_back(std::byte* block, size_t bytes) noexcept;
+
+  mutable std::mutex mutex_;
+  std::multimap<size_t, Spare> spare_;  ///< by size
+  size_t spare_bytes_ = 0;
+  size_t limit_ = 0;
+  uint32_t changes_ = 0;
+};
+
+}  // namespace relume
