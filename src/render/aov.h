@@ -6,14 +6,10 @@
 
 #include "frame/pass.h"
 #include "framebuffer/buffer_table.h"
+#include "relume/aov.h"
 #include "relume/image_io.h"
 
 namespace relume {
-
-struct AovLayer {
-  std::string name;
-  std::string help;  ///< quantity that the layer shows
-};
 
 /// "variance" and every displayed buffer of these passes, by name.
 std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes);
