@@ -95,7 +95,7 @@ TEST(GltfLayers, HaveDefaults) {
                                      {"KHR_materials_sheen", json::object()},
                                      {"KHR_materials_iridescence", json::object()},
                                      {"KHR_materials_diffuse_transmission", json::object()}}}});
-  const Material& m = file.load().materials[0];
+  const Material m = file.load().materials[0];
   EXPECT_EQ(m.anisotropy, 0.0f);
   EXPECT_EQ(m.sheen_color, Rgb(0));
   EXPECT_EQ(m.iridescence, 0.0f);

@@ -63,7 +63,7 @@ TEST(SpecularMean, SurfacesWithoutAnImageHaveNone) {
 TEST(SpecularMean, StartsAgainWithTheMean) {
   Pixel pixel;
   pixel.mean = {Rgb(2)};
-  pixel.samples = {7};
+  pixel.samples[0] = 7;
   pixel.keep = false;
   pixel.add(Rgb(10), Rgb(6));
   EXPECT_EQ(pixel.samples[0], 1u);
