@@ -336,29 +336,35 @@ class Settings(Viewer):
 class Rates(Viewer):
     THREADS = 0  # all
 
-    def check(self, scene):
+    def check(self, scene, target_hz, least_width):
         # The first seconds adapt the size; then the camera moves, longer if rates are required.
         script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * (3 if QUIET else 1) + "report\n"
-        report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720)[0]
+        report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720, "--target", target_hz)[0]
         print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
-              f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} frames/s at {report['width']}x{report['height']}, "
+              f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} of {target_hz} frames/s at {report['width']}x{report['height']}, "
               f"camera seen after {report['camera_latency_frames']} frames", file=sys.stderr)
         self.assertLessEqual(report["camera_latency_frames"], 2)
         self.assertLess(report["width"], 1280)
         if QUIET:
             self.assertGreaterEqual(report["worst_interface_hz"], 30)
-            self.assertGreaterEqual(report["frames_per_s"], 9.5)  # target is ten, in steps of √2 in pixels
-            self.assertGreaterEqual(report["width"], 320)
+            # The size stays while frames are up to 5 % too slow, and after a single slow frame.
+            self.assertGreaterEqual(report["frames_per_s"], 0.9 * target_hz)
+            self.assertGreaterEqual(report["width"], least_width)
 
     def test_cornell(self):
-        self.check("cornell")
+        self.check("cornell", 30, 180)
+
+    def test_cornell_at_ten_frames_per_second(self):
+        self.check("cornell", 10, 320)
 
     @unittest.skipUnless((SCENES / "sponza" / "sponza.gltf").exists(), "RELUME_SCENES names no folder with Sponza")
     def test_sponza(self):
         scene = {"scene": str(SCENES / "sponza" / "sponza.gltf"), "environment": {"constant": [0.25, 0.3, 0.4]},
                  "camera": {"eye": [-11.2, 2.2, -0.35], "target": [8, 3.4, -0.35], "fov_y_deg": 50}}
         (self.folder / "sponza.json").write_text(json.dumps(scene))
-        self.check("sponza.json")
+        for target_hz, least_width in ((30, 96), (10, 200)):
+            with self.subTest(target_hz):
+                self.check("sponza.json", target_hz, least_width)
 
 
 if __name__ == "__main__":

@@ -43,9 +43,9 @@ IVec2 ResolutionControl::size(const IVec2& full) const {
 
 IVec2 ResolutionControl::first_frame_size(const IVec2& full) const {
   const IVec2 usual = size(full);
-  const double pixels = std::max(kFirstFrameBudget_s / std::max(pixel_s_, 1e-12), kFirstFramePixels);
-  const double scale = std::sqrt(pixels / (double{1} * full.x * full.y));
-  const IVec2 small = scaled(full, static_cast<float>(std::min(scale, 1.0)));
+  const double pixels = kFirstFrameBudget_s / std::max(pixel_s_, 1e-12);
+  const double scale = std::min(std::sqrt(pixels / (double{1} * full.x * full.y)), 1.0);
+  const IVec2 small = scaled(full, max(static_cast<float>(scale), smallest_scale(full)));
   return small.x < usual.x ? small : usual;
 }
 

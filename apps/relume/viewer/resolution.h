@@ -6,13 +6,11 @@
 namespace relume::viewer {
 
 /// Minimum size of frames, unless the full size is smaller.
-inline constexpr int kMinWidth = 320;
-inline constexpr int kMinHeight = 180;
+inline constexpr int kMinWidth = 96;
+inline constexpr int kMinHeight = 54;
 
-/// Time limit of the first frame after a rest, seconds, at the cost per pixel of a full frame, and its minimum size. A
-/// small frame costs two to three times as much per pixel.
-inline constexpr double kFirstFrameBudget_s = 0.018;
-inline constexpr double kFirstFramePixels = 96 * 54;
+/// Time limit of the first frame after a rest, seconds, at the cost per pixel of a full frame. Small frames cost more.
+inline constexpr double kFirstFrameBudget_s = 0.028;
 
 /// Keeps the frame time near a budget. The scale changes in steps with hysteresis, because a change of size discards
 /// techniques' history. Starts at the smallest size, so that slow machines respond from the first frame, and grows as
@@ -23,7 +21,7 @@ class ResolutionControl {
   IVec2 size(const IVec2& full) const;
 
   /// Size of the first frame after a rest: at most size(), and within kFirstFrameBudget_s at the latest frame's time
-  /// per pixel.
+  /// per pixel, but at least the minimum size.
   IVec2 first_frame_size(const IVec2& full) const;
 
   /// Records the cost of a frame of any size.

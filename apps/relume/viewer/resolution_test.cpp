@@ -6,7 +6,7 @@ namespace relume::viewer {
 namespace {
 
 const IVec2 kFull(1280, 720);
-constexpr double kBudget_s = 0.1;
+constexpr double kBudget_s = 1.0 / 30;
 
 /// Renders `frames` frames at `s_per_pixel`; returns the seconds of the last one.
 double render(ResolutionControl& control, const IVec2& full, double s_per_pixel, int frames) {
@@ -58,14 +58,14 @@ TEST(ResolutionControl, OneSlowFrameChangesNothing) {
 
 TEST(ResolutionControl, TheFirstFrameAfterARestKeepsToItsBudget) {
   ResolutionControl control;
-  const double s_per_pixel = 3e-6;  // ten times as long for the smallest size
-  render(control, kFull, s_per_pixel, 8);
+  render(control, kFull, 1e-7, 8);
+  const double s_per_pixel = 3e-6;  // 28 ms for 9,333 pixels
   control.measured(s_per_pixel * 1280 * 720, kFull);
   const IVec2 first = control.first_frame_size(kFull);
   EXPECT_NEAR(first.x * first.y * s_per_pixel, kFirstFrameBudget_s, 0.02 * kFirstFrameBudget_s);
   EXPECT_NEAR(static_cast<double>(first.x) / first.y, 16.0 / 9, 0.02);
   control.measured(1000, kFull);
-  EXPECT_NEAR(control.first_frame_size(kFull).x * control.first_frame_size(kFull).y, kFirstFramePixels, 100);
+  EXPECT_EQ(control.first_frame_size(kFull), IVec2(kMinWidth, kMinHeight));
 }
 
 TEST(ResolutionControl, TheFirstFrameAfterARestHasTheUsualSizeIfThatIsFastEnough) {

@@ -17,7 +17,7 @@ struct ViewOptions {
   std::string script;      ///< file of steps; empty: none
   std::string screenshot;  ///< of the window, at the end; empty: none
   int smoke = 0;           ///< frames to render without showing a window; 0: an ordinary window
-  float target_hz = 10;
+  float target_hz = 30;
   bool watch = true;                                       ///< reload the scene when its files change
   std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
 };
