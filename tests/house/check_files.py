@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Files: each technique has its page, which says when to use it, test and benchmark; every test is built; nothing is
-larger than 1 MiB; links in the docs lead somewhere, and a page shows each of their images."""
+larger than 1 MiB, nor README.md longer than 120 lines; links in the docs lead somewhere, and a page shows each of their images."""
 
 import re
 
 import house
 
 MAX_FILE_BYTES = 1 << 20
+MAX_README_LINES = 120
 TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "benchmark"}
 WHEN = "| When to use it |"
 TEST_FOLDERS = ("src", "lab", "apps", "tests")
@@ -47,6 +48,12 @@ def check_sizes(root):
     return [f"{name}: {size} bytes; at most {MAX_FILE_BYTES}" for name, size in sizes if size > MAX_FILE_BYTES]
 
 
+def check_readme(root):
+    readme = root / "README.md"
+    lines = len(readme.read_text(encoding="utf-8").splitlines()) if readme.exists() else 0
+    return [f"README.md: {lines} lines; at most {MAX_README_LINES}"] if lines > MAX_README_LINES else []
+
+
 def anchors(text):
     """The names under which the headings of a page can be reached."""
     names = []
@@ -84,7 +91,7 @@ def check_images(root):
 
 
 def check(root):
-    return check_techniques(root) + check_tests(root) + check_sizes(root) + check_links(root) + check_images(root)
+    return check_techniques(root) + check_tests(root) + check_sizes(root) + check_readme(root) + check_links(root) + check_images(root)
 
 
 if __name__ == "__main__":

@@ -123,9 +123,9 @@ class Repository(unittest.TestCase):
         self.write("docs/large.bin", "x" * ((1 << 20) + 1))
         self.write("docs/images/shown.jpg", "")
         self.write("docs/images/unused.webp", "")
-        self.write("README.md", "# Two words\n[a](docs) [b](#two-words) [c](https://x.y) `[d](e)`\n[f](lost.md) [g](#lost)\n![h](docs/images/shown.jpg)\n")
+        self.write("README.md", "# Two words\n[a](docs) [b](#two-words) [c](https://x.y) `[d](e)`\n[f](lost.md) [g](#lost)\n![h](docs/images/shown.jpg)\n" + "\n" * 117)
         self.assert_finds(
-            check_files.check, "mute/README.md: has no row that says when", "no benchmark", "lost_test.cpp: no CMakeLists.txt", "at most", "README.md:3: the link to lost.md",
+            check_files.check, "mute/README.md: has no row that says when", "no benchmark", "lost_test.cpp: no CMakeLists.txt", "large.bin: 1048577 bytes; at most", "README.md: 121 lines", "README.md:3: the link to lost.md",
             "no heading 'lost'", "unused.webp: no page shows")
 
     @unittest.skipUnless(shutil.which("codespell"), "no codespell")
