@@ -5,6 +5,7 @@
 
 #include "relume/error.h"
 #include "render/session_state.h"
+#include "scene/scene.h"
 
 namespace relume {
 namespace {
@@ -14,7 +15,7 @@ template <typename Part, typename State>
 Index checked(const Handle<Part>& handle, const std::vector<bool>& removed, const State& state, const char* kind) {
   const auto fail = [&](const std::string& problem) {
     throw Error(ErrorCode::invalid_handle,
-                fmt::format("{}: {} {} {}", state.scene->source().name, kind, handle.index, problem));
+                fmt::format("{}: {} {} {}", error_place(state.scene->source()), kind, handle.index, problem));
   };
   if (handle.session != 0 && handle.session != state.number) fail("belongs to another session; add it to this one");
   if (handle.index < 0 || static_cast<size_t>(handle.index) >= removed.size()) {

@@ -100,6 +100,18 @@ TEST(SessionEdit, KeepsTheImageUntilTheNextFrame) {
   EXPECT_EQ(session.image().pixels, before.pixels);
 }
 
+TEST(SessionEdit, ErrorsOfUnnamedScenesBeginWithAPlace) {
+  Scene scene = find_builtin_scene("cornell")->build();
+  scene.name.clear();
+  Session session(std::move(scene), small_settings());
+  try {
+    session.set_light(99, {});
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("scene: light 99 does not exist; ")) << error.what();
+  }
+}
+
 TEST(SessionEdit, HandlesAreChecked) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   Session other(find_builtin_scene("cornell")->build(), small_settings());

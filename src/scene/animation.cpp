@@ -70,7 +70,7 @@ Index find_clip(const Scene& scene, std::string_view name) {
   if (parsed.ec == std::errc{} && parsed.ptr == name.data() + name.size() && index < scene.clips.size())
     return static_cast<Index>(index);
   throw Error(ErrorCode::not_found,
-              fmt::format("{}: there is no animation '{}'; {}", scene.name, name, known_clips(scene)));
+              fmt::format("{}: there is no animation '{}'; {}", error_place(scene), name, known_clips(scene)));
 }
 
 std::set<Index> chosen_clips(const Scene& scene, const std::string& choice) {

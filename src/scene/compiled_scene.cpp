@@ -40,13 +40,13 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
     : source_(std::move(scene)), resolution_(options.width, options.height) {
-  validate(source_, source_.name);
+  validate(source_, error_place(source_));
   note_clips(options.animation);
   select_animation(source_, options.animation);
   apply_parameter_animation();
   world_ = world_matrices(source_, time_s_);  // at time 0: the environment does not depend on the start time
   visible_ = visible_nodes(source_, time_s_);
-  check_placement(source_, world_, source_.name);
+  check_placement(source_, world_, error_place(source_));
   textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) {
     t.texels = {};
@@ -298,7 +298,7 @@ Index find_camera(const Scene& scene, const std::string& name) {
         ErrorCode::not_found,
         fmt::format(
             "{}: there is no camera '{}', because the scene has no cameras; remove --camera to use a default view",
-            scene.name, name));
+            error_place(scene), name));
   }
   size_t index = 0;
   const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);
@@ -310,7 +310,8 @@ Index find_camera(const Scene& scene, const std::string& name) {
     if (node.name == name || camera_name == name || (is_number && i == index)) return nodes[i];
     known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
   }
-  throw Error(ErrorCode::not_found, fmt::format("{}: there is no camera '{}'; it has {}", scene.name, name, known));
+  throw Error(ErrorCode::not_found,
+              fmt::format("{}: there is no camera '{}'; it has {}", error_place(scene), name, known));
 }
 
 void CompiledScene::choose_camera(const std::string& name) {

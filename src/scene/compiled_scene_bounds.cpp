@@ -58,7 +58,7 @@ void CompiledScene::check_extent(const Box& box) const {
   const float reach = std::max(max_component(abs(box.low)), max_component(abs(box.high)));
   if (!(reach <= kMaxCoordinate))
     throw Error(fmt::format("{}: the scene reaches {:g} m from the origin; scale it down to {:g} m at most",
-                            source_.name, reach, kMaxCoordinate));
+                            error_place(source_), reach, kMaxCoordinate));
 }
 
 Box CompiledScene::box_of(const MeshView& mesh) const {

@@ -34,9 +34,9 @@ void validate(const Mesh& mesh, const std::string& place) {
 }  // namespace
 
 Index CompiledScene::add_material(const Material& material) {
-  validate(material, source_.name);
+  validate(material, error_place(source_));
   for (const TextureRef* ref : texture_refs(material))
-    check_reference(ref->texture, source_.textures.size(), "texture", source_.name);
+    check_reference(ref->texture, source_.textures.size(), "texture", error_place(source_));
   const Index index = append(source_.materials, material);
   build_materials();
   // The default material, for meshes without one, follows the others.
@@ -46,14 +46,14 @@ Index CompiledScene::add_material(const Material& material) {
 }
 
 Index CompiledScene::add_mesh(const Mesh& mesh) {
-  validate(mesh, source_.name);
+  validate(mesh, error_place(source_));
   if (!mesh.morph_targets.empty() || mesh.influences_per_vertex > 0) {
     throw Error(ErrorCode::not_supported,
                 fmt::format("{}: mesh '{}' has morph targets or joints, which meshes added to a session cannot have; "
                             "remove them, or start a session with a scene that has the mesh",
-                            source_.name, mesh.name));
+                            error_place(source_), mesh.name));
   }
-  check_reference(mesh.material, source_.materials.size(), "material", source_.name);
+  check_reference(mesh.material, source_.materials.size(), "material", error_place(source_));
   const Index index = append(source_.meshes, mesh);
   shared_meshes_.resize(source_.meshes.size(), kNoHit);
   shared_meshes_.back() = static_cast<uint32_t>(meshes_.size());
@@ -68,33 +68,33 @@ Index CompiledScene::add_mesh(const Mesh& mesh) {
 }
 
 Index CompiledScene::add_light(const PunctualLight& light) {
-  validate(light, source_.name);
+  validate(light, error_place(source_));
   edited_ = true;
   return append(source_.lights, light);
 }
 
 Index CompiledScene::add_node(const Node& node) {
-  check_reference(node.parent, source_.nodes.size(), "node", source_.name);
-  check_reference(node.light, source_.lights.size(), "light", source_.name);
-  check_reference(node.camera, source_.cameras.size(), "camera", source_.name);
+  check_reference(node.parent, source_.nodes.size(), "node", error_place(source_));
+  check_reference(node.light, source_.lights.size(), "light", error_place(source_));
+  check_reference(node.camera, source_.cameras.size(), "camera", error_place(source_));
   if (node.skin != kNone || !node.morph_weights.empty()) {
     throw Error(ErrorCode::not_supported,
                 fmt::format("{}: node '{}' has a skin or morph weights, which nodes added to a session cannot have; "
                             "remove them, or start a session with a scene that has the node",
-                            source_.name, node.name));
+                            error_place(source_), node.name));
   }
   for (const Index mesh : node.meshes) {
-    check_reference(mesh, source_.meshes.size(), "mesh", source_.name);
+    check_reference(mesh, source_.meshes.size(), "mesh", error_place(source_));
     if (mesh == kNone || shared_meshes_[static_cast<size_t>(mesh)] == kNoHit) {
       throw Error(
           fmt::format("{}: mesh {} has one static instance, so no other node can use it; add it as a separate mesh",
-                      source_.name, mesh));
+                      error_place(source_), mesh));
     }
   }
   const Index index = append(source_.nodes, node);
   try {
     std::vector<Mat4> world = world_matrices(source_, time_s_);
-    check_placement(source_, world, source_.name);
+    check_placement(source_, world, error_place(source_));
     Box box;
     for_each_place(node, [&](Index mesh, const Mat4& to_node) {
       box.add(transformed(boxes_[shared_meshes_[static_cast<size_t>(mesh)]], world.back() * to_node));
@@ -122,7 +122,7 @@ Index CompiledScene::add_node(const Node& node) {
 void CompiledScene::check_joints_stay(const Node& node, const std::vector<bool>& gone) const {
   for (const Index joint : source_.skins[static_cast<size_t>(node.skin)].joints) {
     if (!gone[static_cast<size_t>(joint)]) continue;
-    throw Error(fmt::format("{}: node '{}' is a joint of node '{}'; remove that first", source_.name,
+    throw Error(fmt::format("{}: node '{}' is a joint of node '{}'; remove that first", error_place(source_),
                             source_.nodes[static_cast<size_t>(joint)].name, node.name));
   }
 }
@@ -172,7 +172,8 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
 void CompiledScene::remove_mesh(Index mesh) {
   for (const Node& node : source_.nodes) {
     if (std::find(node.meshes.begin(), node.meshes.end(), mesh) != node.meshes.end())
-      throw Error(fmt::format("{}: mesh {} is part of node '{}'; remove that first", source_.name, mesh, node.name));
+      throw Error(
+          fmt::format("{}: mesh {} is part of node '{}'; remove that first", error_place(source_), mesh, node.name));
   }
   shared_meshes_[static_cast<size_t>(mesh)] = kNoHit;
 }
@@ -180,7 +181,8 @@ void CompiledScene::remove_mesh(Index mesh) {
 void CompiledScene::remove_light(Index light) {
   for (const Node& node : source_.nodes) {
     if (node.light == light)
-      throw Error(fmt::format("{}: light {} is part of node '{}'; remove that first", source_.name, light, node.name));
+      throw Error(
+          fmt::format("{}: light {} is part of node '{}'; remove that first", error_place(source_), light, node.name));
   }
 }
 

@@ -43,10 +43,10 @@ Change CompiledScene::set_time(float time_s) {
 
 Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   if (camera) {
-    validate(camera->camera, source_.name);
+    validate(camera->camera, error_place(source_));
     if (!(max_component(abs(Vec3(camera->to_world[3]))) <= kMaxCoordinate))
-      throw Error(
-          fmt::format("{}: the camera is beyond {:g} m; move it closer to the origin", source_.name, kMaxCoordinate));
+      throw Error(fmt::format("{}: the camera is beyond {:g} m; move it closer to the origin", error_place(source_),
+                              kMaxCoordinate));
   }
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
   const CameraView before = std::exchange(camera_view_, now);
@@ -66,7 +66,7 @@ Change CompiledScene::set_resolution(int width, int height) {
 }
 
 Change CompiledScene::set_transform(Index node, const Transform& transform) {
-  check_index(node, source_.nodes.size(), "node", source_.name);
+  check_index(node, source_.nodes.size(), "node", error_place(source_));
   Node& target = source_.nodes[static_cast<size_t>(node)];
   const Node before = target;
   const std::vector<AnimationChannel> animation_before = source_.animation;
@@ -88,8 +88,8 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
 }
 
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
-  check_index(light, source_.lights.size(), "light", source_.name);
-  validate(value, source_.name);
+  check_index(light, source_.lights.size(), "light", error_place(source_));
+  validate(value, error_place(source_));
   source_.lights[static_cast<size_t>(light)] = value;
   end_parameter_animation(AnimatedPart::light, light);
   collect_lights();
@@ -98,7 +98,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
 }
 
 Change CompiledScene::set_environment(const Environment& environment) {
-  validate(environment, source_.name);
+  validate(environment, error_place(source_));
   source_.environment = environment;
   use_environment();
   was_moved_ = true;
@@ -106,12 +106,12 @@ Change CompiledScene::set_environment(const Environment& environment) {
 }
 
 Change CompiledScene::set_material(Index material, const Material& value) {
-  check_index(material, source_.materials.size(), "material", source_.name);
-  validate(value, source_.name);
+  check_index(material, source_.materials.size(), "material", error_place(source_));
+  validate(value, error_place(source_));
   for (const TextureRef* ref : texture_refs(value)) {
     if (ref->texture != kNone && static_cast<size_t>(ref->texture) >= source_.textures.size())
       throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; use an existing one",
-                              source_.name, value.name, ref->texture, source_.textures.size()));
+                              error_place(source_), value.name, ref->texture, source_.textures.size()));
   }
   end_parameter_animation(AnimatedPart::material, material);
   return replace_material(material, value);
@@ -144,7 +144,7 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
 
 std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
   std::vector<Mat4> world = world_matrices(source_, time_s);
-  check_placement(source_, world, source_.name);
+  check_placement(source_, world, error_place(source_));
   check_joints(source_, joint_matrices(source_, world));
   check_extent(placed_box(world));
   view_through(scene_camera(world));
@@ -217,7 +217,7 @@ CameraView CompiledScene::view_through(const CameraPose& placed) const {
     throw Error(
         fmt::format("{}: camera '{}' has no direction, because a scale of 0 collapses its axes; change the scale of "
                     "its node or its ancestors",
-                    source_.name, camera.name));
+                    error_place(source_), camera.name));
   const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
   CameraView c;
   c.projection = camera.projection;

@@ -127,7 +127,7 @@ void check_joints(const Scene& scene, const JointMatrices& joints) {
       throw Error(
           fmt::format("{}: joint '{}' is moved or scaled beyond {:g} m, or its matrix is not finite; correct the "
                       "transforms of the node and its ancestors",
-                      scene.name, joint.name, kMaxCoordinate));
+                      error_place(scene), joint.name, kMaxCoordinate));
     }
   }
 }

@@ -113,7 +113,7 @@ void choose_variant(Scene& scene, const std::string& name) {
     const std::string known = scene.variants.empty()
                                   ? "it has no variants, choose none"
                                   : fmt::format("choose one of '{}'", fmt::join(scene.variants, "', '"));
-    throw Error(ErrorCode::not_found, fmt::format("{}: there is no variant '{}'; {}", scene.name, name, known));
+    throw Error(ErrorCode::not_found, fmt::format("{}: there is no variant '{}'; {}", error_place(scene), name, known));
   }
   const auto variant = static_cast<Index>(found - scene.variants.begin());
   for (Mesh& mesh : scene.meshes) {

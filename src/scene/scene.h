@@ -10,6 +10,9 @@
 
 namespace relume {
 
+/// Name of the scene at the start of error messages; "scene" if it has none.
+inline std::string error_place(const Scene& scene) { return scene.name.empty() ? "scene" : scene.name; }
+
 /// All texture references of a material, used or not.
 std::vector<const TextureRef*> texture_refs(const Material& material);
 

@@ -148,7 +148,7 @@ class Validator {
       fail("skin {} '{}' has {} joints but {} inverse bind matrices", i, s.name, s.joints.size(),
            s.inverse_bind.size());
     for (const Index joint : s.joints) {
-      if (!in_range(joint, scene_.nodes.size())) fail("skin {} '{}' has the missing joint {}", i, s.name, joint);
+      if (!in_range(joint, scene_.nodes.size())) fail("skin {} '{}' refers to missing joint {}", i, s.name, joint);
     }
     for (const Mat4& m : s.inverse_bind) {
       if (!within_reach(m))
@@ -170,7 +170,7 @@ class Validator {
   void check_node(size_t i) const {
     const Node& n = scene_.nodes[i];
     if (!in_range_or_none(n.parent, scene_.nodes.size()))
-      fail("node {} '{}' has a missing parent {}", i, n.name, n.parent);
+      fail("node {} '{}' refers to missing parent {}", i, n.name, n.parent);
     for (const Index mesh : n.meshes) {
       if (!in_range(mesh, scene_.meshes.size())) fail("node {} '{}' refers to missing mesh {}", i, n.name, mesh);
     }

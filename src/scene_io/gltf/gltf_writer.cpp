@@ -74,7 +74,7 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
 }  // namespace
 
 std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene) {
-  validate(scene, scene.name.empty() ? "scene" : scene.name);
+  validate(scene, error_place(scene));
   Output output(file, scene.source_files);
   // Readers expect these members first.
   output.root["scene"] = 0;
