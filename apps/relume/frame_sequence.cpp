@@ -81,9 +81,10 @@ FrameRange parse_frame_range(std::string_view text, std::string_view place) {
 float frame_time_s(int frame, float fps, float scene_time_s) {
   const float time_s = scene_time_s + static_cast<float>(frame) / fps;
   if (time_s <= kLatestTime) return time_s;
-  throw UsageError(fmt::format(
-      "--frames: frame {} would be at {:g} s, but animations end at {:g} s; give earlier frames or a higher --fps",
-      frame, time_s, kLatestTime));
+  throw UsageError(
+      fmt::format("--frames: frame {} would be at {:g} s, but times above {:g} s are not supported; give earlier "
+                  "frames or a higher --fps",
+                  frame, time_s, kLatestTime));
 }
 
 FrameNames::FrameNames(const std::filesystem::path& pattern)

@@ -197,7 +197,7 @@ void check_header(const Header& header, const std::string& name, uint64_t file_b
   }
   if (chunks > max_chunks)
     throw Error(fmt::format(
-        "{}: the header announces {} blocks of pixels, more than a file of {} bytes can hold; export it again", name,
+        "{}: the header declares {} blocks of pixels, more than a file of {} bytes can hold; export it again", name,
         chunks, file_bytes));
 }
 

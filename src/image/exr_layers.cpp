@@ -60,8 +60,9 @@ Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::st
   }
   std::vector<std::string> names;
   for (const ExrChannel& channel : exr.channels) names.push_back(channel.name);
-  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; it has {}", name, layer.empty() ? "" : layer + ".",
-                          layer.empty() ? "" : layer + ".", layer.empty() ? "" : layer + ".", fmt::join(names, ", ")));
+  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; it has {}; choose a file or layer with these channels", name,
+                          layer.empty() ? "" : layer + ".", layer.empty() ? "" : layer + ".",
+                          layer.empty() ? "" : layer + ".", fmt::join(names, ", ")));
 }
 
 std::vector<ExrChannel> exr_channels(const Image& image, const std::string& layer) {

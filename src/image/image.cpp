@@ -105,7 +105,7 @@ void check_image_size(const std::string& name, int64_t width, int64_t height, in
         width, height, bytes_per_pixel));
   if (static_cast<uint64_t>(width * height * bytes_per_pixel) / static_cast<uint64_t>(max_expansion) > file_bytes)
     throw Error(fmt::format(
-        "{}: the header announces {}x{} pixels, more than a file of {} bytes can hold; export or copy it again", name,
+        "{}: the header declares {}x{} pixels, more than a file of {} bytes can hold; export or copy it again", name,
         width, height, file_bytes));
 }
 

@@ -81,8 +81,8 @@ void replace_broken(std::vector<V>& values, const V& by, const char* what, const
   const auto broken = std::count_if(values.begin(), values.end(), is_broken);
   if (broken == 0) return;
   std::replace_if(values.begin(), values.end(), is_broken, by);
-  warnings.add(fmt::format("mesh '{}': {} {} are not finite or beyond {:g} and are replaced", mesh, broken, what,
-                           kMaxCoordinate));
+  warnings.add(fmt::format("mesh '{}': {} {} are not finite or beyond {:g} and are replaced by {:g}", mesh, broken,
+                           what, kMaxCoordinate, by.x));
 }
 
 /// glTF 2.0, §3.7.2.1: colours are clamped.

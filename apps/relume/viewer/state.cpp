@@ -100,7 +100,7 @@ void take_loaded(State& state, std::shared_ptr<const LoadedScene> loaded) {
     state.notify("opened " + state.document->name());
   }
   const size_t warnings = state.document->loaded()->scene.warnings.size();
-  if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
+  if (warnings > 0) state.notify(fmt::format("the loader gave {} warnings; `relume info` lists them", warnings));
 }
 
 /// Keeps the present scene for revert_document(), unless it was never displayed.

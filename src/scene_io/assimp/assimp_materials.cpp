@@ -113,7 +113,8 @@ void convert_emission(const aiMaterial& source, std::vector<TextureRequest>& tex
   if (m.emission_texture.used() && is_black(m.emission)) m.emission = Rgb(1);
   m.emission *= number(source, AI_MATKEY_EMISSIVE_INTENSITY, 1, 0, kLargest);
   if (!(max_component(m.emission) <= kMaxRadiance))
-    warnings.add(fmt::format("material '{}': its emission is above {:g} and is reduced to it", m.name, kMaxRadiance));
+    warnings.add(
+        fmt::format("material '{}': its emission is above {:g} and is reduced to this limit", m.name, kMaxRadiance));
   m.emission = glm::min(m.emission, Rgb(kMaxRadiance));
 }
 

@@ -116,8 +116,9 @@ void import_lights(const aiScene& source, const NodesByName& nodes, Scene& scene
     const Rgb intensity = Rgb(in.mColorDiffuse.r, in.mColorDiffuse.g, in.mColorDiffuse.b) * scale;
     light.intensity = is_finite(intensity) ? glm::clamp(intensity, Rgb(0), Rgb(kMaxRadiance)) : Rgb(0);
     if (light.intensity != intensity)
-      warnings.add(fmt::format("light '{}': its intensity is negative, above {:g} or not finite and is changed",
-                               light.name, kMaxRadiance));
+      warnings.add(fmt::format(
+          "light '{}': its intensity is negative, above {:g} or not finite; it is clamped, or 0 if not finite",
+          light.name, kMaxRadiance));
     if (light.type == PunctualType::spot) {
       light.outer_cone_rad = clamp(in.mAngleOuterCone / 2, 1e-3f, kPi / 2);  // assimp stores full angles
       light.inner_cone_rad = clamp(in.mAngleInnerCone / 2, 0, light.outer_cone_rad);

@@ -65,7 +65,7 @@ class Pipe {
  public:
   Pipe() {
     if (pipe2(ends_.data(), O_CLOEXEC) != 0)
-      throw Error(fmt::format("no pipe can be made (error {}); close some files or raise the limit on them", errno));
+      throw Error(fmt::format("no pipe can be opened (error {}); close some files or raise the limit on them", errno));
     fcntl(ends_[0], F_SETFL, O_NONBLOCK);
   }
   ~Pipe() {

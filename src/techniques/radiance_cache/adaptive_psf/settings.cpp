@@ -11,8 +11,8 @@ namespace {
 VarianceThresholds checked(const char* name, float v0, float v1) {
   const VarianceThresholds t{v0, v1};
   if (!t.valid()) {
-    throw Error(fmt::format("apsf.{0}-v0 is {1} and apsf.{0}-v1 is {2}, but v1 must be larger than v0 by less than {3}",
-                            name, v0, v1, kMaxThresholdDistance));
+    throw Error(fmt::format("apsf.{0}-v0 is {1} and apsf.{0}-v1 is {2}, but v1 must exceed v0, by less than {3}", name,
+                            v0, v1, kMaxThresholdDistance));
   }
   return t;
 }

@@ -86,7 +86,7 @@ std::vector<std::string> CellsPass::warnings() const {
   }
   if (s.discarded > 0) {
     list.push_back(
-        fmt::format("{} cells were discarded because the table is limited to {} slots between frames; raise "
+        fmt::format("{} cells were discarded because the table keeps at most {} slots from frame to frame; raise "
                     "psf.max-cells, or leave it at 0",
                     s.discarded, grid_.limit()));
   }
