@@ -40,7 +40,7 @@ BufferDescription denoised_buffer() { return kept(kDenoised, "the denoised image
 
 BufferDescription unfiltered_buffer() {
   BufferDescription buffer =
-      kept(kUnfiltered, "mean since the last change of the light that is not filtered, such as emission");
+      kept(kUnfiltered, "mean light that is not filtered, such as emission, since the last change");
   buffer.double_buffered = true;
   return buffer;
 }

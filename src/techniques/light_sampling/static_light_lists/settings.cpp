@@ -12,7 +12,7 @@ SettingList describe(StaticLightListsSettings& s) {
        {.min = 0, .max = 1e6, .unit = "m"}},
       {"rays",
        &s.rays,
-       "Visibility rays per cell; raised where needed to 1/64 of this number per light, but at least two per light",
+       "Visibility rays per cell, but at least 1/64 of this number (and at least two) per light",
        {.min = 64, .max = 1 << 20}},
       {"max-lights",
        &s.max_lights,

@@ -22,8 +22,7 @@ SettingList describe(VisibilityLightCacheSettings& s) {
        {.min = 0, .max = CachedLight::kMaxAge - 1}},
       {"even-buckets",
        &s.even_buckets,
-       "Fraction of the choice of a bucket that is uniform; the rest depends on the power and distance of its lights; "
-       "1: the paper",
+       "Probability of choosing a bucket uniformly, otherwise by the power and distance of its lights; 1: the paper",
        {.min = 0.01, .max = 1}},
       {"energy-weight", &s.energy_weight, "Weight of the lights' power in exploration", {.min = 0.01, .max = 1e3}},
       {"change-weight",

@@ -33,7 +33,7 @@ struct HashGridStatistics {
 
 /// Limits by the image and the machine.
 struct HashGridBounds {
-  uint64_t slots = 1 << 23;            ///< maximum number of slots between frames if max-cells is 0
+  uint64_t slots = 1 << 23;            ///< maximum number of slots kept from frame to frame if max-cells is 0
   uint64_t memory_slots = kMostSlots;  ///< maximum number of slots during a frame
   uint64_t samples_a_frame = 1 << 20;  ///< maximum number of additions to cells per frame
 };
@@ -75,7 +75,7 @@ class HashGrid {
   void clear();
 
   HashGridStatistics statistics() const;
-  /// Maximum number of slots between frames.
+  /// Maximum number of slots kept from frame to frame.
   uint32_t limit() const { return limit_; }
 
   /// The state on which later frames depend.
@@ -96,7 +96,7 @@ class HashGrid {
 
   HashGridSettings settings_;
   uint64_t expected_cells_;
-  uint32_t limit_ = 0;         ///< maximum number of slots between frames
+  uint32_t limit_ = 0;         ///< maximum number of slots kept from frame to frame
   uint32_t memory_limit_ = 0;  ///< maximum number of slots during a frame
   uint32_t first_slots_ = 0;   ///< number of slots of an empty table
   uint32_t longest_ = 0;       ///< largest displacement of a key placed between frames

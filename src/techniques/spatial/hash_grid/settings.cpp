@@ -15,12 +15,13 @@ SettingList describe(HashGridSettings& s) {
        {.biases = true}},
       {"normal-bins",
        &s.normal_bins,
-       "Steps between 0 and 1 by which a normal's components separate cells; 0: cells mix all orientations, and light "
-       "leaks around edges",
+       "Number of steps from 0 to 1 in each component of the normal; every step has cells of its own; 0: cells mix all "
+       "orientations, and light leaks around edges",
        {.min = 0, .max = 16, .biases = true}},
       {"direction-bins",
        &s.direction_bins,
-       "Steps of the direction to the viewer that separate cells at glossy surfaces; 0: cells mix all directions",
+       "Number of steps from 0 to 1 in each component of the direction to the viewer, at glossy surfaces; 0: cells mix "
+       "all directions",
        {.min = 0, .max = 16, .biases = true}},
       {"max-samples",
        &s.max_count,
@@ -54,8 +55,8 @@ SettingList describe(HashGridSettings& s) {
        {.min = 0, .max = 100, .biases = true}},
       {"max-cells",
        &s.max_cells,
-       "Maximum number of slots between frames; the oldest cells beyond it are discarded. 0: four slots per pixel and "
-       "per path vertex with cells, within an eighth of the machine's memory",
+       "Maximum number of table slots kept from frame to frame; the oldest cells beyond it are discarded. 0: four "
+       "slots per pixel and per path vertex with cells, within an eighth of the machine's memory",
        {.min = 0, .max = kMostSlots, .biases = true}},
   };
 }

@@ -21,7 +21,7 @@ struct HashGridSettings {
   ThinCells thin_cells = ThinCells::coarser;
   float clamp = 0;
   float change_detection = 4;
-  int max_cells = 0;  ///< maximum number of slots between frames; 0: from the sizes of image and memory
+  int max_cells = 0;  ///< maximum number of slots kept from frame to frame; 0: from the sizes of image and memory
 };
 
 SettingList describe(HashGridSettings& settings);

@@ -58,7 +58,7 @@ PassDeclaration AdaptiveSamplingPass::declaration() const {
                 .follows_surface = true,
                 .display = BufferDisplay::value},
                {.id = kSamplingNoise,
-                .help = "standard deviation of the samples, as estimated by the method",
+                .help = "standard deviation of the samples, as estimated by adaptive.method",
                 .persistent = true,
                 .display = BufferDisplay::value}},
       .reads = {kMean, kMoments.m2, kSamples},

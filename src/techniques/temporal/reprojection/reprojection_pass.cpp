@@ -61,12 +61,12 @@ PassDeclaration ReprojectionPass::declaration() const {
   const bool forward = settings_.method == ReprojectionMethod::forward;
   std::vector<BufferDescription> owns{
       shown(kHistoryKept, "1 where the pixel continues a history, 0 where it starts one"),
-      shown(kHistoryReason, forward
-                                ? "origin of the pixel's history: 1 kept, 10 filled from the old position of its "
-                                  "surface, 0 none moved here; rejected because 3 occluded, 4 view dependent, 5 near "
-                                  "specular, 6 several surfaces, 7 relit, 9 on another surface than this frame's sample"
-                                : "origin of the pixel's history: 1 kept, 0 no samples before; rejected because 2 off "
-                                  "screen, 9 another surface at the old position")};
+      shown(kHistoryReason,
+            forward ? "origin of the pixel's history: 1 kept, 10 filled from the old position of its "
+                      "surface, 0 no history moved here; rejected because 3 occluded, 4 view dependent, 5 near "
+                      "specular, 6 several surfaces, 7 relit, 9 on another surface than this frame's sample"
+                    : "origin of the pixel's history: 1 kept, 0 no samples before; rejected because 2 off "
+                      "screen, 9 another surface at the old position")};
   if (forward) {
     owns.push_back(
         shown(kHistoryRejectReason,
