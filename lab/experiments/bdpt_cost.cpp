@@ -131,10 +131,12 @@ void claim_rays(const std::vector<Case>& cases, std::vector<Claim>& claims) {
   for (const Case& c : cases) (c.bounces == 1 ? one_bounce : more_bounces).push_back(c);
   claims.push_back(claim_below_paper("rays", "A sample takes D² + 3D rays (relume: fewer, with two or more bounces).",
                                      more_bounces));
-  claims.push_back(claim_below_paper("rays-one-bounce", "The same with one bounce.", one_bounce));
+  claims.push_back(
+      claim_below_paper("rays-one-bounce", "A sample with one bounce takes D² + 3D rays, too.", one_bounce));
   const bool below_exact =
       std::all_of(cases.begin(), cases.end(), [](const Case& c) { return c.all_rays <= exact_rays(c.bounces); });
-  claims.push_back(judged("rays-exact", kPaper, "Each test counted once, it takes at most 2D + 1 + D(D + 3) / 2.",
+  claims.push_back(judged("rays-exact", kPaper,
+                          "With each test counted once, a sample takes at most 2D + 1 + D(D + 3) / 2 rays.",
                           most_rays_text(cases, exact_rays), "not exceeded in any scene", below_exact));
 }
 

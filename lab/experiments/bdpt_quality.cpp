@@ -197,7 +197,8 @@ Claim claim_region(const Case& c, std::string id, const char* paper, double fact
   const Ratio ratio = gain(c.time, c.region);
   return judged_ratios(
       std::move(id), paper,
-      fmt::format("{}: at equal time its MSE is lower by a factor of {} at least ({}).", c.name, factor, c.region.name),
+      fmt::format("{}: at equal time bidirectional path tracing has an MSE lower by a factor of at least {} ({}).",
+                  c.name, factor, c.region.name),
       fmt::format("{}; over the image {}", to_text(ratio), to_text(gain(c.time))), {ratio}, factor);
 }
 

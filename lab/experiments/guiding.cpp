@@ -137,10 +137,11 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
                                 "magnitude less error; next event estimation excludes the environment.",
                                 guided.name),
                     measured, {sun, spot}, 100));
-  claims.push_back(
-      judged_ratios(fmt::format("mine-sun{}", guided.suffix), kOurs,
-                    fmt::format("In these regions guiding ({}) has at least 30 times less error.", guided.name),
-                    measured, {sun, spot}, 30));
+  claims.push_back(judged_ratios(
+      fmt::format("mine-sun{}", guided.suffix), kOurs,
+      fmt::format("Where the sun and its spot light the mine, guiding ({}) has at least 30 times less error.",
+                  guided.name),
+      measured, {sun, spot}, 30));
   const Ratio indirect = gain(sampled, guided, 2);
   claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), kOurs,
                                  fmt::format("With the environment sampled, guiding ({}) still helps where the spot "

@@ -70,7 +70,9 @@ std::string accumulation_text(const std::string& scene) {
 std::string apsf_text(const std::string& scene) {
   return scene + ": adaptive path space filtering has roughly the MSE of psf.";
 }
-std::string apg_text(const std::string& scene) { return scene + ": so do adaptive path graphs."; }
+std::string apg_text(const std::string& scene) {
+  return scene + ": adaptive path graphs have roughly the MSE of psf, too.";
+}
 constexpr const char* kHalf = "at most 0.5";
 constexpr const char* kBelow = "at most 1 in each frame";
 constexpr const char* kSimilar = "at most 1.1";
