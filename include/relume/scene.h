@@ -147,7 +147,7 @@ struct Mesh {
   std::vector<Vec4> colors;  ///< linear RGBA, multiplies base colour and alpha
   std::vector<UVec3> triangles;
   Index material = kNone;                      ///< kNone: glTF's default material
-  std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep the default
+  std::vector<VariantMaterial> variants = {};  ///< materials in variants; other variants keep the default
   std::optional<Index> default_material = {};  ///< material if no variant is chosen; empty: `material`
   std::vector<MorphTarget> morph_targets = {};
   int influences_per_vertex = 0;                ///< 0: the mesh is not skinned
@@ -242,7 +242,7 @@ struct Node {
   std::string name;
   Index parent = kNone;
   Transform transform;         ///< from the node to its parent; can be animated
-  std::optional<Mat4> matrix;  ///< local matrix of the file; replaces `transform` and cannot be animated
+  std::optional<Mat4> matrix;  ///< local matrix from the file; replaces `transform` and cannot be animated
   std::vector<Index> meshes;
   std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: one copy of the meshes per matrix; empty: one copy
   Index light = kNone;
@@ -298,7 +298,7 @@ struct Scene {
   std::vector<std::string> variants;                ///< names of alternative sets of materials (KHR_materials_variants)
   std::string settings_json;                        ///< settings that the file requests, a JSON object; empty: none
   std::vector<std::string> warnings;                ///< ignored or repaired input, one sentence each
-  std::vector<std::string> notes;                   ///< ignored input that changes nothing, one sentence each
+  std::vector<std::string> notes;                   ///< ignored input without effect on images, one sentence each
   std::vector<std::filesystem::path> source_files;  ///< files that load_scene() read, including missing ones
 
   Index add_node(Node node) {
@@ -307,8 +307,9 @@ struct Scene {
   }
 };
 
-/// Gives every mesh its material in the named variant. Uses the default material where `name` is empty or the variant
-/// has none. Throws Error (not_found) with the names of all variants if no variant has that name.
+/// Gives every mesh its material in the named variant. Uses the mesh's default material if `name` is empty or the
+/// variant has no material for the mesh. Throws Error (not_found) with the names of all variants if no variant has that
+/// name.
 RELUME_API void choose_variant(Scene& scene, const std::string& name);
 
 /// Checks the invariants that kernels rely on: indices in range, no cycles, finite numbers, consistent array sizes.

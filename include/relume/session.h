@@ -39,8 +39,8 @@ using LightHandle = Handle<PunctualLight>;
 
 class RELUME_API Session {
  public:
-  /// Compiles the scene. `movable` lists nodes, beside animated ones, that set_transform() will move. Does not use
-  /// Scene::settings_json, nor settings for stopping and display: the caller applies them. Throws Error (unknown
+  /// Compiles the scene. `movable` lists nodes that set_transform() will move, besides animated ones. Ignores
+  /// Scene::settings_json and the settings for stopping and display: the caller applies them. Throws Error (unknown
   /// camera, incompatible settings).
   explicit Session(Scene scene, const Settings& settings = {}, std::vector<Index> movable = {});
   ~Session();
@@ -61,7 +61,7 @@ class RELUME_API Session {
   bool prepared() const;
 
   /// Discards all samples, histories and caches, and sets the seed. The next frames equal those of a new session with
-  /// the scene in its present state. Statistics keep their times only.
+  /// the scene in its present state. Of statistics(), only the times are kept.
   void restart(int seed);
 
   /// Frames since the last change.
@@ -77,7 +77,7 @@ class RELUME_API Session {
   uint32_t image_frames() const;
   /// Mean number of samples per pixel in these frames.
   double image_samples() const;
-  /// Seconds spent in render_frame() for these frames, without those of a loaded checkpoint.
+  /// Seconds spent in render_frame() for these frames, except those loaded from a checkpoint.
   double image_render_s() const;
 
   // Changes of the scene between frames. Histories are kept where they stay valid; without a history, samples start
@@ -122,7 +122,7 @@ class RELUME_API Session {
   /// The same, in memory that later frames never modify.
   std::shared_ptr<const Image> snapshot() const;
   /// Copies the image to the caller's memory without allocating. `curve` and `exposure` (stops) apply to
-  /// PixelLayout::rgba8. Throws Error unless the target has memory and the session's size.
+  /// PixelLayout::rgba8. Throws Error unless the target has memory and the size of the image.
   void read(const ImageTarget& target, ToneMap curve = ToneMap::agx, float exposure = 0) const;
 
   /// Per-pixel buffers that can be inspected.
@@ -137,7 +137,7 @@ class RELUME_API Session {
   /// luminance. Infinite below two samples.
   double estimated_error() const;
 
-  /// Names of the arbitrary output variables with these settings: albedo, normal, depth, motion, variance, …
+  /// Names of the arbitrary output variables of these settings: albedo, normal, depth, motion, variance, …
   static std::vector<std::string> aov_names(const Settings& settings);
   /// Planes of one output variable as of the last frame, with their conventional EXR channel names ("albedo.R"). Layers
   /// that accumulate, such as albedo, are means over the frames since the last change. Throws Error for an unknown

@@ -98,7 +98,7 @@ struct Comparison {
   uint64_t scene_hash = 0;
   size_t triangles = 0;
   int threads = 0;           ///< 0: only images were compared
-  double budget_spread = 0;  ///< expected spread of the times of whole frames
+  double budget_spread = 0;  ///< EqualTime::spread() of the contenders; 0 at equal samples
   std::vector<ContenderResult> contenders;
   std::vector<std::string> notes;  ///< limits_of() the comparison
 };

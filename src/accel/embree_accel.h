@@ -23,10 +23,10 @@ struct OpacityFunction {
 struct AccelInstance {
   uint32_t mesh = 0;
   Mat4 to_world{1};
-  bool in_world_space = true;  ///< vertices are stored transformed: no instance node, unless the mesh deforms
+  bool in_world_space = true;  ///< vertices are in world space; only a deforming mesh then has an instance node
   bool moves = false;          ///< whether update() may move or hide it
   bool visible = true;         ///< false: rays pass through
-  bool mirrored = false;       ///< in world space: whether its skin turns the back of its triangles to the front
+  bool mirrored = false;       ///< only in world space: whether its skin mirrors it, which swaps front and back faces
 };
 
 struct AccelMesh {
@@ -58,7 +58,8 @@ class EmbreeAccel {
   EmbreeAccel& operator=(const EmbreeAccel&) = delete;
 
   /// Updates the transforms of instances that are not in world space, and refits the `deformed` meshes. The cost grows
-  /// with their number. Static geometry costs nothing if some instance was declared as moving.
+  /// with their number. Static geometry costs nothing if any instance was declared as moving, because it then has a BVH
+  /// of its own.
   void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed = {});
 
   /// Sets whether hits on a mesh evaluate its opacity, and whether its back faces are culled. `instances` as in the

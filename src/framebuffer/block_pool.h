@@ -1,5 +1,5 @@
-// Keeps the memory of pixel buffers when the image size changes, for a return to the earlier size. The system takes
-// tens of milliseconds to free the buffers of a full-size frame.
+// Keeps the memory of pixel buffers when the image size changes, and reuses it when an earlier size returns. Freeing
+// the buffers of a full-size frame takes the system tens of milliseconds.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   };
 
  public:
-  /// Returns a block to its pool.
+  /// Deleter that returns a block to its pool.
   struct Return {
     std::shared_ptr<BlockPool> pool;
     size_t bytes = 0;
@@ -34,7 +34,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   /// Raises the limit of spare_bytes(), initially 0. Above it, the smallest spare blocks are freed.
   void raise_limit(size_t bytes);
 
-  /// Call after each change of the image size: frees blocks that are spare since kKeptChanges changes.
+  /// Call after each change of the image size: frees blocks that have been spare for more than kKeptChanges changes.
   void next_size();
   static constexpr uint32_t kKeptChanges = 16;
 
@@ -46,7 +46,7 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
  private:
   struct Spare {
     std::unique_ptr<std::byte[]> block;
-    uint32_t since = 0;  ///< change of size at which it became spare
+    uint32_t since = 0;  ///< value of changes_ when the block became spare
   };
 
   void put_back(std::byte* block, size_t bytes) noexcept;

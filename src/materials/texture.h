@@ -94,7 +94,7 @@ struct TextureView {
             alpha};
   }
 
-  /// Linear value of a colour of sRGB codes; interpolates the table between codes.
+  /// Linear value of a colour given as sRGB codes; interpolates the table between codes.
   RELUME_HD Vec4 decode(const Vec4& c) const {
     Vec4 linear = c;
     for (int k = 0; k < 3; ++k) {

@@ -82,8 +82,8 @@ RELUME_HD_NOINLINE inline Rgb film_reflectance(const ThinFilm& film, FilmBase ba
   return bare + (covered - bare) * film.weight;
 }
 
-/// F0 of a Schlick curve to 1 that lies above film_reflectance(), or at most 2e-3 below it for films of up to 2000 nm.
-/// Layers below the surface receive the light that this curve transmits.
+/// F0 of a Schlick curve with F90 = 1 that lies above film_reflectance(), or at most 2e-3 below it for films of up to
+/// 2000 nm. Layers below the surface receive the light that this curve transmits.
 RELUME_HD_NOINLINE inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
   constexpr int kAngles = 20;
   constexpr float kLowestCosine = 0.005f;

@@ -27,7 +27,8 @@
 
 namespace relume {
 
-/// Sum of `values`, computed by the backend's threads. Exact in any order of additions, because they are integers.
+/// Sum of `values`, computed by the backend's threads. Exact in any order of additions, because the values are
+/// integers.
 inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
   constexpr uint32_t kPart = 65536;
   std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
@@ -180,8 +181,8 @@ struct Session::State {
   void check_unedited(const std::filesystem::path& file) const {
     if (!has_other_parts) return;
     throw Error(ErrorCode::not_supported, file.string() +
-                                              ": parts were added to the scene or removed, which checkpoints do not "
-                                              "store; start a session with the changed scene");
+                                              ": parts were added to the scene or removed from it, which "
+                                              "checkpoints do not store; start a session with the changed scene");
   }
   /// Rebuilds data affected by added or removed parts. Lights and instances are renumbered, so histories and caches are
   /// discarded.

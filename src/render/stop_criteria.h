@@ -18,7 +18,7 @@ struct FrameSource {
   std::function<double()> estimated_error;            ///< Session::estimated_error
 };
 
-/// Limits of a rendering; kDefaultSpp if no criterion is set.
+/// Limits of a render; kDefaultSpp if no criterion is set.
 RenderLimits stop_criteria(const StopSettings& settings);
 
 /// Whether the error is checked after `frames` of an image. Checks start at 16, because the variance estimate is too
@@ -27,8 +27,8 @@ RenderLimits stop_criteria(const StopSettings& settings);
 bool checks_error_at(uint32_t frames);
 
 /// Calls render_frame until a criterion is met or `stop` is requested, and `frame_done` after each complete frame. The
-/// first frame is always completed, so an image always exists. With a time limit, no frame begins that would end beyond
-/// it if it took as long as those before. `now_s` is a monotonic clock.
+/// first frame is always completed, so an image always exists. With a time limit, no frame begins that would exceed it
+/// at the mean duration of the frames so far. `now_s` is a monotonic clock.
 StopReason render_until(const FrameSource& source, const RenderLimits& criteria, const std::function<double()>& now_s,
                         std::stop_token stop, const std::function<void(const RenderProgress&)>& frame_done);
 

@@ -12,7 +12,7 @@ namespace relume {
 /// Requests a stop when `outer` does or after `seconds`, whichever is first.
 class TimedStop {
  public:
-  /// `seconds` 0: never.
+  /// `seconds` 0: no time limit.
   TimedStop(std::stop_token outer, double seconds);
 
   std::stop_token token() const { return source_.get_token(); }

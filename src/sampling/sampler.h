@@ -10,7 +10,7 @@ namespace relume {
 /// Number of dimension pairs for the camera, which come first: a point of the pixel and one of the lens.
 inline constexpr uint32_t kCameraDimensions = 2;
 
-/// Provides dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the
+/// Provides dimensions in order. Each dimension is a padded, independently scrambled low-discrepancy sequence over the
 /// samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
@@ -40,8 +40,8 @@ class Sampler {
     camera_index_ = other.reversed_index_;
   }
 
-  /// Two stratified numbers. Computes blocks of eight dimensions, which share vector registers on a processor; a path
-  /// rarely needs more.
+  /// Two stratified numbers. Computes blocks of eight dimensions, which share vector registers on CPUs; a path rarely
+  /// needs more.
   RELUME_HD Vec2 next_2d() {
     const uint32_t in_block = dimension_ % kBlock;
     if (dimension_ - in_block != block_start_) fill_block(dimension_ - in_block);
@@ -55,7 +55,7 @@ class Sampler {
   /// One stratified number, from dimensions separate from those of next_2d().
   RELUME_HD_INLINE float next_1d() { return single(single_++); }
 
-  /// The first number of next_1d() after start_dimension(dimension). The sampler remains where it is.
+  /// The first number of next_1d() after start_dimension(dimension). Does not advance the sampler.
   RELUME_HD float number_of(uint32_t dimension) const { return single(dimension * kSinglesPerDimension); }
 
   /// Jumps to a dimension, so that a decision uses the same dimension in paths of any length.

@@ -18,7 +18,7 @@
 
 namespace relume {
 
-/// Sessions with different seeds, in sequence.
+/// Each contender renders several sessions with different seeds, one after the other.
 struct AdaptedOptions {
   int warm_up = 128;  ///< unmeasured frames at the start of each session
   int frames = 64;    ///< measured frames per session
@@ -50,7 +50,7 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
-/// Median over the turns of a's frame time over b's.
+/// Ratio of a's frame time to b's: the median over pairs of frames rendered in turn.
 Ratio time_ratio(const AdaptedError& a, const AdaptedError& b);
 /// Ratio of MSE times frame time, a over b: the result at equal time if errors fall with 1 / time, as for independent
 /// frames.

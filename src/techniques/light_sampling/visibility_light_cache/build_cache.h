@@ -20,10 +20,10 @@ inline constexpr uint32_t kMaxSeenLights = 1024;
 
 struct CacheBuildOptions {
   uint32_t bucket_size = 32;    ///< capacity in lights, at most kMaxBucketSize
-  uint32_t max_samples = 4096;  ///< maximum per region, spread evenly over its samples
-  float hysteresis = 0.75f;     ///< share of every bucket that must suffice for fewer buckets than last frame
+  uint32_t max_samples = 4096;  ///< maximum number read per region, spread evenly over its samples
+  float hysteresis = 0.75f;     ///< fraction of the buckets' capacity that must suffice before their number shrinks
   uint32_t memory = 0;          ///< frames that a light stays listed without being seen
-  float even_buckets = 0.1f;    ///< uniform share of the choice among buckets
+  float even_buckets = 0.1f;    ///< probability of choosing a bucket uniformly
 };
 
 /// Lights of one region, before sorting into buckets.
@@ -35,8 +35,8 @@ struct LightList {
 /// Caches by leaf slot.
 class LightCaches {
  public:
-  /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite ones; larger ids are ignored,
-  /// being at infinity or removed.
+  /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite lights. Larger ids are
+  /// ignored: those of lights at infinity and of removed lights.
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightGuess> lights,
              const CacheBuildOptions& options);
 
@@ -45,13 +45,13 @@ class LightCaches {
 
   View<const LightBuckets> buckets() const { return view_of(buckets_); }
   View<const uint32_t> entries() const { return view_of(entries_); }
-  /// Probabilities by bucket; a region's begin at its first entry / bucket size and sum to one.
+  /// Probability of each bucket. Those of a region begin at index (first entry / bucket size) and sum to one.
   View<const float> bucket_weights() const { return view_of(bucket_weights_); }
   /// Lights of a region as CachedLight, sorted by id.
   View<const uint32_t> list(uint32_t region) const {
     return {lights_.data() + lists_[region].first, lists_[region].count};
   }
-  /// Failed insertions in the last build, for lack of room.
+  /// Insertions that failed in the last build, for lack of room.
   uint64_t dropped() const { return dropped_; }
   /// Bytes of the data by leaf slot, and of lists, entries and weights.
   size_t region_bytes() const;
@@ -81,7 +81,7 @@ class LightCaches {
 /// Writes each region's distinct visible lights, sorted, to its range of `seen`.
 struct DeduplicateLightsKernel {
   SampleGroupsView samples;
-  uint32_t light_count = 0;  ///< end of the ids that are kept
+  uint32_t light_count = 0;  ///< ids from this one on are ignored
   uint32_t max_samples = 0;
   View<uint32_t> seen;     ///< parallel to samples.order
   View<uint32_t> counts;   ///< by region

@@ -1,5 +1,6 @@
-// Light selection among all finite lights, for exploration, by a blend of guesses. One table for all points
-// ([Dittebrandt20, §4.3]), or one per cell of a coarse grid.
+// Exploration: light selection among all finite lights, including those that no cache lists yet. The probabilities are
+// a mixture of three guesses of a light's importance. There is one table for all points ([Dittebrandt20, §4.3]), or one
+// per cell of a coarse grid.
 #pragma once
 
 #include <vector>
@@ -16,10 +17,10 @@ struct LightGuess {
   bool changed = false;
 };
 
-/// Guesses for all finite lights, by id.
+/// Properties of all finite lights, by id.
 std::vector<LightGuess> light_guesses(const LightsView& lights);
 
-/// Relative shares of the three guesses.
+/// Relative shares of the three guesses in the mixture.
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light can be chosen
   float change = 1;  ///< uniform over the lights that changed since the last frame
@@ -58,7 +59,7 @@ std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& 
 class ExplorationTables {
  public:
   /// `guesses`: light_guesses(lights). `cells`: along the longest side, reduced for very many lights; 1: a single table
-  /// by distance to the camera, as in the paper. Several cells are rebuilt only when a light changes.
+  /// by distance to the camera, as in the paper. The tables of several cells are rebuilt only when a light changes.
   void build(const LightsView& lights, const std::vector<LightGuess>& guesses, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;

@@ -11,7 +11,7 @@ namespace relume {
 
 class FilterVertex;
 
-/// Constants of all paths.
+/// Parameters shared by all paths.
 struct FilterContext {
   using Policy = FilterVertex;
 
@@ -21,8 +21,8 @@ struct FilterContext {
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
-/// Diverts a path's radiance at the first vertex that may be filtered to a cell. A path that leaves through a delta
-/// lobe there continues as usual but stays outside the cell.
+/// Finds the filtered vertex of a path, and adds the radiance of the rest of the path to a cell. A path that leaves
+/// this vertex through a delta lobe continues as usual; the radiance beyond stays outside the cell.
 class FilterVertex : public NoPolicy {
  public:
   FilterVertex() = default;
@@ -110,7 +110,7 @@ struct CellLayers {
   View<float> survival;     ///< probability of following the path
   View<float> blend;        ///< share of the cell in the pixel
   View<float> termination;  ///< bounce, from 1, at which the path's contribution ended; 0: not recorded
-  View<float> occupancy;    ///< share of occupied slots near the cell's
+  View<float> occupancy;    ///< share of occupied slots near the cell's slot
 };
 
 /// Computes pixels from paths and cells, whose moments include all samples of the frame.

@@ -9,11 +9,11 @@ namespace relume {
 
 struct FirstVertex {
   Vec3 scatter{0};   ///< direction sampled from the BSDF; zero: none
-  Rgb indirect{0};   ///< arriving light times cos / pdf along `scatter`; the BSDF times this was reflected
+  Rgb indirect{0};   ///< arriving radiance · cos / pdf along `scatter`; the BSDF scales it to the reflected light
   Vec3 to_light{0};  ///< direction of next event estimation; zero: none
   Rgb direct{0};     ///< the same along `to_light`
   LightId light = kNoLight;
-  Vec2 light_u{0};        ///< random numbers of its point
+  Vec2 light_u{0};        ///< random numbers that chose the point on `light`
   float light_value = 0;  ///< luminance of radiance · cos / pdf_w at that point; 0 if hidden
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };

@@ -35,8 +35,8 @@ concept DecidesLater = requires(Policy& policy, PathState& path) {
   { policy.goes_on(path) } -> std::same_as<bool>;
 };
 
-/// Combines any number of policies for one path. Each operation runs in their order. If one policy ends the path, it
-/// ends for all.
+/// Combines any number of policies for one path. Each hook calls them in the order of the template arguments. If one
+/// policy ends the path, it ends for all.
 template <typename... Policies>
 struct PathPolicies;
 

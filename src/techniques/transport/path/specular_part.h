@@ -18,8 +18,8 @@ RELUME_HD inline Rgb specular_share(const SurfacePoint& sp, const Vec3& wi) {
   return share;
 }
 
-/// Splits both estimates at the first vertex by the lobes' shares in the BSDF, so each part is unbiased. Emission
-/// towards the camera belongs to neither part.
+/// Splits next event estimation and the BSDF sample of the first vertex by the lobes' shares in the BSDF, so each part
+/// is unbiased. Emission towards the camera belongs to neither part.
 struct SpecularPolicy : NoPolicy {
   Rgb specular{0};
   Rgb share{0};  ///< share of the light along the sampled direction
@@ -40,7 +40,7 @@ struct SpecularPolicy : NoPolicy {
 struct SpecularOutput {
   using Policy = SpecularPolicy;
 
-  View<Rgb> specular;  ///< of this sample; may be not finite
+  View<Rgb> specular;  ///< of this sample; may be non-finite
 
   RELUME_HD SpecularPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t) const { return {}; }
   RELUME_HD void finish(uint32_t pixel, const SpecularPolicy& policy, const PathState&) const {
