@@ -42,7 +42,7 @@ struct Fixture {
   }
 };
 
-TEST(CommandLine, AssignsWhatIsGiven) {
+TEST(CommandLine, AssignsGivenOptions) {
   Fixture f;
   EXPECT_EQ(parse_arguments(f.command(), {"-o", "out.png", "scene.glb", "--count=4", "--loud"}), Request::run);
   EXPECT_EQ(f.input, "scene.glb");
@@ -51,7 +51,7 @@ TEST(CommandLine, AssignsWhatIsGiven) {
   EXPECT_TRUE(f.loud);
 }
 
-TEST(CommandLine, JoinsWhatRepeats) {
+TEST(CommandLine, JoinsRepeatedOptions) {
   std::string how;
   std::string names;
   std::string flags;
@@ -91,7 +91,7 @@ TEST(CommandLine, SwitchesBooleansEitherWay) {
   EXPECT_TRUE(f.loud);
 }
 
-TEST(CommandLine, RefusesWithOneSentence) {
+TEST(CommandLine, ErrorsAreOneSentence) {
   Fixture f;
   EXPECT_EQ(f.error_of({}), "paint needs INPUT; see relume paint --help");
   EXPECT_EQ(f.error_of({"in", "--cuont", "3"}), "paint has no option --cuont; did you mean --count?");
@@ -106,7 +106,7 @@ TEST(CommandLine, RefusesWithOneSentence) {
   EXPECT_NE(f.error_of({"in", "-o"}), "no error");
 }
 
-TEST(CommandLine, HelpComesBeforeAnyComplaint) {
+TEST(CommandLine, HelpPrecedesErrors) {
   Fixture f;
   EXPECT_EQ(parse_arguments(f.command(), {"--help"}), Request::help);
   EXPECT_EQ(parse_arguments(f.command(), {"in", "-h", "--seed", "1"}), Request::help);
@@ -151,7 +151,7 @@ TEST(Help, ShowsExamplesFirstAndEverySetting) {
   }
 }
 
-TEST(Help, ShowsEssentialsInTheirOrderAndHowToSeeTheRest) {
+TEST(Help, ShowsEssentialsInOrderAndNamesHelpAll) {
   Fixture f;
   Command command = f.command();
   command.essentials = {"spp", "output"};

@@ -29,7 +29,7 @@ TEST(Console, CutsBetweenCharacters) {
   EXPECT_EQ(first_characters(text, 0), text);
 }
 
-TEST(Console, TellsNotesOnlyIfVerbose) {
+TEST(Console, PrintsNotesOnlyIfVerbose) {
   Scene scene;
   scene.source_files = {"a.glb"};
   scene.warnings = {"a.glb: one", "a.glb: two"};

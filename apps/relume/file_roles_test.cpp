@@ -38,7 +38,7 @@ class FileRolesTest : public ::testing::Test {
   FileRoles roles_;
 };
 
-TEST_F(FileRolesTest, ANewFileHasOneRoleHoweverItIsSpelt) {
+TEST_F(FileRolesTest, NewFilesHaveOneRoleInAnySpelling) {
   const fs::path out = folder_ / "out.exr";
   roles_.writes("-o", out);
   EXPECT_EQ(refused(out), "-o and --stats would both write " + out.string() + "; choose another name for one of them");
@@ -61,7 +61,7 @@ TEST_F(FileRolesTest, LinksToANewFileAreThatFile) {
   EXPECT_EQ(refused(folder_ / "third"), "");
 }
 
-TEST_F(FileRolesTest, AnInputIsNoOutput) {
+TEST_F(FileRolesTest, InputsCannotBeOutputs) {
   const fs::path scene = existing("room.gltf");
   roles_.reads("SCENE", scene);
   EXPECT_EQ(refused(scene),
@@ -72,7 +72,7 @@ TEST_F(FileRolesTest, AnInputIsNoOutput) {
   EXPECT_NE(refused(folder_ / "hard"), "");
 }
 
-TEST_F(FileRolesTest, InputsThatBecomeKnownLaterCountToo) {
+TEST_F(FileRolesTest, LaterInputsCount) {
   const fs::path texture = existing("wood.png");
   roles_.writes("-o", texture);
   EXPECT_NE(refusal_of([&] {
@@ -97,7 +97,7 @@ TEST_F(FileRolesTest, DevicesMayHaveAnyRole) {
   roles_.writes("--stats", "/dev/null");
 }
 
-TEST_F(FileRolesTest, OutputsThatCannotBeWrittenAreFound) {
+TEST_F(FileRolesTest, DetectsUnwritableOutputs) {
   const auto problem = [&](const fs::path& file) { return refusal_of([&] { check_output_file(file); }); };
   EXPECT_EQ(problem(folder_ / "out.exr"), "");
   EXPECT_EQ(problem(folder_ / (std::string(251, 'a') + ".exr")), "");
@@ -121,7 +121,7 @@ TEST_F(FileRolesTest, LongNamesAreCutBetweenCharacters) {
   EXPECT_EQ(problem.find(name.substr(0, 78) + "…: "), 0u) << problem;
 }
 
-TEST_F(FileRolesTest, PathsThatLeaveNoRoomForATemporaryNameAreFound) {
+TEST_F(FileRolesTest, DetectsPathsTooLongForTemporaryNames) {
   fs::path folder = folder_ / "d";
   while (folder.string().size() < 3800) folder /= std::string(200, 'd');
   folder /= std::string(4090 - folder.string().size() - 1, 'd');

@@ -15,14 +15,14 @@ TEST(FrameRange, ReadsRanges) {
   EXPECT_EQ(single.last, 12);
 }
 
-TEST(FrameRange, RefusesTheRest) {
+TEST(FrameRange, RejectsOtherText) {
   for (const char* text :
        {"", "-", "1-", "-1", "a-b", "1-2-3", "9-3", "1 - 2", "0-99999999999", "0-2000000000", "1.5-3"}) {
     EXPECT_THROW(parse_frame_range(text, "--frames"), UsageError) << text;
   }
 }
 
-TEST(FrameRange, FramesHaveTimesThatAnimationsHave) {
+TEST(FrameRange, FrameTimesStayInRange) {
   EXPECT_EQ(frame_time_s(0, 24, 0.5f), 0.5f);
   EXPECT_EQ(frame_time_s(12, 24, 0.5f), 1);
   EXPECT_EQ(frame_time_s(1000000, 1, 0), 1e6f);
@@ -40,7 +40,7 @@ TEST(FrameNames, InsertTheNumber) {
   EXPECT_EQ(FrameNames("#1/x#.png")(7), "#1/x7.png") << "folders are taken literally";
 }
 
-TEST(FrameNames, RefuseWhatPrintfWouldMisread) {
+TEST(FrameNames, RejectUnsafePrintfPatterns) {
   for (const char* pattern :
        {"%s.png", "%.png", "%04x.png", "%-4d.png", "%99999999999d.png", "%n%d.png", "%d%d.png", "#_#.png"}) {
     EXPECT_THROW(FrameNames{pattern}, UsageError) << pattern;

@@ -38,7 +38,7 @@ TEST(Roff, SentencesAndLongLinesEnd) {
   EXPECT_EQ(text, std::string(30, 'a') + " " + std::string(30, 'b') + "\n" + std::string(30, 'c') + "\n");
 }
 
-TEST(ManPage, ExplainsWhatIsDeclared) {
+TEST(ManPage, DocumentsAllDeclarations) {
   std::string text;
   int count = 3;
   bool hot = false;

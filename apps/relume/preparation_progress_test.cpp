@@ -67,7 +67,7 @@ class Terminal {
   int saved_ = -1;
 };
 
-TEST(PreparationProgress, NamesWhatTakesLongOnATerminal) {
+TEST(PreparationProgress, NamesSlowStepsOnATerminal) {
   Terminal terminal;
   {
     const PreparationProgress progress(true, 0.01);
@@ -111,7 +111,7 @@ TEST(PreparationProgress, NamesEnvironmentMapsThatAreLoaded) {
   EXPECT_NE(text.find("\rloading sky.hdr\x1b[K"), text.npos) << text;
 }
 
-TEST(PreparationProgress, ShowsNothingOfWhatIsQuick) {
+TEST(PreparationProgress, IsSilentForQuickSteps) {
   Terminal terminal;
   {
     const PreparationProgress progress(true, 100);
@@ -121,7 +121,7 @@ TEST(PreparationProgress, ShowsNothingOfWhatIsQuick) {
   EXPECT_EQ(terminal.text(), "END");
 }
 
-TEST(PreparationProgress, ShowsNothingElsewhere) {
+TEST(PreparationProgress, IsSilentWithoutATerminal) {
   testing::internal::CaptureStderr();
   {
     const PreparationProgress progress(true, 0.001);

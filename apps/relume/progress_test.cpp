@@ -17,7 +17,7 @@ TEST(ProgressText, Durations) {
   EXPECT_EQ(format_duration(-3), "0:00");
 }
 
-TEST(ProgressText, TellsWhatIsKnown) {
+TEST(ProgressText, ShowsKnownQuantities) {
   EXPECT_EQ(format_progress({.label = "image 3 of 10",
                              .samples = 16,
                              .samples_wanted = 64,

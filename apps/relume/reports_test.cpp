@@ -58,14 +58,14 @@ TEST(Reports, MetricsHaveTheNamesThatScriptsRelyOn) {
   expect_in("\"hdr_flip\": 0.0", to_json(metrics, true));
 }
 
-TEST(Reports, ImagesTellTheirChannelsAndAttributes) {
+TEST(Reports, ImagesListChannelsAndAttributes) {
   const std::string text = to_json(ImageReport{3, 2, {{"depth.Z", 0.5f, 4.0f}}, {{"relume.seed", "7"}}});
   expect_in("\"width\": 3", text);
   expect_in("\"name\": \"depth.Z\",\n      \"min\": 0.5,\n      \"max\": 4.0", text);
   expect_in("\"relume.seed\": \"7\"", text);
 }
 
-TEST(Reports, ExtremesLeaveOutWhatIsNoNumber) {
+TEST(Reports, ExtremesIgnoreNan) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const ImageReport::Channel channel = report_channel({"R", {kNan, 100, kNan, 1, 2}});
   EXPECT_EQ(channel.min, 1);

@@ -31,7 +31,7 @@ Scene scene_with_a_triangle_three_times() {
   return scene;
 }
 
-TEST(SceneSummary, CountsWhatIsPlaced) {
+TEST(SceneSummary, CountsPlacedParts) {
   const SceneSummary summary = summarize(scene_with_a_triangle_three_times());
   EXPECT_EQ(summary.triangles, 1u);
   EXPECT_EQ(summary.instanced_triangles, 3u);

@@ -53,7 +53,7 @@ TEST(ComparisonPage, BiasIsNearZeroOnlyWithinItsNoise) {
   EXPECT_EQ(bias_cell(std::nullopt).note, "not known");
 }
 
-TEST(ComparisonPage, NumbersKeepTheDigitsThatCount) {
+TEST(ComparisonPage, NumbersKeepSignificantDigits) {
   EXPECT_EQ(short_number(1024), "1024");
   EXPECT_EQ(short_number(999.6), "1000");
   EXPECT_EQ(short_number(1234.5), "1234");
@@ -70,7 +70,7 @@ TEST(ComparisonPage, TheSplitOfAnAnimationIsOfItsLastFrame) {
   EXPECT_NE(help_of_bias().find("last frame"), std::string::npos);
 }
 
-TEST(ComparisonPage, TheBestIsMarkedAndNamedWhereIntervalsLieApart) {
+TEST(ComparisonPage, MarksTheBestIfIntervalsAreDisjoint) {
   const Comparison c = compared({contender("a", {1, 2, 3}), contender("b", {4, 5, 6})});
   EXPECT_EQ(comparison_table(c).columns.at(kRelMse).better, Better::lower);
   EXPECT_EQ(in_short(c), "a is closest to the reference: relMSE 2. By the same measure, b has 2.5 times as much.");
@@ -87,7 +87,7 @@ TEST(ComparisonPage, MarksNoBestIfIntervalsOverlap) {
   EXPECT_NE(in_short(few).find("fewer than three repetitions"), std::string::npos);
 }
 
-TEST(ComparisonPage, WhatIsNotFiniteCannotBeTheBest) {
+TEST(ComparisonPage, NonFiniteValuesAreNeverBest) {
   Comparison c = compared({contender("a", {1, 1, 1}), contender("b", {4, 5, 6})});
   c.contenders.front().repetitions.front().nonfinite = 1;
   EXPECT_EQ(in_short(c), "b has a relMSE of 5.");

@@ -159,7 +159,7 @@ TEST_F(ComparisonTest, AStallDoesNotShortenAContenderForGood) {
   }
 }
 
-TEST_F(ComparisonTest, SaysWhenTimesAreNotEqual) {
+TEST_F(ComparisonTest, ReportsUnequalTimes) {
   // One frame of the second contender exceeds the whole budget.
   ComparisonOptions o = options("cheap=max-bounces:1,dear=max-bounces:3");
   o.budget_s = 0.006;
@@ -199,7 +199,7 @@ TEST_F(ComparisonTest, AnExternalImageIsAContender) {
   EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
 }
 
-TEST_F(ComparisonTest, ImagesAloneClaimNoRenderingOfTheirOwn) {
+TEST_F(ComparisonTest, ImagesAloneReportNoRendering) {
   ComparisonOptions o = beside_image("grey", grey());
   o.contenders.clear();
   o.repetitions = 5;
@@ -215,7 +215,7 @@ TEST_F(ComparisonTest, ImagesAloneClaimNoRenderingOfTheirOwn) {
     EXPECT_EQ(occurrences(html, claim), 0u) << claim;
 }
 
-TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
+TEST_F(ComparisonTest, ReportsNonFinitePixels) {
   Image image = grey();
   image.at(3, 4) = Rgb(std::nanf(""));
   image.at(5, 6).g = kInfinity;

@@ -38,7 +38,7 @@ TEST(Contender, PresetsFilesAndSettings) {
   EXPECT_EQ(list[4].preset, "");
 }
 
-TEST(Contender, FilesAreKnownByTheirExtensionInAnyCase) {
+TEST(Contender, RecognisesFilesByExtensionInAnyCase) {
   const auto list = parse_contenders("Mine.JSON,a/image.Exr", "-t");
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].file, "Mine.JSON");
@@ -56,7 +56,7 @@ TEST(Contender, TechniquesAreNamedByTheirChoice) {
   EXPECT_NE(error_of("none").find("there is no preset 'none'"), std::string::npos);  // several slots have it
 }
 
-TEST(Contender, RefusesInOneSentence) {
+TEST(Contender, ErrorsAreOneSentence) {
   EXPECT_NE(error_of("").find("--techniques: there is nothing to compare"), std::string::npos);
   EXPECT_NE(error_of("prewiev").find("did you mean 'preview'"), std::string::npos);
   EXPECT_NE(error_of("lights:uniform").find("needs a name before it"), std::string::npos);
@@ -74,7 +74,7 @@ TEST(Contender, InlineSettingsWinOverFlagsAndFlagsOverPresets) {
   EXPECT_EQ(resolve_contender(list[1], common).render.width, 64);
 }
 
-TEST(Contender, WhatTheComparisonDecidesIsNotTakenFromFiles) {
+TEST(Contender, FilesCannotSetComparisonOptions) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "relume_contender_test.json";
   std::ofstream(file) << R"({"width": 17, "spp": 3, "lights": "uniform"})";
   SettingSources common;
@@ -112,7 +112,7 @@ TEST(Contender, SettingsAlone) {
   }
 }
 
-TEST(ReferenceSettings, NoFlagForAllBiasesThem) {
+TEST(ReferenceSettings, CommonFlagsDoNotBiasThem) {
   SettingSources common;
   common.scene_json = R"({"guide": "cdq", "svgf.levels": 2})";
   common.flags = {{"cache", "psf"},      {"denoise", "svgf"},     {"history", "none"},
@@ -148,7 +148,7 @@ TEST(ReferenceSettings, EverySlotIsThePresets) {
   }
 }
 
-TEST(ReferenceSettings, WhatIsNamedForThemAloneWins) {
+TEST(ReferenceSettings, OwnSettingsWin) {
   SettingSources common;
   common.flags = {{"lights", "uniform"}, {"cache", "psf"}};
   const ReferenceSettings reference =
@@ -166,7 +166,7 @@ TEST(ReferenceSettings, WhatIsNamedForThemAloneWins) {
   }
 }
 
-TEST(ReferenceSettings, HaveAsManyBouncesAsTheContenderThatHasMost) {
+TEST(ReferenceSettings, UseTheMostBouncesOfAnyContender) {
   SettingSources common;
   common.flags = {{"max-bounces", "7"}};
   AllSettings few;

@@ -30,7 +30,7 @@ TEST(Ranking, OverlappingIntervalsShareTheLead) {
   EXPECT_EQ(leaders_of({contender({1, 1, 1}), contender({1, 1, 1})}), (Indices{0, 1}));
 }
 
-TEST(Ranking, TwoRepetitionsTellNothing) {
+TEST(Ranking, TwoRepetitionsAreInconclusive) {
   EXPECT_EQ(leaders_of({contender({4, 5}), contender({1, 2})}), (Indices{1, 0}));
   EXPECT_EQ(leaders_of({contender({4}), contender({1})}), (Indices{1, 0}));
 }
@@ -42,7 +42,7 @@ TEST(Ranking, AnImageHasNoInterval) {
   EXPECT_EQ(leaders_of({contender({0.4, 2, 3}), image}), (Indices{1, 0}));
 }
 
-TEST(Ranking, WhatIsNotFiniteIsNotRanked) {
+TEST(Ranking, NonFiniteValuesAreNotRanked) {
   ContenderResult broken = contender({0.1, 0.1, 0.1});
   broken.repetitions[1].nonfinite = 1;
   EXPECT_FALSE(is_ranked(broken));

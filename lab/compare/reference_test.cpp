@@ -55,14 +55,14 @@ TEST_F(ReferenceTest, IsRenderedOnce) {
   EXPECT_EQ(first->surface.depth, second->surface.depth);
 }
 
-TEST_F(ReferenceTest, OfAnotherProgramIsRenderedAgain) {
+TEST_F(ReferenceTest, RendersAgainForAnotherProgram) {
   const Scene scene = find_builtin_scene("cornell")->build();
   EXPECT_FALSE(ReferenceRenderer(scene, small(), 4, folder_, "yesterday").render(0, {}, {})->cached);
   EXPECT_FALSE(ReferenceRenderer(scene, small(), 4, folder_, "today").render(0, {}, {})->cached);
   EXPECT_TRUE(ReferenceRenderer(scene, small(), 4, folder_, "today").render(0, {}, {})->cached);
 }
 
-TEST_F(ReferenceTest, WhatIsDifferentHasAFileOfItsOwn) {
+TEST_F(ReferenceTest, DifferentReferencesHaveSeparateFiles) {
   const Scene cornell = find_builtin_scene("cornell")->build();
   const Scene spheres = find_builtin_scene("cornell-spheres")->build();
   RenderSettings settings = small();
@@ -102,7 +102,7 @@ TEST_F(ReferenceTest, StatesItsOwnError) {
   EXPECT_LT(distance, 2.5 * reference->mse);
 }
 
-TEST_F(ReferenceTest, GoesOnAfterAnInterruption) {
+TEST_F(ReferenceTest, ContinuesAfterAnInterruption) {
   const Scene scene = find_builtin_scene("cornell")->build();
   const auto whole = ReferenceRenderer(scene, small(), 40, folder_).render(0, {}, {});
   const auto file = ReferenceRenderer(scene, small(), 40, folder_).file(0, 0, {});

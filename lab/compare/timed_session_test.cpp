@@ -17,7 +17,7 @@ TEST(EqualTime, CountsFillTheBudget) {
   EXPECT_LT(equal.spread(), 1e-9);
 }
 
-TEST(EqualTime, ABudgetOfFewFramesMovesToWhereTimesAgree) {
+TEST(EqualTime, SmallBudgetsMoveToEqualTimes) {
   // 30 ms and 40 ms in 100 ms: at 120 ms, 4 and 3 frames agree, where 100 ms would give 90 against 80 or 120.
   std::vector<std::vector<double>> cumulative(2);
   for (int i = 1; i <= 6; ++i) {
@@ -46,20 +46,20 @@ TEST(EqualTime, FramesThatGetCheaperCountAsTheyAre) {
   EXPECT_EQ(equal.frames[0], 4u + 44u);  // 4 · 20 ms + 44 · 5 ms
 }
 
-TEST(EqualTime, AFrameThatWasInterruptedDoesNotCount) {
+TEST(EqualTime, InterruptedFramesDoNotCount) {
   std::vector<double> frames(20, 0.010);
   frames[7] = 0.5;
   EXPECT_NEAR(cumulative_time(frames).back(), 0.2, 1e-9);
 }
 
-TEST(EqualTime, ARhythmIsNoInterruption) {
+TEST(EqualTime, PeriodicWorkIsNotAnInterruption) {
   // A denoiser that only filters every eighth frame.
   std::vector<double> frames(64, 0.010);
   for (size_t i = 7; i < frames.size(); i += 8) frames[i] = 0.050;
   EXPECT_NEAR(cumulative_time(frames).back(), 56 * 0.010 + 8 * 0.050, 1e-9);
 }
 
-TEST(EqualTime, WhatIsPreparedInTheFirstFrameCounts) {
+TEST(EqualTime, FirstFramePreparationCounts) {
   std::vector<double> frames(20, 0.010);
   frames[0] = 0.5;
   EXPECT_NEAR(cumulative_time(frames).back(), 0.69, 1e-9);

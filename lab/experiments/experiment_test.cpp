@@ -21,7 +21,7 @@ TEST(Experiments, AreFoundByName) {
   }
 }
 
-TEST(Experiments, NamesAreDifferentAndTellWhatIsTested) {
+TEST(Experiments, NamesAreUniqueWithPaperAndSummary) {
   std::set<std::string_view> names;
   for (const Experiment& experiment : experiments()) {
     EXPECT_TRUE(names.insert(experiment.name).second) << experiment.name;
@@ -31,7 +31,7 @@ TEST(Experiments, NamesAreDifferentAndTellWhatIsTested) {
   }
 }
 
-TEST(Experiments, AStopEndsThem) {
+TEST(Experiments, StopRequestsEndThem) {
   std::stop_source stop;
   stop.request_stop();
   ExperimentContext context;

@@ -83,7 +83,7 @@ TEST(Ensemble, WithoutBiasTheEstimateScattersAroundZero) {
   EXPECT_LE(certain, 2);  // expected: some 2 % of such trials, because two standard errors are overestimated 1.6 times
 }
 
-TEST(Ensemble, TheReferencesOwnNoiseIsNoBias) {
+TEST(Ensemble, ReferenceNoiseIsNotBias) {
   Ensemble ensemble;
   for (uint32_t seed = 1; seed <= 5; ++seed) ensemble.add(make_noisy(seed, 0.01f, 0.0f));
   const Image reference = make_noisy(99, 0.002f, 0.0f);
@@ -92,7 +92,7 @@ TEST(Ensemble, TheReferencesOwnNoiseIsNoBias) {
   EXPECT_LT(std::fabs(split.bias2), 4.5 * *split.bias2_error);
 }
 
-TEST(Ensemble, LeavesOutWhatIsNotFiniteAndRefusesASingleImage) {
+TEST(Ensemble, ExcludesNonFinitePixelsAndRejectsSingleImages) {
   Ensemble ensemble;
   Image broken = make_constant(0.5f);
   broken.at(3, 4).g = std::nanf("");

@@ -32,7 +32,7 @@ TEST(Estimate, SquaredBiasWithoutNoiseIsExact) {
   EXPECT_THROW(squared_bias(repetitions(2, 0.5f, 0, 1), reference(), 0), Error);
 }
 
-TEST(Estimate, SquaredBiasLeavesOutWhatIsNotFinite) {
+TEST(Estimate, SquaredBiasExcludesNonFinitePixels) {
   std::vector<Image> images = repetitions(3, 0.5f, 0, 1);
   images[1].at(3, 4).g = std::nanf("");
   Image truth = reference();
@@ -59,7 +59,7 @@ double stated_over_true(float bias, float spread, int count) {
   return std::sqrt(stated) / strayed;
 }
 
-TEST(Estimate, ItsErrorIsThatOfTheNoise) {
+TEST(Estimate, ErrorMatchesTheNoise) {
   EXPECT_NEAR(stated_over_true(1, 0.3f, 6), 1, 0.25);  // 200 trials determine the spread to 5 %
   // If noise outweighs the bias, the jackknife of products overestimates the variance 2.5 times for six repetitions and
   // four times for three.

@@ -42,7 +42,7 @@ Image sum(const Image& a, const Image& b) {
   return result;
 }
 
-TEST(TemporalError, AnErrorThatMovesWithTheSurfacesDoesNotFlicker) {
+TEST(TemporalError, ErrorsFixedToSurfacesDoNotFlicker) {
   const Image scene = make_noise(1);
   const Image error = make_noise(2);
   const TemporalError e = temporal_error(shifted(sum(scene, error), 5, -3), shifted(scene, 5, -3),
@@ -51,7 +51,7 @@ TEST(TemporalError, AnErrorThatMovesWithTheSurfacesDoesNotFlicker) {
   EXPECT_EQ(e.pixels, static_cast<uint64_t>((kWidth - 5) * (kHeight - 3)));
 }
 
-TEST(TemporalError, AnErrorThatStaysOnTheScreenDoes) {
+TEST(TemporalError, ErrorsFixedToTheScreenFlicker) {
   const Image scene = make_noise(1);
   const Image error = make_noise(2);
   const TemporalError e = temporal_error(sum(shifted(scene, 5, 0), error), shifted(scene, 5, 0), make_surface({5, 0}),
@@ -89,7 +89,7 @@ TEST(TemporalError, ChangesOfTheReferenceDoNotCount) {
   EXPECT_EQ(e.mse, 0);
 }
 
-TEST(TemporalError, LeavesOutWhatWasNotThere) {
+TEST(TemporalError, ExcludesPixelsWithoutHistory) {
   const Image image = make_noise(1);
   const Image black(kWidth, kHeight);
   SurfaceMotion now = make_surface({0, 0});

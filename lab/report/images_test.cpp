@@ -52,7 +52,7 @@ TEST(Images, Base64) {
   EXPECT_EQ(of("foobar"), "Zm9vYmFy");
 }
 
-TEST(Images, ValuesComeBack) {
+TEST(Images, ValuesRoundTrip) {
   Image image(3, 2);
   image.at(1, 1) = Rgb(0.25f, 100.0f, 3.0f);
   const PageImage page_image = plain_image("a", 0, image, {});

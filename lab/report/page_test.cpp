@@ -15,7 +15,7 @@ nlohmann::json data_of(const std::string& html) {
   return nlohmann::json::parse(html.substr(at, html.find("</script>", at) - at));
 }
 
-TEST(Page, WhatIsWrittenCannotEndTheScript) {
+TEST(Page, TextCannotEndTheScript) {
   const std::string evil = "</script><script>alert(1)</script><!-- &";
   const std::string html = to_html({evil, evil, {TextBlock{evil, evil, {evil}}}});
   EXPECT_EQ(html.find("alert(1)</script>"), std::string::npos);
@@ -35,7 +35,7 @@ TEST(Page, IsOneFile) {
   EXPECT_EQ(html.find("@import"), std::string::npos);
 }
 
-TEST(Page, NumbersThatAreNotFiniteBecomeNull) {
+TEST(Page, NonFiniteNumbersBecomeNull) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Chart chart{"l", "x", "y", true, true, {{"c", 0, false, {{1, 2}, {2, nan}, {3, 4, 3, 5}}}}};
   TableBlock table{"t", "", "r", {{"a"}}, {{"row", 0, {{"–", nan}}}}};

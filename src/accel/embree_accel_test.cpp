@@ -107,7 +107,7 @@ TEST(EmbreeAccel, AsksForTheOpacityOfTheRightInstance) {
   }
 }
 
-TEST(EmbreeAccel, OpacityComesAndGoes) {
+TEST(EmbreeAccel, OpacityCanBeSwitched) {
   Row scene({kNode, kWorld, kNode});
   scene.hole = 1;
   EmbreeAccel accel = scene.build();
@@ -118,7 +118,7 @@ TEST(EmbreeAccel, OpacityComesAndGoes) {
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
 }
 
-TEST(EmbreeAccel, UpdatesMoveWhatMoves) {
+TEST(EmbreeAccel, UpdatesMoveInstances) {
   Row scene({kMoving, kWorld, kNode});
   EmbreeAccel accel = scene.build();
   scene.instances[0].to_world = glm::translate(Mat4(1), Vec3(3 * kSpacing, 0, 0));

@@ -47,7 +47,7 @@ TEST(RefitCost, KeepsTheBvhWhereNeighboursStayTogether) {
   EXPECT_FALSE(cost.has_grown(grid.mesh()));
 }
 
-TEST(RefitCost, AsksForAnotherBvhWhereNeighboursPart) {
+TEST(RefitCost, RebuildsIfNeighboursSeparate) {
   Grid grid(32);
   RefitCost cost(grid.mesh());
   for (uint32_t i = 0; i < grid.positions.size(); ++i) {
@@ -58,7 +58,7 @@ TEST(RefitCost, AsksForAnotherBvhWhereNeighboursPart) {
   EXPECT_FALSE(cost.has_grown(grid.mesh()));
 }
 
-TEST(RefitCost, BearsMeshesWithoutExtent) {
+TEST(RefitCost, AcceptsMeshesWithoutExtent) {
   Grid grid(4);
   RefitCost cost(grid.mesh());
   for (Vec3& p : grid.positions) p = Vec3(1);

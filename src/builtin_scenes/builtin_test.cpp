@@ -126,7 +126,7 @@ TEST_P(EveryScene, HasACameraAndLight) {
   EXPECT_TRUE(emissive_count(scene) > 0 || scene.environment.kind != EnvironmentKind::none);
 }
 
-TEST_P(EveryScene, SaysWhetherItMoves) {
+TEST_P(EveryScene, ReportsWhetherItMoves) {
   const Scene& scene = scene_named(GetParam());
   const std::string_view summary = find_builtin_scene(GetParam())->summary;
   const bool camera_path = summary.ends_with("(camera path)");
@@ -210,7 +210,7 @@ TEST(BuiltinScenes, SizesAreAsPromised) {
   EXPECT_LE(in_memory, 300'000u);
 }
 
-TEST(BuiltinScenes, AnimatedOnesMove) {
+TEST(BuiltinScenes, AnimatedScenesMove) {
   for (const char* name : {"turntable", "slit", "corridor", "city", "warehouse", "mine", "cornell-closed"}) {
     const Scene& scene = scene_named(name);
     EXPECT_FALSE(scene.animation.empty()) << name;

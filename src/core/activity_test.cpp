@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-TEST(Activity, TheLastThatBeganIsCurrent) {
+TEST(Activity, LatestActivityIsCurrent) {
   EXPECT_FALSE(current_activity());
   {
     const Activity outer("loading a.glb");

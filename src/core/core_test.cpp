@@ -101,7 +101,7 @@ TEST(Octahedral, KeepsDirections) {
   }
 }
 
-TEST(Octahedral, TheSquareGoesOnBeyondItsBorders) {
+TEST(Octahedral, SquareContinuesAcrossItsBorders) {
   constexpr float kStep = 1e-3f;
   for (int i = 1; i < 100; ++i) {
     const float t = static_cast<float>(i) / 100;
@@ -184,7 +184,7 @@ TEST(FixedPoint, RoundsToTheNearestUnit) {
   }
 }
 
-TEST(Fnv1a, IsTheStandardsOfBytesInAnyPieces) {
+TEST(Fnv1a, MatchesTheStandardForAnySplit) {
   const auto hash_of = [](std::string_view a, std::string_view b) {
     Fnv1a hash;
     hash.add(a.data(), a.size());
@@ -218,7 +218,7 @@ TEST(Euler, AnglesTakeTheRotationBack) {
   }
 }
 
-TEST(Memory, IsWhatAMachineThatRunsThisHas) {
+TEST(Memory, IsPlausible) {
   EXPECT_GT(physical_memory_bytes(), uint64_t{1} << 28);
   EXPECT_LT(physical_memory_bytes(), uint64_t{1} << 50);
 }

@@ -25,7 +25,7 @@ TEST(Parallel, NegativeCountsRunNothing) {
   parallel_tasks(-1, [](int) { FAIL(); });
 }
 
-TEST(Parallel, WhatTheyThrowArrives) {
+TEST(Parallel, ExceptionsPropagate) {
   const auto fail_at_7 = [](int i) {
     if (i == 7) throw std::runtime_error("seven");
   };
@@ -33,7 +33,7 @@ TEST(Parallel, WhatTheyThrowArrives) {
   EXPECT_THROW(parallel_tasks(100, fail_at_7), std::runtime_error);
 }
 
-TEST(Parallel, LoopsMayStandInLoops) {
+TEST(Parallel, LoopsMayBeNested) {
   std::atomic<int> runs = 0;
   parallel_tasks(8, [&](int) { parallel_for(100, [&](int) { ++runs; }); });
   EXPECT_EQ(runs, 800);

@@ -33,7 +33,7 @@ TEST(AtomicFile, AppearsOnlyOnCommit) {
   EXPECT_EQ(folder.file_count(), 1u);
 }
 
-TEST(AtomicFile, WithoutCommitTheOldFileStaysAndNothingElse) {
+TEST(AtomicFile, WithoutCommitOnlyTheOldFileRemains) {
   const TempFolder folder;
   write_file(folder / "a.txt", "old");
   {
@@ -72,7 +72,7 @@ TEST(LinkTarget, IsTheFileItselfWhereLinksGoInCircles) {
   EXPECT_EQ(link_target(folder / "none"), folder / "none");
 }
 
-TEST(AtomicFile, TakesTheLongestNamesThatThereAre) {
+TEST(AtomicFile, AcceptsNamesOfMaximumLength) {
   const TempFolder folder;
   for (const size_t stem : {251u, 100u, 1u}) {
     const std::string name = std::string(stem, 'a') + "." + std::string(254 - stem, 'x');
@@ -94,7 +94,7 @@ void run_in_child(const Task& task) {
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST(AtomicFile, WhatKilledWritersLeaveGoesWithTheNextFileOfThatName) {
+TEST(AtomicFile, NextWriteRemovesFilesOfKilledWriters) {
   const TempFolder folder;
   for (const char* name : {"a.txt", "a.txt", "b.txt"}) {
     run_in_child([&] { (new AtomicFile(folder / name))->stream() << "half" << std::flush; });
@@ -108,7 +108,7 @@ TEST(AtomicFile, WhatKilledWritersLeaveGoesWithTheNextFileOfThatName) {
   EXPECT_EQ(text_of(folder / "a.txt") + text_of(folder / "b.txt"), "wholewhole");
 }
 
-TEST(AtomicFile, WritersOfOneNameLeaveEachOthersFiles) {
+TEST(AtomicFile, WritersKeepEachOthersFiles) {
   const TempFolder folder;
   AtomicFile first(folder / "a.txt");
   AtomicFile second(folder / "a.txt");

@@ -76,14 +76,14 @@ TEST_F(PipelineTest, EndsTheFrameWhereAPassWasStopped) {
   EXPECT_EQ(log_, "trace -trace ");
 }
 
-TEST_F(PipelineTest, UndoesTheChangesOfAnAbandonedFrameLastFirst) {
+TEST_F(PipelineTest, UndoesAbandonedFramesInReverseOrder) {
   add({.name = "prepare", .stage = Stage::prepare});
   add({.name = "trace", .stage = Stage::trace}, false);
   EXPECT_FALSE(run());
   EXPECT_EQ(log_, "prepare trace -trace -prepare ");
 }
 
-TEST_F(PipelineTest, UndoesTheChangesOfAFrameThatAnExceptionLeaves) {
+TEST_F(PipelineTest, UndoesFramesEndedByExceptions) {
   struct Fail final : Pass {
     PassDeclaration declaration() const override { return {.name = "fail", .stage = Stage::trace}; }
     bool run(const FrameContext&) override { throw std::runtime_error("no memory"); }
@@ -95,7 +95,7 @@ TEST_F(PipelineTest, UndoesTheChangesOfAFrameThatAnExceptionLeaves) {
   EXPECT_EQ(log_, "prepare -prepare ");
 }
 
-TEST_F(PipelineTest, StopsNoMoreOnceAPassHasCommitted) {
+TEST_F(PipelineTest, CannotStopOnceAPassHasCommitted) {
   std::stop_source stop;
   add({.name = "commits", .stage = Stage::resolve});
   add({.name = "present", .stage = Stage::present});
@@ -129,7 +129,7 @@ TEST_F(PipelineTest, AcceptsPassesThatReadWhatEarlierOnesWrite) {
   EXPECT_NO_THROW(pipeline_.check());
 }
 
-TEST_F(PipelineTest, AcceptsReadingTheFrameBefore) {
+TEST_F(PipelineTest, AcceptsReadingThePreviousFrame) {
   add({.name = "history", .stage = Stage::history, .reads = {kMean, kNormal}});
   add({.name = "accumulate",
        .stage = Stage::present,
@@ -137,13 +137,13 @@ TEST_F(PipelineTest, AcceptsReadingTheFrameBefore) {
   EXPECT_NO_THROW(pipeline_.check());
 }
 
-TEST_F(PipelineTest, RefusesReadingWhatIsWrittenLater) {
+TEST_F(PipelineTest, RejectsReadsOfLaterWrites) {
   add({.name = "filter", .stage = Stage::resolve, .reads = {kRadiance}});
   add({.name = "late", .stage = Stage::present, .owns = {{.id = kRadiance}}});
   EXPECT_THROW(pipeline_.check(), std::logic_error);
 }
 
-TEST_F(PipelineTest, RefusesBuffersWithoutOwnerOrWithTwo) {
+TEST_F(PipelineTest, RejectsBuffersWithoutASingleOwner) {
   add({.name = "a", .stage = Stage::trace, .owns = {{.id = kRadiance}}});
   EXPECT_NO_THROW(pipeline_.check());
   add({.name = "b", .stage = Stage::trace, .writes = {kOther}});
@@ -154,7 +154,7 @@ TEST_F(PipelineTest, RefusesBuffersWithoutOwnerOrWithTwo) {
   EXPECT_THROW(twice.check(), std::logic_error);
 }
 
-TEST_F(PipelineTest, RefusesBuffersOfAnotherTypeThanTheOwners) {
+TEST_F(PipelineTest, RejectsBuffersOfAnotherType) {
   constexpr BufferKey<uint32_t> kRadianceAsIntegers{"radiance"};
   for (const bool write : {false, true}) {
     Pipeline pipeline;
@@ -167,7 +167,7 @@ TEST_F(PipelineTest, RefusesBuffersOfAnotherTypeThanTheOwners) {
   }
 }
 
-TEST_F(PipelineTest, AcceptsWhatIsReadOrWrittenOnlyWhereItExists) {
+TEST_F(PipelineTest, AcceptsOptionalBuffers) {
   add({.name = "trace", .stage = Stage::trace, .reads_if_any = {kAllocation}});
   add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {kMoments.m2_rgb}});
   EXPECT_NO_THROW(pipeline_.check());
@@ -265,7 +265,7 @@ TEST_F(PipelineTest, SavesAndLoadsPassByPass) {
   EXPECT_EQ(pipeline_.memory_bytes(), 20u);
 }
 
-TEST(BufferTable, SwapsAndClearsWhatItIsToldTo) {
+TEST(BufferTable, SwapsAndClearsChosenBuffers) {
   constexpr BufferKey<float> kTwice{"twice"};
   constexpr BufferKey<float> kSum{"sum"};
   constexpr BufferKey<float> kKept{"kept"};
@@ -287,7 +287,7 @@ TEST(BufferTable, SwapsAndClearsWhatItIsToldTo) {
   EXPECT_TRUE(table.previous(kKept).empty());
 }
 
-TEST(BufferTable, IsZeroBeforeAnythingIsWritten) {
+TEST(BufferTable, StartsZeroed) {
   BufferTable table(64, 64);
   table.add({.id = kDepth, .double_buffered = true});
   table.add({.id = kOther, .persistent = true});
@@ -307,7 +307,7 @@ TEST(BufferTable, IsZeroBeforeAnythingIsWritten) {
   EXPECT_EQ(table.view(kDepth)[0], 1) << "it is not new any more";
 }
 
-TEST(BufferTable, GoesBackToWhatAFrameChangesInPlace) {
+TEST(BufferTable, RestoresBuffersChangedInPlace) {
   BufferTable table(2, 1);
   table.add({.id = kDepth, .persistent = true});
   table.add({.id = kOther});

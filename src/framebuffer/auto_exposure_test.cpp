@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kBin = 0.125f;  // resolution of the histogram, stops
 
-TEST(AutoExposure, PutsAnEvenImageOnMiddleGrey) {
+TEST(AutoExposure, MapsUniformImagesToMiddleGrey) {
   for (const float radiance : {1e-4f, 0.18f, 3.0f, 4000.0f}) {
     const std::vector<Rgb> image(1000, Rgb(radiance));
     EXPECT_NEAR(auto_exposure(image), std::log2(0.18f / radiance), kBin) << radiance;

@@ -77,7 +77,7 @@ TEST_F(BlockPoolTest, LivesAsLongAsItsBlocks) {
   EXPECT_TRUE(watched.expired());
 }
 
-TEST_F(BlockPoolTest, GivesEachThreadABlockOfItsOwn) {
+TEST_F(BlockPoolTest, GivesEachThreadItsOwnBlock) {
   std::vector<std::jthread> threads;
   for (int thread = 1; thread <= 4; ++thread) {
     threads.emplace_back([this, thread] {
@@ -95,7 +95,7 @@ TEST_F(BlockPoolTest, GivesEachThreadABlockOfItsOwn) {
   EXPECT_LE(pool_->spare_bytes(), 4u * 64u);
 }
 
-TEST_F(SpareBlocks, GiveBuffersThatAreZero) {
+TEST_F(SpareBlocks, GiveZeroedBuffers) {
   const BufferKey<uint32_t> key{"counts"};
   const auto table = [&] {
     BufferTable result(4, 4, pool_);

@@ -90,7 +90,7 @@ TEST_F(Ocio, EveryRowIsShown) {
     EXPECT_NEAR(srgb_from_linear(result.pixels[i].r), image.pixels[i].r, 1e-5f) << i;
 }
 
-TEST_F(Ocio, WhatIsNotFiniteIsBlack) {
+TEST_F(Ocio, NonFiniteIsBlack) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(shown("Raw", pixel({nan, kInfinity, -1})).at(0, 0), Rgb(0));
 }
@@ -108,7 +108,7 @@ TEST_F(Ocio, NotesTheColourSpaceThatReplacesLinearRec709) {
   EXPECT_EQ(OcioView((folder_ / "named.ocio").string(), "Raw").note(), "");
 }
 
-TEST_F(Ocio, MistakesAreOneSentence) {
+TEST_F(Ocio, ErrorsAreOneSentence) {
   EXPECT_NE(sentence_of(config(), "Filmic").find("it has no view 'Filmic'; it has Green, Half, Raw"),
             std::string::npos);
   EXPECT_NE(sentence_of("no.ocio", "Raw").find("no.ocio: the OpenColorIO configuration cannot be used: "),

@@ -69,7 +69,7 @@ std::vector<int> red_of(const std::vector<uint8_t>& rgba) {
 
 using Reds = std::vector<int>;
 
-TEST(Bmp, RowsComeFromBelowOrFromAbove) {
+TEST(Bmp, ReadsBottomUpAndTopDownRows) {
   Bmp bmp;
   bmp.pixels = {1, 2, 3, 4, 5, 6, 0, 0, 7, 8, 9, 10, 11, 12, 0, 0};
   EXPECT_EQ(decode(bmp), (std::vector<uint8_t>{9, 8, 7, 255, 12, 11, 10, 255, 3, 2, 1, 255, 6, 5, 4, 255}));
@@ -130,7 +130,7 @@ TEST(Bmp, ReadsMasksOfEveryHeader) {
   EXPECT_NE(problem_of([&] { decode(bmp); }).find("no mask"), std::string::npos);
 }
 
-TEST(Bmp, KeepsAlphaThatIsUsed) {
+TEST(Bmp, KeepsUsedAlpha) {
   Bmp bmp;
   bmp.width = 2;
   bmp.height = 1;
@@ -158,7 +158,7 @@ TEST(Bmp, ReadsHeadersOfOs2) {
   EXPECT_EQ(red_of(decode(bmp)), (Reds{0, 1}));
 }
 
-TEST(Bmp, NamesWhatIsNotSupported) {
+TEST(Bmp, ErrorsNameUnsupportedFeatures) {
   const auto problem = [](uint32_t header_size, uint32_t compression, uint16_t depth) {
     Bmp bmp;
     bmp.header_size = header_size;
@@ -177,7 +177,7 @@ TEST(Bmp, NamesWhatIsNotSupported) {
   EXPECT_NE(problem(40, 1, 24).find("damaged"), std::string::npos);
 }
 
-TEST(Bmp, BytesOfAnyValueEndInAnImageOrAnError) {
+TEST(Bmp, RandomBytesGiveAnImageOrAnError) {
   Bmp rle;
   rle.width = 6;
   rle.height = 3;

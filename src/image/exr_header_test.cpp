@@ -64,7 +64,7 @@ TEST(ExrHeader, AcceptsEveryAttributeThatTheLibraryWrites) {
 
 // The library reads as many bytes as the type needs and ignores the declared size. If the two differ, it misreads value
 // bytes as the next attribute, or the reverse, and allocates by a garbage size.
-TEST(ExrHeader, RefusesAttributesWhoseSizeIsNotThatOfTheirType) {
+TEST(ExrHeader, RejectsAttributesOfTheWrongSize) {
   for (const std::string type : kTypes) {
     if (type == "string") continue;  // any size is valid
     std::vector<std::byte> bytes = file_with(type.c_str());

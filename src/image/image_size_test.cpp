@@ -19,7 +19,7 @@ void expect_size(std::span<const std::byte> bytes, const std::string& name) {
   EXPECT_EQ(size.height, image.height) << name;
 }
 
-TEST(ImageSize, IsThatOfTheDecodedImage) {
+TEST(ImageSize, MatchesTheDecodedImage) {
   const TempFolder folder;
   for (const char* name : {"a.exr", "a.hdr", "a.png", "a.jpg", "a.tga"}) {
     write_image(folder / name, Image(9, 5));
@@ -31,7 +31,7 @@ TEST(ImageSize, IsThatOfTheDecodedImage) {
   expect_size(testing::make_webp(7, 3, white, 80), "lossy.webp");
 }
 
-TEST(ImageSize, OfExrFilesIsThatOfTheDisplayWindow) {
+TEST(ImageSize, OfExrFilesIsTheDisplayWindow) {
   const TempFolder folder;
   write_exr(folder / "a.exr", {4, 3, exr_channels(Image(4, 3)), {}, {.x = 1, .y = 1, .width = 2, .height = 1}});
   expect_size(read_file(folder / "a.exr"), "a.exr");
@@ -52,7 +52,7 @@ TEST(ImageSize, BmpRowsFromAboveHaveAPositiveHeight) {
   expect_size(bytes, "a.bmp");
 }
 
-TEST(ImageSize, HeadersThatAreCutOffAreOneSentence) {
+TEST(ImageSize, TruncatedHeadersGiveOneSentence) {
   const TempFolder folder;
   for (const char* name : {"a.exr", "a.hdr", "a.png", "a.jpg", "a.tga"}) {
     write_image(folder / name, Image(9, 5));

@@ -72,7 +72,7 @@ TEST(Image, HdrKeepsARelativePrecisionOfOneIn256) {
   }
 }
 
-TEST(Image, HdrClampsWhatItCannotHold) {
+TEST(Image, HdrClampsOutOfRangeValues) {
   const TempFolder folder;
   Image image(2, 1);
   image.at(0, 0) = {-1.0f, std::nanf(""), 2.0f};

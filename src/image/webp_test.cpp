@@ -69,7 +69,7 @@ TEST(Webp, AnyImageReaderTakesThem) {
   EXPECT_EQ(image.at(1, 0), Rgb(0, 1, 0));
 }
 
-TEST(WebpMalformed, SmallFilesAreNoHugeImages) {
+TEST(WebpMalformed, SmallFilesCannotHoldHugeImages) {
   for (const int size : {4096, 4097}) {
     const std::vector<std::byte> bytes = testing::webp_header(size, size);
     EXPECT_EQ(detail::webp_size(bytes, "t").width, size);
@@ -102,7 +102,7 @@ TEST(WebpMalformed, AnimationsAreRefused) {
   EXPECT_EQ(sentence_of(bytes), "wood.webp: animated WebP images are not supported; export a single frame");
 }
 
-TEST(WebpMalformed, FlippedBitsAreAnImageOrASentence) {
+TEST(WebpMalformed, FlippedBitsGiveAnImageOrAnError) {
   const std::vector<uint8_t> rgba = gradient(30, 20);
   for (const std::vector<std::byte>& whole : {make_webp(30, 20, rgba), make_webp(30, 20, rgba, 90)}) {
     for (uint32_t i = 0; i < 300; ++i) {

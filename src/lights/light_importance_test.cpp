@@ -61,7 +61,7 @@ class LightImportance : public ::testing::Test {
   const LightColumns columns_{view_of(values_), scene_.lights().first_infinite};
 };
 
-TEST_F(LightImportance, IsWhatAMatteSurfaceReflects) {
+TEST_F(LightImportance, MatchesMatteReflection) {
   testing::Random random(1);
   int lit = 0;
   for (int i = 0; i < 40; ++i) {
@@ -80,7 +80,7 @@ TEST_F(LightImportance, IsWhatAMatteSurfaceReflects) {
   EXPECT_GT(lit, 100);
 }
 
-TEST_F(LightImportance, IsNearWhatGlossySurfacesReflect) {
+TEST_F(LightImportance, ApproximatesGlossyReflection) {
   testing::Random random(2);
   double worst = 1;
   double log_sum = 0;
@@ -114,7 +114,7 @@ TEST_F(LightImportance, IsZeroBehindOneSidedTriangles) {
   EXPECT_GT(light_importance_of(turned.seen(), scene_.lights(), columns_, 1), 0.0f);
 }
 
-TEST_F(LightImportance, OfManyIsThatOfEach) {
+TEST_F(LightImportance, BatchMatchesSingleLights) {
   testing::Random random(4);
   for (int i = 0; i < 50; ++i) {
     const Receiver r = receiver(random.point(1), random.next(), random.next() < 0.5f ? 0.0f : 1.0f, random);

@@ -202,7 +202,7 @@ TEST(Lights, DeltaLightsFollowTheInverseSquare) {
 /// Throughput of one emitted ray: radiance, intensity or irradiance over both densities.
 Rgb emitted(const EmissionSample& s) { return s.valid() ? s.le * (s.cos_theta / (s.pdf_a * s.pdf_w)) : Rgb(0); }
 
-TEST(Lights, PowerIsWhatIsEmitted) {
+TEST(Lights, PowerMatchesEmission) {
   for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
     Random random(64);
     constexpr int kSamples = 100000;

@@ -105,7 +105,7 @@ TEST(Proportional, NoTexelIsTooSmallToBeFound) {
   }
 }
 
-TEST(Proportional, TexelsTooSmallToBeCountedAreSampledStill) {
+TEST(Proportional, TinyTexelsAreStillSampled) {
   const LightScene scene = one_bright_texel(64, 20, 30, 1e3f, 500);
   const LightsView& view = scene.lights();
   ASSERT_EQ(view.lights.size, 1u);

@@ -121,7 +121,7 @@ TEST(BsdfEnergy, BodiesThatDoNotRefractLetLightPass) {
   }
 }
 
-TEST(BsdfEnergy, NothingShowsBelowAPerfectMirror) {
+TEST(BsdfEnergy, LayersBelowAPerfectMirrorAreInvisible) {
   MaterialCase mirror = white("mirror over a diffuse base", 0, 0, false);
   mirror.sample.specular_color = Rgb(25);
   for (const float r : {0.01f, 0.2f}) {
@@ -179,7 +179,7 @@ TEST(BsdfEnergy, SamplingAndQuadratureAgree) {
   }
 }
 
-TEST(BsdfEnergy, AlbedoIsWhatIsReflected) {
+TEST(BsdfEnergy, AlbedoMatchesReflectedEnergy) {
   // The sum used by sampling and demodulation; exact for opaque materials.
   for (const MaterialCase& m :
        {white("metal", 1, 0, false), white("plastic", 0, 0, false), white("half metal", 0.5f, 0, false)}) {

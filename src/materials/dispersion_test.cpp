@@ -94,7 +94,7 @@ TEST(Dispersion, HasTheAbbeNumber) {
   }
 }
 
-TEST(Dispersion, IsNoneWithoutParameterOrWavelength) {
+TEST(Dispersion, IsOffWithoutParameterOrWavelength) {
   for (const float ior : {1.0f, 1.33f, 1.5f, 2.42f}) {
     EXPECT_EQ(index_at(ior, 0, 450), ior);
     EXPECT_EQ(index_at(ior, 1, kNoWavelength), ior);

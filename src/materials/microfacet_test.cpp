@@ -182,7 +182,7 @@ TEST(EnergyTables, AreExactForSmoothSurfaces) {
   EXPECT_NEAR(table.average_shares(0.01f).grazing, 1.0 / 21.0, 1e-7);
 }
 
-TEST(EnergyTables, HoldTheLayersThatAreNeeded) {
+TEST(EnergyTables, HoldTheNeededLayers) {
   for (const bool anisotropic : {true, false}) {
     for (const bool sheen : {true, false}) {
       const LayerTables needed{anisotropic, sheen};

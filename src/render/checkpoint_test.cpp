@@ -27,7 +27,7 @@ class CheckpointTest : public ::testing::Test {
   Pipeline pipeline_;
 };
 
-TEST_F(CheckpointTest, GivesTheCountersBack) {
+TEST_F(CheckpointTest, RestoresTheCounters) {
   write({.frames = 7,
          .since_change = 3,
          .epoch = 2,
@@ -53,7 +53,7 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
   EXPECT_EQ(counters.rays, 9u);
 }
 
-TEST_F(CheckpointTest, RefusesTimesThatNoSessionHas) {
+TEST_F(CheckpointTest, RejectsImpossibleTimes) {
   for (const float time_s : {std::nanf(""), std::numeric_limits<float>::infinity(), -1.0f, 2e6f}) {
     write({.time_s = time_s});
     EXPECT_THROW(read(), Error) << time_s;

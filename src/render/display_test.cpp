@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-TEST(Display, DecidesWhatIsAutomatic) {
+TEST(Display, ResolvesAutomaticSettings) {
   const std::vector<Rgb> image(100, Rgb(0.72f));
   OutputSettings settings;
   EXPECT_EQ(display_for(settings, image, true), (Display{auto_exposure(image), ToneMap::neutral}));
@@ -22,7 +22,7 @@ TEST(Display, DecidesWhatIsAutomatic) {
   EXPECT_EQ(fixed_display(settings), (Display{1.5f, ToneMap::aces}));
 }
 
-TEST(Display, ExposuresAdaptAlikeWhateverTheRate) {
+TEST(Display, ExposureAdaptsAlikeAtAnyFrameRate) {
   const float half_second = adapted_exposure(0, 4, 0.5f);
   EXPECT_NEAR(half_second, 3.0f, 1e-5f);
   float slow = 0;

@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-TEST(NamedSettings, AreThoseOfTheCommandLine) {
+TEST(NamedSettings, MatchTheCommandLine) {
   AllSettings defaults;
   const SettingList declared = describe(defaults);
   const std::vector<SettingInfo> list = Settings::list();
@@ -32,7 +32,7 @@ TEST(NamedSettings, AreSetAndRead) {
   EXPECT_EQ(Settings().apply_json(settings.to_json(), "test").to_json(), settings.to_json());
 }
 
-TEST(NamedSettings, RefuseWhatDoesNotFitAndKeepTheirValues) {
+TEST(NamedSettings, RejectInvalidValuesWithoutChange) {
   Settings settings;
   EXPECT_THROW(settings.set("image-width", 1), Error);
   EXPECT_THROW(settings.set("width", "wide"), Error);

@@ -44,7 +44,7 @@ std::string slots_of(const RenderSettings& settings) {
 /// Whether a preset adds a technique to existing settings.
 bool adds_only(const Preset& preset) { return preset.json.find("estimator") == std::string_view::npos; }
 
-TEST_P(Presets, AreTheSameWhateverTheSceneAsksFor) {
+TEST_P(Presets, AreIndependentOfSceneSettings) {
   const Preset& preset = GetParam();
   if (adds_only(preset)) return;
   const std::string alone = slots_of(resolve({.preset = std::string(preset.name)}).render);

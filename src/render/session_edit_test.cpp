@@ -75,7 +75,7 @@ TEST(SessionEdit, ShowsWhatIsAddedMovedAndRemoved) {
   EXPECT_NO_THROW(session.remove(card.card));
 }
 
-TEST(SessionEdit, EveryTechniqueTakesIt) {
+TEST(SessionEdit, EveryTechniqueSupportsEdits) {
   for (const char* json : {R"({"cache": "apsf+apg"})", R"({"lights": "vlc", "guide": "cdq"})",
                            R"({"lights": "static-lists"})", R"({"history": "reproject", "allocation": "adaptive"})",
                            R"({"denoise": "bmfr"})", R"({"estimator": "bdpt"})"}) {
@@ -141,7 +141,7 @@ TEST(SessionEdit, OtherChangesMayFollowBeforeAFrame) {
   EXPECT_NEAR(rendered_luminance(session), 7, 1e-4);
 }
 
-TEST(SessionEdit, WhatReachesTooFarIsRefusedAndRenderingContinues) {
+TEST(SessionEdit, RejectsObjectsBeyondTheLimitAndContinues) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   const double before = rendered_luminance(session);
   Mesh mesh;
@@ -154,7 +154,7 @@ TEST(SessionEdit, WhatReachesTooFarIsRefusedAndRenderingContinues) {
   EXPECT_NEAR(rendered_luminance(session), before, 0.1 * before);
 }
 
-TEST(SessionEdit, CheckpointsDoNotHoldOtherParts) {
+TEST(SessionEdit, EditedScenesCannotUseCheckpoints) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   const Card card(session, 7);
   session.render_frame();

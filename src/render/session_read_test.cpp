@@ -84,7 +84,7 @@ TEST(SessionRead, RowsMayBeApart) {
   }
 }
 
-TEST(SessionRead, RefusesTargetsThatDoNotFit) {
+TEST(SessionRead, RejectsUnfittingTargets) {
   const Session session = cornell(1);
   std::vector<Rgb> pixels(kWidth * kHeight);
   EXPECT_THROW(session.read({.width = kWidth, .height = kHeight}), Error);
@@ -134,7 +134,7 @@ TEST(SessionRead, ALoadedCheckpointReplacesTheImageThatWasKept) {
   EXPECT_EQ(session.image().pixels, source.image().pixels);
 }
 
-TEST(SessionRead, SnapshotsStay) {
+TEST(SessionRead, SnapshotsStayUnchanged) {
   Session session = cornell(1);
   const std::shared_ptr<const Image> snapshot = session.snapshot();
   const std::vector<Rgb> pixels = snapshot->pixels;

@@ -81,7 +81,7 @@ TEST(Session, KeepsTheMemoryOfAnotherSizeOnly) {
 }
 
 // For example when a pass runs out of memory.
-TEST(Session, AFrameThatAnExceptionLeavesIsUndone) {
+TEST(Session, UndoesFramesEndedByExceptions) {
   RenderSettings settings = small_settings();
   settings.denoise = DenoiseChoice::svgf;
   settings.cache = CacheChoice::psf;
@@ -132,7 +132,7 @@ TEST(Session, AWindowHasTheBitsOfTheWholeImage) {
   }
 }
 
-TEST(Session, RefusesWindowsThatItCannotRender) {
+TEST(Session, RejectsInvalidWindows) {
   RenderSettings settings = small_settings();
   for (const PixelWindow& crop : {PixelWindow{8, 0, 9, 1}, PixelWindow{0, 12, 1, 1}, PixelWindow{-1, 0, 2, 2}}) {
     settings.crop = crop;
@@ -168,7 +168,7 @@ TEST(Session, WindowsNeedPixelsThatDoNotDependOnEachOther) {
   }
 }
 
-TEST(Session, IsAsItWasWhereATimeIsRefused) {
+TEST(Session, RejectedTimesHaveNoEffect) {
   Scene scene = testing::plate();
   testing::animate_scale(scene, 1, Vec3(1), Vec3(0));  // scale of the camera, which is degenerate at second 1
   RenderSettings settings = small_settings();
@@ -185,7 +185,7 @@ TEST(Session, IsAsItWasWhereATimeIsRefused) {
   EXPECT_EQ(session.kept_samples(), 5);
 }
 
-TEST(Session, RefusesIndicesThatTheSceneDoesNotHave) {
+TEST(Session, RejectsIndicesOutOfRange) {
   constexpr Index kLargest = std::numeric_limits<Index>::max();
   Session session(testing::plate(), small_settings());  // two nodes, a material, no light
   for (const Index index : {2, kNone, kLargest, -kLargest}) {
@@ -224,7 +224,7 @@ TEST(Session, LayersStayUntilTheNextFrame) {
   EXPECT_EQ(session.aov("albedo").front().values[6 * 16 + 8], before);
 }
 
-TEST(Session, ImagesHaveSamplesAndSecondsOfTheirOwn) {
+TEST(Session, ImagesCountTheirOwnSamplesAndSeconds) {
   Session session = furnace(small_settings());
   for (int i = 0; i < 3; ++i) session.render_frame();
   const double before_s = session.statistics().render_s;
@@ -267,7 +267,7 @@ TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
             untouched);
 }
 
-TEST(PassTimes, AreWhatHasBeenTakenSince) {
+TEST(PassTimes, AreDifferences) {
   const std::vector<PassTime> before{{"trace", 1}, {"build", 3}};
   const std::vector<PassTime> now{{"build", 3}, {"trace", 1.5}, {"bmfr-fit", 0.25}};
   const std::vector<PassTime> since = pass_times_since(now, before);

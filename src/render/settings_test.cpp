@@ -102,7 +102,7 @@ TEST(Settings, LaterSourcesWin) {
   EXPECT_EQ(settings.render.height, 720);  // default
 }
 
-TEST(Settings, ErrorsSayWhereFrom) {
+TEST(Settings, ErrorsNameTheSource) {
   EXPECT_EQ(message_of([] { resolve({.scene_json = R"({"max-bounces": -1})", .scene_place = "room.json"}); }),
             "room.json: max-bounces is '-1', but must be from 0 to 1024");
   EXPECT_EQ(message_of([] { resolve({.preset = "referense"}); }),
@@ -159,7 +159,7 @@ TEST(SceneOverrides, TurnAndScaleTheEnvironment) {
   EXPECT_FLOAT_EQ(scene.environment.rotation_rad, 0.5f + kPi / 2);
 }
 
-TEST(FitToCamera, ComputesWhatIsNotGiven) {
+TEST(FitToCamera, ComputesTheMissingDimension) {
   Scene scene;
   scene.cameras.push_back({.name = "wide", .aspect_ratio = 2});
   scene.cameras.push_back({.name = "tall", .aspect_ratio = 0.5f});
@@ -183,7 +183,7 @@ TEST(FitToCamera, ComputesWhatIsNotGiven) {
   EXPECT_EQ(size("wide", {{"width", "100"}, {"height", "100"}}), IVec2(100, 100));
 }
 
-TEST(SceneOverrides, RefuseWhatIsNoRadiance) {
+TEST(SceneOverrides, RejectInvalidRadiance) {
   Scene scene;
   for (const char* env : {"1,2", "1,2,3,4", "1,-2,3", "1,nan,3", "1,2,inf", "1;2;3", ",,", "nowhere.exr"}) {
     EXPECT_THROW(apply({.env = env, .variant = {}}, scene), Error) << env;

@@ -28,7 +28,7 @@ TEST(TimedStop, ComesWithTheOuterOne) {
   EXPECT_TRUE(untimed.token().stop_requested());
 }
 
-TEST(TimedStop, EndsAtOnceWithoutBeingOver) {
+TEST(TimedStop, DestroysAtOnceWithoutStopping) {
   std::stop_token token;
   const double start_s = now_s();
   {

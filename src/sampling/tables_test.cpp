@@ -85,7 +85,7 @@ TEST(AliasTable, SurvivesTheEdgesOfTheUnitInterval) {
   }
 }
 
-TEST(AliasTable, ReachesEveryOneOfAMillionAsOftenAsItShould) {
+TEST(AliasTable, ReachesEachOfAMillionEntriesEquallyOften) {
   // Every other light is dim: a 24-bit number would choose it 16 times too often, or never.
   constexpr size_t kCount = size_t{1} << 20;
   std::vector<float> weights(kCount);
@@ -226,7 +226,7 @@ TEST(ChooseEvenly, LeavesAUniformRest) {
   }
 }
 
-TEST(ReusableNumber, DecidesAnyNumberOfThings) {
+TEST(ReusableNumber, SupportsAnyNumberOfDecisions) {
   // Twelve choices among eight take 36 bits; the remainder is still uniform, and as independent as new numbers.
   constexpr int kSamples = 100000;
   const float weights[8] = {1, 2, 0.5f, 0, 3, 1, 0.25f, 0.25f};
@@ -261,7 +261,7 @@ TEST(ReusableNumber, DecidesAnyNumberOfThings) {
   EXPECT_GT(testing::chi2_test(rest, std::vector<double>(64, kSamples / 64.0)).p_value, testing::significance());
 }
 
-TEST(ReusableNumber, TakesTheRarestAsRarelyAsItShould) {
+TEST(ReusableNumber, SelectsRareEntriesAtTheRightRate) {
   // The 24 bits only select the second bin, at half of the interval. The appended bits decide between the bin and its
   // alias.
   const std::vector<float> weights{1, 1e-9f};

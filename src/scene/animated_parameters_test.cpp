@@ -41,7 +41,7 @@ TEST(AnimatedParameters, AreFoundByName) {
     EXPECT_TRUE(std::holds_alternative<std::monostate>(find_parameter(material, name))) << name;
 }
 
-TEST(AnimatedParameters, StayWithinWhatIsValid) {
+TEST(AnimatedParameters, StayWithinTheirRange) {
   Material material;
   apply(channel(AnimatedPart::material, "roughness", Vec4(-3), Vec4(7)), 0, material);
   EXPECT_EQ(material.roughness, 0);

@@ -41,7 +41,7 @@ TEST(Animation, SelectsByNameAndNumber) {
   EXPECT_EQ(selected("2,walk"), (std::vector<Index>{0, kNone}));
 }
 
-TEST(Animation, NamesThoseThatThereAre) {
+TEST(Animation, ErrorsListTheClips) {
   const std::string problem = problem_of([] { selected("fly"); });
   EXPECT_NE(problem.find("no animation 'fly'; it has 'walk', 'run, fast', '2'"), std::string::npos) << problem;
   Scene still = testing::plate();
@@ -49,7 +49,7 @@ TEST(Animation, NamesThoseThatThereAre) {
   EXPECT_NE(problem_of([&] { select_animation(still, "walk"); }).find("has no named animations"), std::string::npos);
 }
 
-TEST(Animation, ACompiledScenePlaysWhatIsChosen) {
+TEST(Animation, CompiledScenePlaysTheChosenClips) {
   CompiledScene compiled(three_clips(), {.animation = "run, fast", .width = 4, .height = 4});
   compiled.set_time(2);
   EXPECT_EQ(compiled.view().instances[0].to_world.translation, Vec3(2, 0, 0));
@@ -74,7 +74,7 @@ TEST(Animation, RangesHoldBetweenKeys) {
   EXPECT_LT(range.high, 3.0f);
 }
 
-TEST(Animation, HiddenNodesHideThoseBelow) {
+TEST(Animation, HiddenNodesHideDescendants) {
   Scene scene = testing::plate();
   Node child;
   child.parent = 0;

@@ -154,7 +154,7 @@ TEST(DeformingMeshes, RemovedFiguresNoLongerMove) {
   compiled.remove_node(3);
 }
 
-TEST(DeformingMeshes, JointsBeyondReachAreRefusedAtOnce) {
+TEST(DeformingMeshes, RejectsJointsBeyondTheLimitAtOnce) {
   for (const bool still : {false, true}) {
     Scene scene = still ? stopped_figure({}) : figure();
     scene.nodes[1].transform.scale = Vec3(1e30f);
@@ -201,7 +201,7 @@ TEST(DeformingMeshes, HiddenLightsLightNothing) {
   EXPECT_TRUE(CompiledScene(scene, small()).in_studio());
 }
 
-TEST(DeformingMeshes, HiddenNodesAreNeitherSeenNorShine) {
+TEST(DeformingMeshes, HiddenNodesAreInvisibleAndEmitNothing) {
   for (const bool skinned : {false, true}) {
     Scene scene = figure({.skinned = skinned});
     scene.materials[0].emission = Rgb(1);

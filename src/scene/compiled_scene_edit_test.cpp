@@ -46,7 +46,7 @@ class EmptyScene : public ::testing::Test {
   CompiledScene scene_{with_camera(), {.camera = {}, .width = 8, .height = 8}};
 };
 
-TEST_F(EmptyScene, GainsAndLosesWhatIsAddedAndRemoved) {
+TEST_F(EmptyScene, PartsCanBeAddedAndRemoved) {
   const Index material = scene_.add_material(Material{});
   const Index mesh = scene_.add_mesh(triangle(material));
   const Index node = scene_.add_node(node_of(mesh));
@@ -61,7 +61,7 @@ TEST_F(EmptyScene, GainsAndLosesWhatIsAddedAndRemoved) {
   EXPECT_FALSE(meets(scene_, 5.2f, 0.2f));
 }
 
-TEST_F(EmptyScene, NodesMayShareAMeshAndHaveNodesBelow) {
+TEST_F(EmptyScene, NodesMayShareMeshesAndHaveChildren) {
   const Index mesh = scene_.add_mesh(triangle(kNone));
   const Index above = scene_.add_node(node_of(mesh));
   Node below = node_of(mesh);
@@ -78,7 +78,7 @@ TEST_F(EmptyScene, NodesMayShareAMeshAndHaveNodesBelow) {
   EXPECT_THROW(scene_.add_node(node_of(mesh)), Error);
 }
 
-TEST_F(EmptyScene, ANewMaterialLeavesTheDefaultWhereItWas) {
+TEST_F(EmptyScene, NewMaterialsKeepTheDefault) {
   const Index plain = scene_.add_mesh(triangle(kNone));
   scene_.add_node(node_of(plain));
   Material red;
@@ -140,7 +140,7 @@ TEST_F(EmptyScene, TheViewStaysIfItsCameraIsRemoved) {
   EXPECT_EQ(scene_.camera().to_world, before.to_world);
 }
 
-TEST_F(EmptyScene, RefusesWhatIsNotValidAndStaysAsItWas) {
+TEST_F(EmptyScene, RejectsInvalidPartsWithoutChange) {
   EXPECT_THROW(scene_.add_mesh(triangle(7)), Error);
   Mesh broken = triangle(kNone);
   broken.triangles = {{0, 1, 9}};
@@ -156,7 +156,7 @@ TEST_F(EmptyScene, RefusesWhatIsNotValidAndStaysAsItWas) {
   EXPECT_EQ(scene_.source().nodes.size(), 1u);
 }
 
-TEST(CompiledSceneEdit, MeshesThatDoNotMoveHaveNoCopyForOthers) {
+TEST(CompiledSceneEdit, StaticMeshesCannotBeShared) {
   CompiledScene scene(find_builtin_scene("cornell")->build(), {.camera = {}, .width = 8, .height = 8});
   EXPECT_THROW(scene.add_node(node_of(0)), Error);
 }

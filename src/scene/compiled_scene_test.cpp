@@ -24,7 +24,7 @@ Index first_mesh_node(const Scene& scene) {
   return kNone;
 }
 
-TEST(CompiledScene, TakesTheFirstCameraWhereverItsNodeStands) {
+TEST(CompiledScene, TakesTheFirstCameraInAnyNodeOrder) {
   Scene scene = cornell();
   Camera camera;
   camera.fov_y_rad = 0.3f;
@@ -39,7 +39,7 @@ TEST(CompiledScene, TakesTheFirstCameraWhereverItsNodeStands) {
   EXPECT_FLOAT_EQ(compiled.view().camera.half_extent.y, std::tan(0.15f));
 }
 
-TEST(CompiledScene, SaysWhatAnotherTimeChanges) {
+TEST(CompiledScene, ReportsChangesOfAnotherTime) {
   Scene scene = find_builtin_scene("slit")->build();
   CompiledScene compiled(std::move(scene), {.width = kSize, .height = kSize});
   EXPECT_EQ(compiled.set_time(0), Change::none);
@@ -50,7 +50,7 @@ TEST(CompiledScene, SaysWhatAnotherTimeChanges) {
   EXPECT_EQ(compiled.set_time(0.5f) & Change::camera, Change::none);
 }
 
-TEST(CompiledScene, KeepsWhereThingsWereUntilTheFrameEnds) {
+TEST(CompiledScene, KeepsPreviousTransformsUntilTheFrameEnds) {
   Scene scene = cornell();
   const Index node = first_mesh_node(scene);
   CompiledScene compiled(std::move(scene), {.width = kSize, .height = kSize, .movable = {node}});
@@ -110,7 +110,7 @@ TEST(CompiledScene, EnvironmentsAndMaterialsCanBeReplaced) {
   EXPECT_EQ(compiled.view().materials[0].base_color, Rgb(1, 0, 0));
 }
 
-TEST(CompiledScene, AnotherCameraAndBack) {
+TEST(CompiledScene, SwitchesCamerasAndBack) {
   CompiledScene compiled(cornell(), {.width = kSize, .height = kSize});
   const CameraView before = compiled.view().camera;
   CameraPose camera = compiled.camera();
@@ -132,14 +132,14 @@ std::string notes_of(const Scene& scene) {
 
 constexpr const char* kCollapsed = "plate: camera 'eye' has no direction, because a scale of 0";
 
-TEST(CompiledScene, RefusesACollapsedCamera) {
+TEST(CompiledScene, RejectsCollapsedCameras) {
   Scene scene = plate();
   scene.nodes[1].transform.scale = Vec3(0);
   const std::string problem = problem_of([&] { CompiledScene(scene, {.width = kSize, .height = kSize}); });
   EXPECT_EQ(problem.rfind(kCollapsed, 0), 0u) << problem;
 }
 
-TEST(CompiledScene, RefusesWhatReachesTooFar) {
+TEST(CompiledScene, RejectsScenesBeyondTheExtentLimit) {
   Scene scene = plate();
   scene.nodes[0].transform.scale = Vec3(9e8f);
   EXPECT_EQ(problem_of([&] { CompiledScene(scene, {}); }), "");
@@ -165,7 +165,7 @@ TEST(CompiledScene, LightsWithoutDirectionAreDark) {
   }
 }
 
-TEST(CompiledScene, CollapsedInstancesAreNotSeen) {
+TEST(CompiledScene, CollapsedInstancesAreInvisible) {
   for (const Vec3& collapsed : {Vec3(0), Vec3(1, 1, 0), Vec3(0, 1, 1), Vec3(1e-30f)}) {
     Scene scene = plate();
     animate_scale(scene, 0, collapsed, Vec3(1));
@@ -186,7 +186,7 @@ TEST(CompiledScene, CollapsedInstancesAreNotSeen) {
   }
 }
 
-TEST(CompiledScene, RaysThatAreNotFiniteMeetNothing) {
+TEST(CompiledScene, NonFiniteRaysHitNothing) {
   const CompiledScene compiled(plate(), {.width = kSize, .height = kSize});
   const AccelView& accel = compiled.view().accel;
   const Vec3 down(0, 0, -1);
@@ -232,7 +232,7 @@ Scene plate_under_lamp(float radiance) {
   return scene;
 }
 
-TEST(CompiledScene, UsesTheStudioIfNothingLightsWhatIsVisible) {
+TEST(CompiledScene, UsesTheStudioIfNothingLightsVisibleSurfaces) {
   EXPECT_TRUE(gets_studio(plate()));
   EXPECT_FALSE(gets_studio(plate_under_lamp(30)));
   EXPECT_TRUE(gets_studio(plate_under_lamp(0.001f))) << "emission that only decorates";
@@ -247,7 +247,7 @@ TEST(CompiledScene, UsesTheStudioIfNothingLightsWhatIsVisible) {
   EXPECT_FALSE(gets_studio(plate(unlit))) << "unlit surfaces need no light";
 }
 
-TEST(CompiledScene, ChoosesTheStudioWhateverTheEnvironmentWas) {
+TEST(CompiledScene, ChoosesTheStudioFromAnyEnvironment) {
   Scene scene = plate();
   scene.environment.kind = EnvironmentKind::sun_sky;
   CompiledScene compiled(scene, {.width = kSize, .height = kSize});
@@ -272,14 +272,14 @@ TEST(CompiledScene, PunctualLightsReplaceTheStudio) {
   EXPECT_TRUE(gets_studio(scene));
 }
 
-TEST(CompiledScene, ScenesWithoutAnyLightSaySo) {
+TEST(CompiledScene, NotesScenesWithoutLight) {
   EXPECT_NE(notes_of(plate()).find("the image is black"), std::string::npos);
   Scene scene = plate();
   scene.environment.kind = EnvironmentKind::constant;
   EXPECT_EQ(notes_of(scene), "");
 }
 
-TEST(CompiledScene, BoundsHoldWhereverAnimationLeads) {
+TEST(CompiledScene, BoundsContainTheWholeAnimation) {
   Scene scene = plate();
   scene.animation.push_back(
       {0, AnimatedProperty::translation, Interpolation::linear, {0, 1, 2}, {Vec4(0), Vec4(50, 0, 0, 0), Vec4(0)}});
@@ -317,7 +317,7 @@ TEST(CompiledScene, BoundsHoldOneKeyAmongThousands) {
   EXPECT_GE(CompiledScene(scene, {}).bounds().radius, 50.0f);
 }
 
-TEST(CompiledScene, NormalsOutliveTheLargestScales) {
+TEST(CompiledScene, NormalsSurviveTheLargestScales) {
   for (const float scale : {1e-6f, 1.0f, 7e8f}) {
     CompiledScene scene(plate(), {.movable = {0}});
     scene.set_transform(0, {.scale = Vec3(scale)});
@@ -328,7 +328,7 @@ TEST(CompiledScene, NormalsOutliveTheLargestScales) {
   }
 }
 
-TEST(CompiledScene, RefusesASunBeyondAllRadiance) {
+TEST(CompiledScene, RejectsSunsAboveTheRadianceLimit) {
   Scene scene = plate();
   scene.environment.kind = EnvironmentKind::sun_sky;
   scene.environment.sun_sky.sun_scale = 1e8f;
@@ -340,7 +340,7 @@ TEST(CompiledScene, RefusesASunBeyondAllRadiance) {
   EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
 }
 
-TEST(CompiledScene, CountsWhatItHolds) {
+TEST(CompiledScene, CountsItsMemory) {
   const auto bytes_of = [](Scene scene) {
     return CompiledScene(std::move(scene), {.width = kSize, .height = kSize}).memory_bytes();
   };

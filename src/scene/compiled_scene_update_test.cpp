@@ -13,7 +13,7 @@ using testing::problem_of;
 
 constexpr int kSize = 16;
 
-TEST(CompiledScene, StaysAsItWasWhenAChangeIsRefused) {
+TEST(CompiledScene, RejectedChangesHaveNoEffect) {
   Scene scene = plate();
   animate_scale(scene, 1, Vec3(1), Vec3(0));
   CompiledScene compiled(scene, {.width = kSize, .height = kSize, .movable = {0}});
@@ -122,7 +122,7 @@ void add_mover(Scene& scene) {
   animate_scale(scene, scene.add_node(node), Vec3(1), Vec3(1));
 }
 
-TEST(CompiledScene, FindsWhatStandsStillAmongWhatMoves) {
+TEST(CompiledScene, FindsStaticGeometryAmongMoving) {
   Scene scene = plate();
   add_mover(scene);
   const CompiledScene compiled(scene, {.width = kSize, .height = kSize});

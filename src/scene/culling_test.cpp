@@ -42,13 +42,13 @@ void expect_culled(const Scene& scene, const CompileOptions& options) {
   }
 }
 
-TEST(Culling, HidesBacksFromTheCameraAlone) {
+TEST(Culling, HidesBackFacesFromTheCameraOnly) {
   const Scene scene = testing::plate(culled());
   expect_culled(scene, {});
   expect_culled(scene, {.camera = {}, .movable = {0}});
 }
 
-TEST(Culling, KnowsTheFrontOfMirroredInstances) {
+TEST(Culling, KeepsFrontFacesOfMirroredInstances) {
   Scene scene = testing::plate(culled());
   scene.nodes[0].transform.scale = Vec3(-1, 1, 1);
   expect_culled(scene, {});
@@ -56,7 +56,7 @@ TEST(Culling, KnowsTheFrontOfMirroredInstances) {
 }
 
 /// From outside, a closed tube shows its near side; from inside, it is invisible. Mirroring joints make no difference.
-TEST(Culling, KnowsTheFrontOfSkins) {
+TEST(Culling, KeepsFrontFacesOfSkins) {
   const Ray from_outside{{0.03f, 1.1f, 3}, {0, 0, -1}, kInfinity};
   const Ray from_within{{0.03f, 1.1f, 0}, {0, 0, -1}, kInfinity};
   for (const bool moves : {false, true}) {

@@ -41,7 +41,7 @@ void expect_vertices(const FigureOptions& o, const Scene& scene, double rounding
   }
 }
 
-TEST_P(Deformed, VerticesAreThoseOfADoubleEvaluation) { expect_vertices(GetParam(), figure(GetParam()), 0); }
+TEST_P(Deformed, VerticesMatchDoublePrecision) { expect_vertices(GetParam(), figure(GetParam()), 0); }
 
 TEST_P(Deformed, ScalesAndDistancesToo) {
   if (!GetParam().skinned) return;
@@ -51,7 +51,7 @@ TEST_P(Deformed, ScalesAndDistancesToo) {
   expect_vertices(GetParam(), scene, 5e-5);  // floats at 300 m round by 1.5e-5, three times in the sum of a skin
 }
 
-TEST_P(Deformed, NormalsStandOnTheSurface) {
+TEST_P(Deformed, NormalsArePerpendicularToTheSurface) {
   FigureOptions options = GetParam();
   options.swing_rad = 0;  // blended normals are inexact where weights vary
   Scene scene = figure(options);
@@ -71,7 +71,7 @@ TEST_P(Deformed, NormalsStandOnTheSurface) {
   EXPECT_GT(sum / view.triangles.size, 0.985);
 }
 
-TEST_P(Deformed, RemembersWhereItWas) {
+TEST_P(Deformed, KeepsPreviousPositions) {
   CompiledScene compiled(figure(GetParam()), small());
   compiled.set_time(0.5f);
   compiled.end_frame();
@@ -97,7 +97,7 @@ TEST_P(Deformed, BoundsHoldAtEveryTime) {
   }
 }
 
-TEST_P(Deformed, RaysMeetTheSurfaceWhereItIs) {
+TEST_P(Deformed, RaysHitTheDeformedSurface) {
   CompiledScene compiled(figure(GetParam()), small());
   for (const float time_s : {0.9f, 0.2f}) {
     compiled.set_time(time_s);

@@ -16,7 +16,7 @@ uint64_t hash_of(const PunctualLight& light) {
   return scene_hash(scene);
 }
 
-TEST(LightParameters, TypesStandInTheirOrder) {
+TEST(LightParameters, TypesAreOrdered) {
   for (size_t i = 0; i < light_types().size(); ++i) {
     EXPECT_EQ(static_cast<size_t>(light_types()[i].type), i);
     PunctualLight light;

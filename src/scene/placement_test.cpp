@@ -58,7 +58,7 @@ std::string problem_with(const Scene& scene) {
   return {};
 }
 
-TEST(Placement, NodesBeyondReachAreNamed) {
+TEST(Placement, ErrorsNameNodesBeyondTheLimit) {
   const Mat4 one(1);
   EXPECT_EQ(problem_with(one_node(glm::translate(one, Vec3(1e8f, 0, 0)))), "");
   for (const Mat4& matrix : {glm::translate(one, Vec3(0, 1e20f, 0)), scaled(Vec3(1, 1, 1e30f)), scaled(Vec3(kInfinity)),
@@ -77,7 +77,7 @@ TEST(Placement, NodesBeyondReachAreNamed) {
   EXPECT_EQ(problem_with(empty), "");
 }
 
-TEST(Placement, CamerasAndLightsOutOfRangeAreNamed) {
+TEST(Placement, ErrorsNameCamerasAndLightsOutOfRange) {
   const auto with_camera = [](const Camera& camera) {
     Scene scene;
     scene.cameras.push_back(camera);

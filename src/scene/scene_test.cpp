@@ -44,7 +44,7 @@ TEST(Animation, LinearInterpolatesAndHoldsOutside) {
 }
 
 // The search for the next key must not pass the last.
-TEST(Animation, TimeThatIsNoNumberIsTheStart) {
+TEST(Animation, NanTimeIsTheStart) {
   const Scene s = one_node(channel(AnimatedProperty::translation, Interpolation::linear, {1, 3}, {Vec4(1), Vec4(5)}));
   EXPECT_EQ(position_at(s, std::numeric_limits<float>::quiet_NaN()), Vec3(1));
 }
@@ -72,7 +72,7 @@ TEST(Animation, RotationsTurnAtConstantSpeedTheShortWay) {
   }
 }
 
-TEST(Animation, MovesDescendantsWhateverTheOrderOfNodes) {
+TEST(Animation, MovesDescendantsInAnyNodeOrder) {
   Scene scene;
   Node child;
   child.parent = 1;

@@ -16,7 +16,7 @@ SunSky sky_with(float elevation, float turbidity) {
   return s;
 }
 
-TEST(SunSky, SunStandsWhereItIsToldTo) {
+TEST(SunSky, SunHasTheGivenPosition) {
   SunSky s = sky_with(0.5f, 3);
   EXPECT_NEAR(sun_direction(s).y, std::sin(0.5f), 1e-6f);
   EXPECT_NEAR(sun_direction(s).z, std::cos(0.5f), 1e-6f);  // azimuth 0 is +Z
@@ -146,7 +146,7 @@ glm::dvec3 expected_sky(double turbidity, double theta_sun, double theta, double
                 zenith(kZenithY, turbidity, theta_sun) * towards(kY), luminance * towards(kLuminance));
 }
 
-TEST(SunSky, SkyIsThatOfThePaper) {
+TEST(SunSky, SkyMatchesThePaper) {
   for (const float turbidity : {2.0f, 4.0f, 8.0f}) {
     for (const float elevation : {0.15f, 0.6f, 1.2f}) {
       SunSky s = sky_with(elevation, turbidity);
@@ -171,7 +171,7 @@ TEST(SunSky, SkyIsThatOfThePaper) {
 }
 
 /// Appendix A.1 without ozone, mixed gases and water vapour, applied to 128 klx.
-TEST(SunSky, SunIsWhatThePaperLetsThrough) {
+TEST(SunSky, SunMatchesThePaper) {
   for (const float turbidity : {2.0f, 4.0f, 8.0f}) {
     for (const float elevation : {0.15f, 0.6f, 1.2f}) {
       const Rgb found = make_sun_sky(sky_with(elevation, turbidity)).sun.irradiance;

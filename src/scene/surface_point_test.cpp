@@ -196,7 +196,7 @@ TEST(SurfacePoint, RaysLeaveTheirSurface) {
   }
 }
 
-TEST(SurfacePoint, MotionRemembersThePreviousPlace) {
+TEST(SurfacePoint, MotionUsesThePreviousPosition) {
   Random random(105);
   Scene scene;
   scene.name = "moving";

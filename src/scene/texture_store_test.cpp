@@ -40,7 +40,7 @@ TEST(Texture, BilinearMatchesTheHand) {
               1e-4f);  // between columns 1 and 2 at 1.25: mean of rows is 5 + x
 }
 
-TEST(Texture, WrapsAsAsked) {
+TEST(Texture, WrapsByMode) {
   const auto red = [](WrapMode wrap, float x) {
     return store(numbered(wrap, WrapMode::clamp))[0].sample_level({x / 4, 0.25f}, 0).x;
   };
@@ -56,7 +56,7 @@ TEST(Texture, WrapsAsAsked) {
   EXPECT_NEAR(red(WrapMode::mirror, -1.5f), 1, 1e-5f);
 }
 
-TEST(Texture, NearestTakesTheTexelItIsIn) {
+TEST(Texture, NearestTakesTheContainingTexel) {
   Texture t = numbered(WrapMode::repeat, WrapMode::clamp);
   t.filter = FilterMode::nearest;
   const TextureStore s = store(t);

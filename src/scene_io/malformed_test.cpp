@@ -82,7 +82,7 @@ Bytes flipped(Bytes bytes, uint32_t seed) {
   return bytes;
 }
 
-TEST(Malformed, ExamplesThemselvesLoad) {
+TEST(Malformed, IntactExamplesLoad) {
   for (const ExampleFile& file : example_files()) {
     const Scene scene = load(file.name, file.bytes);
     EXPECT_FALSE(scene.meshes.empty()) << file.name;

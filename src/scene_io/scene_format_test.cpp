@@ -32,7 +32,7 @@ TEST(SceneFormat, TheSignatureCountsMoreThanTheExtension) {
   EXPECT_EQ(scene_format_of(folder.write("room.PLY", "glT")).name, "PLY");
 }
 
-TEST(SceneFormat, AnUnknownOneIsRefusedWithAllExtensions) {
+TEST(SceneFormat, ErrorsForUnknownFormatsListAllExtensions) {
   try {
     scene_format_of("room.xyz");
     FAIL();
@@ -43,7 +43,7 @@ TEST(SceneFormat, AnUnknownOneIsRefusedWithAllExtensions) {
   }
 }
 
-TEST(SceneFormat, AFormatOfAnotherProgramIsRefusedWithTheWayToGltf) {
+TEST(SceneFormat, ErrorsForForeignFormatsNameTheWayToGltf) {
   const auto sentence = [](const char* file) -> std::string {
     try {
       scene_format_of(file);

@@ -78,7 +78,7 @@ TEST(TextureDecode, FloatIsDecodedFromSrgbButForAlpha) {
   EXPECT_FLOAT_EQ(values.at(3), 128.0f / 255.0f);
 }
 
-TEST(TextureDecode, ExrAndHdrAreFloatWhateverIsWanted) {
+TEST(TextureDecode, ExrAndHdrAreAlwaysFloat) {
   const TempFolder folder;
   ExrFile exr;
   exr.width = exr.height = 1;
@@ -129,7 +129,7 @@ TEST(DecodeBudget, GrowsWithTheFiles) {
   EXPECT_FALSE(DecodeBudget().take(kFree + 65, 1));
 }
 
-TEST(TextureDecode, FloatsAreMadeBearable) {
+TEST(TextureDecode, FloatsAreRepaired) {
   const float nan = std::nanf("");
   for (const PixelFormat wanted : {PixelFormat::rgba8_srgb, PixelFormat::rgba8_linear}) {
     const bool is_data = wanted == PixelFormat::rgba8_linear;

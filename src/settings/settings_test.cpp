@@ -91,7 +91,7 @@ TEST(Setting, AWordMayReplaceANumber) {
   EXPECT_EQ(message_of([&] { assign(gain, "5", "here"); }), "here: gain is '5', but must be from -4 to 4");
 }
 
-TEST(Setting, RefusesWhatDoesNotFit) {
+TEST(Setting, RejectsInvalidValues) {
   EXPECT_EQ(assign_message("count", "-1"), "here: count is '-1', but must be from 0 to 1024");
   EXPECT_EQ(assign_message("count", "99999999999999"), "here: count is '99999999999999', but must be from 0 to 1024");
   EXPECT_EQ(assign_message("count", "4.5"), "here: count is '4.5', but must be an integer");
@@ -220,7 +220,7 @@ TEST(SettingsDocs, TableHasARowForEachSetting) {
   EXPECT_NE(text.find("| `--shape` | one of round, square | `round` | yes | | A shape |"), std::string::npos);
 }
 
-TEST(Duration, ReadsWhatPeopleWrite) {
+TEST(Duration, ReadsCommonNotations) {
   EXPECT_DOUBLE_EQ(parse_duration_s("10", "t"), 10);
   EXPECT_DOUBLE_EQ(parse_duration_s("10s", "t"), 10);
   EXPECT_DOUBLE_EQ(parse_duration_s("500ms", "t"), 0.5);
@@ -230,7 +230,7 @@ TEST(Duration, ReadsWhatPeopleWrite) {
   EXPECT_DOUBLE_EQ(parse_duration_s("1h30min5s", "t"), 5405);
 }
 
-TEST(Duration, RefusesTheRest) {
+TEST(Duration, RejectsOtherText) {
   for (const char* text : {"", "s", "-1s", "-0", "1x", "1s2", "nan", "inf", "1 s", "1e400", "10 "}) {
     EXPECT_THROW(parse_duration_s(text, "t"), Error) << text;
   }

@@ -55,12 +55,12 @@ Chi2Result test_cosine(double exponent, double scale) {
 
 TEST(Chi2, AcceptsTheRightDensity) { EXPECT_GT(test_cosine(1.0, 1.0).p_value, significance()); }
 
-TEST(Chi2, RejectsADensityThatIsALittleWrong) {
+TEST(Chi2, RejectsSlightlyWrongDensities) {
   EXPECT_LT(test_cosine(1.1, 1.05).p_value, significance());  // normalised: (1.1 + 1) / 2
   EXPECT_LT(test_cosine(1.0, 0.97).p_value, significance());  // integrates to 0.97
 }
 
-TEST(Chi2, RejectsSamplesThatDisappear) {
+TEST(Chi2, RejectsLostSamples) {
   Random random(2);
   Histogram histogram(8);
   for (int i = 0; i < kSamples; ++i) {

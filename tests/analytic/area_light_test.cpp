@@ -58,7 +58,7 @@ TEST_P(AreaLight, Sphere) {
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(polyhedron)));
 }
 
-TEST_P(AreaLight, ManyUnequalOnesAddUp) {
+TEST_P(AreaLight, ManyUnequalLightsAddUp) {
   Scene scene = irradiance_meter();
   Rgb expected(0);
   for (int i = 0; i < 6; ++i) {
@@ -106,7 +106,7 @@ TEST_P(AreaLight, InstancedMirroredAndStretched) {
                     Rgb(static_cast<float>(mesh_irradiance(transformed(mesh, matrix), Vec3(0), {0, 0, 1}))));
 }
 
-TEST_P(AreaLight, BlendedOccluderLetsItsShareThrough) {
+TEST_P(AreaLight, BlendedOccluderTransmitsItsShare) {
   Scene scene = irradiance_meter();
   add(scene, ceiling(0.8f, 0.5f, 1), emitter("lamp", Rgb(1)));
   Material veil = matte("veil", Rgb(0));
@@ -118,7 +118,7 @@ TEST_P(AreaLight, BlendedOccluderLetsItsShareThrough) {
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.7 * 4 * M_PI * corner_factor(0.8, 0.5))), 9216);
 }
 
-TEST_P(AreaLight, BlendedLampShinesByItsShare) {
+TEST_P(AreaLight, BlendedLampEmitsItsShare) {
   Scene scene = irradiance_meter();
   Material lamp = emitter("lamp", Rgb(2));
   lamp.alpha_mode = AlphaMode::blend;
@@ -127,7 +127,7 @@ TEST_P(AreaLight, BlendedLampShinesByItsShare) {
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.3 * 2 * 4 * M_PI * corner_factor(0.8, 0.5))), 4096);
 }
 
-TEST_P(AreaLight, VertexAlphaDimsALampToo) {
+TEST_P(AreaLight, VertexAlphaDimsLamps) {
   Scene scene = irradiance_meter();
   Material lamp = emitter("lamp", Rgb(2));
   lamp.alpha_mode = AlphaMode::blend;

@@ -49,7 +49,7 @@ TEST(Camera, RowsRunDownAndColumnsRight) {
     EXPECT_EQ(image.pixels[static_cast<size_t>(i)].x, i % 8 >= 4 && i / 8 < 4 ? 1.0f : 0.0f) << i;
 }
 
-TEST(Camera, PanoramaShowsTheEnvironmentMapAsItIs) {
+TEST(Camera, PanoramaReproducesTheEnvironmentMap) {
   Scene scene;
   Environment& e = scene.environment;
   e.kind = EnvironmentKind::map;

@@ -168,11 +168,11 @@ class Combinations : public ::testing::TestWithParam<size_t> {
     EXPECT_EQ(problem_of(deviations_of(cell.settings, most_error), cell.bias, most_error), "") << names_of(cell);
   }
 };
-TEST_P(Combinations, RightInTheMean) { check(kMostError); }
+TEST_P(Combinations, HaveTheCorrectMean) { check(kMostError); }
 
 /// Same with higher precision, which detects errors slightly above one percent.
 class SlowCombinations : public Combinations {};
-TEST_P(SlowCombinations, RightInTheMean) { check(kMostSlowError); }
+TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
 std::string cell_name(const ::testing::TestParamInfo<size_t>& info) {
   const auto& [a, b] = cells()[info.param].pairs.front();
@@ -183,7 +183,7 @@ const auto kCells = ::testing::Range(size_t{0}, cells().size());
 INSTANTIATE_TEST_SUITE_P(Shared, Combinations, kCells, cell_name);
 INSTANTIATE_TEST_SUITE_P(Shared, SlowCombinations, kCells, cell_name);
 
-TEST(CombinationTable, RefusalsSayWhatWouldWork) {
+TEST(CombinationTable, ErrorsNameWorkingAlternatives) {
   int refused = 0;
   for (const Choice& a : all_choices()) {
     for (const Choice& b : all_choices()) {
@@ -244,7 +244,7 @@ std::string measured_page() {
 }
 
 /// Compares the page without its measurements, since each cell has a separate test.
-TEST(CombinationTable, IsTheOneInTheDocumentation) {
+TEST(CombinationTable, MatchesTheDocumentation) {
   const char* file = RELUME_SOURCE_DIR "/docs/combinations.md";
   if (std::getenv("RELUME_WRITE")) {
     const std::string page = measured_page();

@@ -46,7 +46,7 @@ class DamagedCheckpoint : public ::testing::TestWithParam<int> {
   const std::filesystem::path file_;
 };
 
-TEST_P(DamagedCheckpoint, IsRefusedOrGoesOn) {
+TEST_P(DamagedCheckpoint, IsRejectedOrContinues) {
   const std::string checkpoint = saved();
   ASSERT_TRUE(goes_on(checkpoint));
   const size_t header = fuzz::header_size(checkpoint);

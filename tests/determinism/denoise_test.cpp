@@ -59,7 +59,7 @@ TEST_P(DenoiseSession, ResumedEqualsUninterrupted) {
   expect_resumed_equals_uninterrupted(settings_of(GetParam(), 2), "denoise");
 }
 
-TEST_P(DenoiseSession, AFrameThatIsAbandonedLeavesNothingBehind) {
+TEST_P(DenoiseSession, AbandonedFramesLeaveNoTrace) {
   const RenderSettings settings = settings_of(GetParam(), 1);
   Session whole(build("cornell"), settings);
   Session stopped(build("cornell"), settings);
@@ -112,7 +112,7 @@ Image after_moves(const Combination& c, DenoiseChoice denoise, CameraPose* camer
   return session.image();
 }
 
-TEST(DenoisedCombination, TakesAnySamplesAndAnyHistory) {
+TEST(DenoisedCombination, AcceptsAnySamplesAndHistory) {
   for (const Combination& c : kCombinations) {
     CameraPose camera;
     const Image plain = after_moves(c, DenoiseChoice::none, &camera);
@@ -148,7 +148,7 @@ TEST_P(DenoiseSession, MovingObjectsAndLightsAreFollowed) {
   EXPECT_NEAR(mean_luminance(session.image()) / mean_luminance(now), 1.0, 0.1);
 }
 
-TEST(Denoise, SaysWhatToDoWithoutOidn) {
+TEST(Denoise, ErrorWithoutOidnNamesTheRemedy) {
   if (oidn_missing().empty()) GTEST_SKIP() << "the library is there";
   try {
     Session session(build("cornell"), settings_of(DenoiseChoice::oidn, 1));

@@ -203,7 +203,7 @@ TEST(Checkpoint, RefusesOtherSettingsAndScenesAndStaysUsable) {
   std::filesystem::remove(file);
 }
 
-TEST(Checkpoint, NoticesEveryChangedByteBeforeItChangesAnything) {
+TEST(Checkpoint, DetectsChangedBytesBeforeAnyChange) {
   const std::filesystem::path file = checkpoint_file("flipped");
   RenderSettings settings = small_settings(8, 8);
   settings.history = HistoryChoice::reproject;
@@ -243,7 +243,7 @@ TEST(Cancellation, LeavesCompleteFramesOnly) {
   EXPECT_EQ(session.statistics().samples, 160u * 160u);
 }
 
-TEST(Cancellation, InTheMiddleOfAFrameLeavesNothingBehind) {
+TEST(Cancellation, MidFrameLeavesNoTrace) {
   Session session(build("cornell"), small_settings(160, 160));
   session.render_frame();
   const auto frame_s = std::chrono::duration<double>(session.statistics().render_s);
@@ -265,7 +265,7 @@ TEST(Cancellation, InTheMiddleOfAFrameLeavesNothingBehind) {
   EXPECT_GT(stopped, 0);
 }
 
-TEST(Cancellation, InTheMiddleOfAFrameTechniquesForgetIt) {
+TEST(Cancellation, MidFrameLeavesNoTraceInTechniques) {
   RenderSettings learning = settings_of({"cornell", 160, 160, true}, 2);
   learning.denoise = DenoiseChoice::svgf;
   RenderSettings cells = small_settings(160, 160);

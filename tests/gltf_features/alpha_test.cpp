@@ -30,7 +30,7 @@ Rgb covered(float share) { return Rgb(1) + share * (Rgb(0.5f, 0.25f, 0.125f) - R
 
 size_t column_of(double x) { return static_cast<size_t>((x + 1) * 2); }
 
-TEST(Alpha, OpaqueIgnoresIt) {
+TEST(Alpha, OpaqueIgnoresAlpha) {
   expect_pixels(columns({{"alphaMode", "OPAQUE"}}, 0.5f, 4), 1e-5, [](double, double) { return covered(1); });
   expect_pixels(columns(json::object(), 0.5f, 4), 1e-5, [](double, double) { return covered(1); });
 }
@@ -42,7 +42,7 @@ TEST(Alpha, MaskCutsAtHalf) {
   });
 }
 
-TEST(Alpha, MaskCutsWhereItIsTold) {  // 0.8 · (1, 0.39, 0.55, 0) against 0.3
+TEST(Alpha, MaskUsesTheGivenCutoff) {  // 0.8 · (1, 0.39, 0.55, 0) against 0.3
   expect_pixels(columns({{"alphaMode", "MASK"}, {"alphaCutoff", 0.3}}, 0.8f, 4), 1e-5, [](double x, double) {
     constexpr float kCovered[] = {1, 1, 1, 0};
     return covered(kCovered[column_of(x)]);

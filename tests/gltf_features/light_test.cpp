@@ -81,7 +81,7 @@ TEST(Cameras, OrthographicSeesItsHeight) {
   });
 }
 
-TEST(Cameras, StandWhereTheirNodesMoveThem) {  // half a second into a motion to the right at 2 m/s
+TEST(Cameras, MoveWithTheirNodes) {  // half a second into a motion to the right at 2 m/s
   Stage stage;
   stage.animate(0, "translation", {0, 1}, {0, 0, 5, 2, 0, 5}, 3);
   stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 0.125, 1}));

@@ -174,7 +174,7 @@ TEST(GltfMaterial, DispersionShiftsEachChannelByItsIndex) {
   EXPECT_GT(mean.r - mean.b, 0.005f);
 }
 
-TEST(GltfMaterial, UnlitIsItsColorWhateverTheLight) {  // factor · texture · vertex colour
+TEST(GltfMaterial, UnlitIgnoresLighting) {  // factor · texture · vertex colour
   Stage stage;
   json attributes = stage.square();
   attributes["COLOR_0"] = stage.file.floats({1, 0.5, 0.25, 1, 0.5, 0.25, 1, 0.5, 0.25, 1, 0.5, 0.25}, 3);

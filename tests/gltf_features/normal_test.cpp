@@ -96,7 +96,7 @@ TEST(NormalMap, ScaleMultipliesXAndY) {
                 [](double x, double y) { return shade(decoded(code_at(x, y), 0.4)); });
 }
 
-TEST(NormalMap, GivenTangentsCount) {  // independent of the texture coordinates: u points up here and w mirrors
+TEST(NormalMap, UsesGivenTangents) {  // independent of the texture coordinates: u points up here and w mirrors
   for (const float w : {1.0f, -1.0f}) {
     Stage stage;
     const json texture = stage.texture(2, 2, normal_texels());

@@ -181,7 +181,7 @@ Image first_of_a_view(const RenderSettings& settings, int frames_before) {
   return session.image();
 }
 
-TEST_F(DenoisedImage, ACutIsFilteredAsAFirstFrameIs) {
+TEST_F(DenoisedImage, CutsAreFilteredLikeFirstFrames) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Image& reference = reference_of("cornell-closed", EstimatorChoice::path, 0);
     double first = 0;

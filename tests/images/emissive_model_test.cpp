@@ -86,7 +86,7 @@ double first_sample_s(float emission) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-TEST(EmissiveModel, ItsFirstSampleComesAlmostAsSoon) {
+TEST(EmissiveModel, FirstSampleIsAlmostAsFast) {
   double least_ratio = kInfinity;
   for (int attempt = 0; attempt < 3 && least_ratio > 1.5; ++attempt) {  // caches are cold on a busy machine
     const double dark_s = first_sample_s(0);

@@ -52,7 +52,7 @@ std::string export_name(const ::testing::TestParamInfo<ExportCase>& info) {
   return test_name(std::string(std::get<0>(info.param)) + std::get<1>(info.param));
 }
 
-TEST_P(Export, RereadShowsTheSameImage) {
+TEST_P(Export, ReloadedSceneRendersTheSameImage) {
   const RenderSettings settings = settings_of(scene_name());
   const Scene before = original();
   const Scene after = reread();
@@ -87,7 +87,7 @@ MeanCase mean_case_of(std::string_view scene) {
 /// Uses different seeds, so that only means can agree.
 class SlowExport : public Export {};
 
-TEST_P(SlowExport, RereadAgreesInTheMean) {
+TEST_P(SlowExport, ReloadedSceneAgreesInTheMean) {
   const MeanCase c = mean_case_of(scene_name());
   expect_same_image("export-" + export_name({GetParam(), 0}), measure(reread(), c.settings, c.spp, 16, 1),
                     measure(original(), c.settings, c.spp, 16, 1001), c.options);
@@ -121,7 +121,7 @@ Scene beyond_gltf() {
   return scene;
 }
 
-TEST(BeyondGltf, ComesBackFromExtras) {
+TEST(BeyondGltf, RoundTripsThroughExtras) {
   const std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / ("relume_beyond_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);

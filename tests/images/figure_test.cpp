@@ -240,7 +240,7 @@ TEST(FigureInMotion, HasTheSameBitsOnAnyNumberOfThreads) {
 /// Processor time of all threads, in seconds.
 double used_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-TEST(FigureInMotion, GoesOnFromACheckpoint) {
+TEST(FigureInMotion, ResumesFromCheckpoint) {
   const Scene scene = in_a_room(testing::figure({.morphs = true}));
   RenderSettings settings = base_settings(1);
   settings.history = HistoryChoice::reproject;

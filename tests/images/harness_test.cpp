@@ -43,7 +43,7 @@ TEST(ImageTest, AcceptsTheSameSceneUnderOtherSeeds) {
   EXPECT_TRUE(test.agree()) << test.report();
 }
 
-TEST(ImageTest, RejectsAPixelAsOftenAsItSays) {
+TEST(ImageTest, FalseAlarmRateIsAsStated) {
   const Moments a = images(cornell(), 1);
   const Moments b = images(cornell(), 101);
   const ImageTest test = compare(a, b);
@@ -65,7 +65,7 @@ TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
 }
 
 /// Expects the stated detectable errors to be detected.
-TEST(ImageTest, RejectsWhatItSaysIsDetectable) {
+TEST(ImageTest, RejectsDetectableDifferences) {
   const Moments reference = images(cornell(), 1, 8);
   const double detectable = compare(images(cornell(), 101, 8), reference).detectable_mean;
   const auto factor = static_cast<float>(1 + 1.5 * detectable);

@@ -152,7 +152,7 @@ TEST(History, NoneShowsTheLatestSampleOnly) {
   EXPECT_EQ(session.kept_samples(), 1);
 }
 
-TEST(History, KeptSamplesAreNotTheFramesWhereAllocationOrReprojectionDecide) {
+TEST(History, KeptSamplesDifferFromFramesUnderAllocationOrReprojection) {
   constexpr int kFrames = 64;
   Session adaptive(cornell(), settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate));
   for (int i = 0; i < kFrames; ++i) adaptive.render_frame();

@@ -124,12 +124,12 @@ void check_all_ways(std::string_view scene, const Effort& effort, const ImageTes
 }
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
-TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick, kOptions); }
+TEST_P(Learning, AllTechniquesAgree) { check_all_ways(GetParam(), kQuick, kOptions); }
 // Excludes lamp-room, corridor, cornell-glass, cover, slit, and the warehouse with selection by power: too few samples
 // reach lights for a significant result. The slow test includes all.
 INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::Values("cornell", "turntable", "mine", "furnace"), scene_name);
 
-TEST(LearningAmongHiddenLamps, ShowsTheSame) {
+TEST(LearningAmongHiddenLamps, KeepsTheMean) {
   const RenderSettings plain = plain_settings("warehouse", kQuick);
   Session session(find_builtin_scene("warehouse")->build(), plain);
   const Moments expected = images(session, plain, 4 * kQuick.frames, 1001);
@@ -148,7 +148,7 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
 }
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
-TEST_P(SlowLearning, EveryWayShowsTheSame) {
+TEST_P(SlowLearning, AllTechniquesAgree) {
   // With lamps sampled once in hundreds of samples, Welch's test rejects the variances of 1 to 15 of 1536 pixels for
   // every light selection. Only block means are tested.
   const bool rare = GetParam() == "warehouse" || GetParam() == "corridor" || GetParam() == "cornell-water" ||
@@ -189,7 +189,7 @@ Moments last_images(Session& session, const RenderSettings& settings, int repeat
 }
 
 /// Weights of bidirectional strategies depend on the selectors' probabilities.
-TEST(BidirectionalLights, EverySelectorShowsTheSame) {
+TEST(BidirectionalLights, AllSelectorsAgree) {
   RenderSettings plain = base_settings(kQuick);
   plain.estimator = EstimatorChoice::bdpt;
   for (const char* scene : {"warehouse", "cornell-mirror"}) {
@@ -218,7 +218,7 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
 }
 
 /// A sky at the open side of the box. It has no sun, which too few paths would hit.
-TEST(EnvironmentLeftToPaths, ShowsTheSame) {
+TEST(EnvironmentLeftToPaths, KeepsTheMean) {
   Scene scene = find_builtin_scene("cornell")->build();
   scene.environment.kind = EnvironmentKind::sun_sky;
   scene.environment.sun_sky.sun_scale = 0;
@@ -234,7 +234,7 @@ TEST(EnvironmentLeftToPaths, ShowsTheSame) {
 }
 
 class LearningInMotion : public ::testing::TestWithParam<std::string_view> {};
-TEST_P(LearningInMotion, TheLastImageIsTheSame) {
+TEST_P(LearningInMotion, LastImageKeepsTheMean) {
   const Effort effort{24, 16, 0};
   const RenderSettings plain = plain_settings(GetParam(), effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);

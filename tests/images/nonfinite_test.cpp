@@ -67,7 +67,7 @@ TEST(Nonfinite, CountSurvivesChanges) {
   EXPECT_EQ(session.image().at(2, 2), Rgb(1, 0, 0));
 }
 
-TEST(Nonfinite, AdaptiveSamplingGoesOn) {
+TEST(Nonfinite, AdaptiveSamplingContinues) {
   RenderSettings settings = small_settings(kSize, kSize);
   settings.allocation = AllocationChoice::adaptive;
   Session session(broken_card(0), settings);
@@ -77,7 +77,7 @@ TEST(Nonfinite, AdaptiveSamplingGoesOn) {
 }
 
 /// A sun with overflowing radiance on a card that covers the right half of the image.
-TEST(Nonfinite, OverflowOnTheWayIsFoundToo) {
+TEST(Nonfinite, OverflowAlongThePathIsFound) {
   Scene scene;
   add(scene, quad({0, -1, 0}, {1, 0, 0}, {0, 2, 0}), matte("card", Rgb(0.5f)));
   add(scene, quad({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}), unlit(Rgb(0.25f)));

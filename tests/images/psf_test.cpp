@@ -180,7 +180,7 @@ double furnace_mean(const RenderSettings& settings, int count) {
   return mean_luminance(mean_frame(session, count));
 }
 
-TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
+TEST_P(Caches, FurnaceIsAnalyticWithAnyVariance) {
   RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 48, 48);
   s.path.max_bounces = 5;
   s.apsf.min_samples = 16;

@@ -32,9 +32,7 @@ Shown show(Scene scene) {
   return {session.image(), session.notes()};
 }
 
-TEST(StandIn, NothingIsSaidWhereNothingIsMissing) {
-  EXPECT_TRUE(show(ball(EnvironmentKind::constant, true)).notes.empty());
-}
+TEST(StandIn, NoNoteIfNothingIsMissing) { EXPECT_TRUE(show(ball(EnvironmentKind::constant, true)).notes.empty()); }
 
 TEST(StandIn, LightIsTheStudio) {
   const Shown automatic = show(ball(EnvironmentKind::automatic, true));
@@ -73,7 +71,7 @@ TEST(StandIn, CameraFramesTheScene) {
   EXPECT_NEAR(size.y, 0.88f * kSize, 1.5f);
 }
 
-TEST(StandIn, BothAreSaid) { EXPECT_EQ(show(ball(EnvironmentKind::automatic, false)).notes.size(), 2u); }
+TEST(StandIn, NotesBothStandIns) { EXPECT_EQ(show(ball(EnvironmentKind::automatic, false)).notes.size(), 2u); }
 
 TEST(StandIn, UnlitSurfacesNeedNoLight) {
   Scene scene;

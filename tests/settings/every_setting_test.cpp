@@ -172,7 +172,7 @@ std::string described(RenderSettings& settings) {
 
 class EverySetting : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(EverySetting, TakesEffectSomewhere) {
+TEST_P(EverySetting, HasAnEffect) {
   const std::string& name = GetParam();
   RenderSettings settings = small_settings(32, 32);
   if (const Exemption* exempt = exemption_of(name)) {
@@ -203,7 +203,7 @@ TEST_P(EverySetting, TakesEffectSomewhere) {
 
 INSTANTIATE_TEST_SUITE_P(All, EverySetting, ::testing::ValuesIn(setting_names()), setting_name);
 
-TEST(Contexts, AreOfSettingsThatExist) {
+TEST(Contexts, NameExistingSettings) {
   const std::vector<std::string> names = setting_names();
   for (const Context& context : contexts()) {
     EXPECT_TRUE(std::any_of(names.begin(), names.end(), [&](const std::string& name) { return is_for(context, name); }))

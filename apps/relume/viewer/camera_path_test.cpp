@@ -33,7 +33,7 @@ TEST(CameraPath, TurnsAtAnEvenRate) {
   EXPECT_NEAR(forward.z, -std::sqrt(0.5f), 1e-5f);
 }
 
-TEST(Bookmarks, ComeBackFromTheirFile) {
+TEST(Bookmarks, RoundTripThroughTheirFile) {
   const TempFolder folder;
   const std::filesystem::path file = folder / "deep/bookmarks.json";
   EXPECT_TRUE(read_bookmarks(file).empty());

@@ -62,7 +62,7 @@ TEST(Document, MovesInWorldSpaceBelowATurnedParent) {
   EXPECT_EQ(document.edits().nodes.count(2), 1u);
 }
 
-TEST(Document, BoundsFollowWhatMoves) {
+TEST(Document, BoundsFollowMovingObjects) {
   Document document(small_scene());
   expect_near(document.bounds(1).low, {8, 0, -2});
   expect_near(document.bounds(1).high, {12, 0, 2});
@@ -177,7 +177,7 @@ TEST(RepeatEdits, FollowNamesNotIndices) {
   EXPECT_EQ(after.edits().materials.count(0), 0u);
 }
 
-TEST(RepeatEdits, ReportWhatHasNoNameOfItsOwn) {
+TEST(RepeatEdits, ReportItemsWithoutUniqueNames) {
   Document before(small_scene());
   before.set_light(0, {.name = "lamp", .type = PunctualType::spot});
   before.set_transform(1, {});
@@ -234,7 +234,7 @@ CameraPose some_camera() {
   return camera;
 }
 
-TEST(SaveView, CameraAndSettingsComeBack) {
+TEST(SaveView, RestoresCameraAndSettings) {
   AllSettings settings;
   settings.render.path.max_bounces = 3;
   const CameraPose camera = some_camera();
@@ -248,7 +248,7 @@ TEST(SaveView, CameraAndSettingsComeBack) {
       << "the view goes back to what is automatic, which the built-in scene fixes";
 }
 
-TEST(SaveView, FixedExposuresComeBack) {
+TEST(SaveView, RestoresFixedExposures) {
   AllSettings settings;
   settings.output.exposure = 1.5f;
   const Saved saved = round_trip(cornell(), settings, some_camera(), nullptr);
@@ -266,7 +266,7 @@ TEST(SaveView, ARecordedPathMovesTheCamera) {
   expect_near(Vec3(world_matrices(saved.scene, 1).back()[3]), path.at(1).eye);
 }
 
-TEST(SaveView, EnvironmentAndTimeComeBack) {
+TEST(SaveView, RestoresEnvironmentAndTime) {
   const TempFolder folder;
   Image sky_map(4, 2);
   for (Rgb& texel : sky_map.pixels) texel = Rgb(0.5f, 1, 2);
@@ -286,7 +286,7 @@ TEST(SaveView, EnvironmentAndTimeComeBack) {
   EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json)["scene-time"], 1.5f);
 }
 
-TEST(SaveView, MovedThingsNoLongerMoveByThemselves) {
+TEST(SaveView, MovedObjectsAreNoLongerAnimated) {
   Document document(
       std::make_shared<const LoadedScene>(LoadedScene{"turntable", find_builtin_scene("turntable")->build()}));
   ASSERT_FALSE(document.outline().animation.empty());
@@ -316,7 +316,7 @@ TEST(SaveView, ASingleKeyIsNoPath) {
   EXPECT_TRUE(moves());
 }
 
-TEST(SaveView, ThingsThatShareANameAreReported) {
+TEST(SaveView, ReportsSharedNames) {
   auto loaded = std::make_shared<LoadedScene>(*small_scene());
   for (Node& node : loaded->scene.nodes) node.name = "same";
   Document document(loaded);
@@ -327,14 +327,14 @@ TEST(SaveView, ThingsThatShareANameAreReported) {
   EXPECT_NE(omissions[0].find("shares the name 'same'"), std::string::npos);
 }
 
-TEST(SaveView, AViewOfOpenColorIOIsReported) {
+TEST(SaveView, ReportsOpenColorIOViews) {
   std::vector<std::string> omissions;
   view_as_json({cornell(), {}, some_camera(), nullptr, true}, ".", omissions);
   ASSERT_EQ(omissions.size(), 1u);
   EXPECT_NE(omissions[0].find("--ocio is not saved"), std::string::npos);
 }
 
-TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {
+TEST(SaveView, RestoresOrReportsSceneChanges) {
   Document document = cornell();
   Material material = document.outline().materials[0];
   material.roughness = 0.125f;

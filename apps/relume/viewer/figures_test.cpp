@@ -65,7 +65,7 @@ TEST(Figures, AnAnimatedRootKeepsItsAnimation) {
   EXPECT_EQ(document.mover(kBody).node, armature) << "the edit changes nothing";
 }
 
-TEST(Figures, AClipThatDoesNotPlayCountsToo) {
+TEST(Figures, InactiveClipsCount) {
   Scene scene = relume::testing::figure();
   const Index armature = add_armature(scene);
   scene.clips.emplace_back("stretch");
@@ -75,7 +75,7 @@ TEST(Figures, AClipThatDoesNotPlayCountsToo) {
   EXPECT_EQ(document.mover(kBody).node, armature);
 }
 
-TEST(Figures, WhatCannotMoveSaysWhy) {
+TEST(Figures, ErrorsExplainWhyAFigureCannotMove) {
   const Mover animated = document_of(relume::testing::figure()).mover(kBody);
   EXPECT_EQ(animated.node, kNone);
   EXPECT_NE(animated.problem.find("'joint 0' is animated"), std::string::npos) << animated.problem;
@@ -108,7 +108,7 @@ std::string problem_beside(const Node& part, Scene scene = relume::testing::figu
   return mover.problem;
 }
 
-TEST(Figures, ANodeThatMovesMoreThanTheFigureIsRefused) {
+TEST(Figures, RejectsNodesThatMoveOtherObjects) {
   EXPECT_EQ(problem_beside({}), "");
   Node room;
   room.meshes = {1};

@@ -46,7 +46,7 @@ TEST_F(FileWatchTest, SeesAChangeOfAnyFileOnce) {
   }
 }
 
-TEST_F(FileWatchTest, WaitsUntilTheFilesStayAsTheyAre) {
+TEST_F(FileWatchTest, WaitsUntilFilesSettle) {
   for (int piece = 0; piece < 10; ++piece) {
     write("scene.gltf", "piece");
     EXPECT_FALSE(passes(0.3)) << piece;
@@ -54,19 +54,19 @@ TEST_F(FileWatchTest, WaitsUntilTheFilesStayAsTheyAre) {
   EXPECT_TRUE(passes(2));
 }
 
-TEST_F(FileWatchTest, WaitsForTheSceneToBeThereAgain) {
+TEST_F(FileWatchTest, WaitsForTheSceneToReappear) {
   fs::remove(folder_ / "scene.gltf");
   EXPECT_FALSE(passes(5));
   write("scene.gltf", "two");
   EXPECT_TRUE(passes(2));
 }
 
-TEST_F(FileWatchTest, AFileThatIsGoneIsAChange) {
+TEST_F(FileWatchTest, DeletedFilesAreChanges) {
   fs::remove(folder_ / "scene.bin");
   EXPECT_TRUE(passes(2));
 }
 
-TEST_F(FileWatchTest, KeepsWhatItKnowsOfFilesThatAreWatchedAgain) {
+TEST_F(FileWatchTest, RemembersFilesThatAreWatchedAgain) {
   write("scene.bin", "three");
   watch_.watch({folder_ / "scene.gltf", folder_ / "scene.bin"});
   EXPECT_TRUE(passes(2)) << "it changed before it was read again";
@@ -74,7 +74,7 @@ TEST_F(FileWatchTest, KeepsWhatItKnowsOfFilesThatAreWatchedAgain) {
   EXPECT_FALSE(passes(2)) << "no longer watched";
 }
 
-TEST_F(FileWatchTest, AChangeThatSettlesOutlivesAnotherListOfFiles) {
+TEST_F(FileWatchTest, SettlingChangesSurviveANewFileList) {
   write("scene.bin", "two");
   EXPECT_FALSE(passes(0.35)) << "seen, but not for long enough";
   watch_.watch({folder_ / "scene.gltf"});
@@ -86,7 +86,7 @@ TEST_F(FileWatchTest, AChangeThatSettlesOutlivesAnotherListOfFiles) {
   EXPECT_FALSE(passes(2)) << "another scene";
 }
 
-TEST_F(FileWatchTest, SeesAChangeThatCameWhileTheFilesWereRead) {
+TEST_F(FileWatchTest, DetectsChangesDuringReading) {
   const auto read_from = fs::file_time_type::clock::now() + std::chrono::seconds(writes_);
   const std::vector<fs::path> files{folder_ / "scene.gltf", folder_ / "scene.bin"};
   for (const bool changes : {false, true}) {

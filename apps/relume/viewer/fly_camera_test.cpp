@@ -23,7 +23,7 @@ void expect_near(const Vec3& a, const Vec3& b) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], kTolerance) << i;
 }
 
-TEST(FlyCamera, KeepsAPoseThatItIsGiven) {
+TEST(FlyCamera, KeepsAGivenPose) {
   const Mat4 pose = glm::translate(Mat4(1), Vec3(1, 2, 3)) * glm::rotate(Mat4(1), 0.7f, glm::normalize(Vec3(1, 2, 1)));
   FlyCamera camera;
   camera.place(glm::scale(pose, Vec3(2, 3, 4)));  // a camera ignores scale
@@ -41,7 +41,7 @@ TEST(FlyCamera, FliesForwardSidewaysAndUp) {
   expect_near(camera.eye(), {1, 5, 1});
 }
 
-TEST(FlyCamera, RisesStraightWhereverItLooks) {
+TEST(FlyCamera, RisesVerticallyInAnyViewDirection) {
   FlyCamera camera = camera_at({0, 0, 0}, {1, -1, 0});
   camera.update({.move = {0, 1, 0}}, 1, kFov, 720);
   expect_near(camera.eye(), {0, 1, 0});
@@ -63,7 +63,7 @@ TEST(FlyCamera, DoesNotTumbleOverTheZenith) {
   EXPECT_NEAR(glm::length(camera.rotation()), 1, kTolerance);
 }
 
-TEST(FlyCamera, SaysWhenNothingChanges) {
+TEST(FlyCamera, ReportsNoChange) {
   FlyCamera camera;
   EXPECT_FALSE(camera.update({}, 1, kFov, 720));
 }

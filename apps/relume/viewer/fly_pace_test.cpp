@@ -39,7 +39,7 @@ TEST(FlyPace, FliesNoFurtherThanFramesAllow) {
   EXPECT_GT(flown(1, 2.5, 0), kLongestStep_s);
 }
 
-TEST(FlyPace, KeysThatWereReleasedDoNotCarryOn) {
+TEST(FlyPace, ReleasedKeysStopMoving) {
   for (const double frame_s : {0.05, 0.4, 2.0}) EXPECT_EQ(flown(frame_s, 0.5, 10), flown(frame_s, 0.5, 0)) << frame_s;
 }
 
@@ -51,7 +51,7 @@ TEST(FlyPace, PressingAgainDoesNotGetAroundTheFrame) {
   EXPECT_GT(pace.step(true, 1, 3), 0) << "the first step has been shown";
 }
 
-TEST(FlyPace, OneStepARequest) {
+TEST(FlyPace, OneStepPerRequest) {
   FlyPace pace;
   EXPECT_GT(pace.step(true, 0, 0), 0);
   EXPECT_EQ(pace.step(true, 0, 1), 0) << "nothing has been asked for yet";

@@ -22,7 +22,7 @@ TEST(Inspect, DescribesPixels) {
   EXPECT_EQ(describe_pixel(frame, {0, 0}), "(0, 0)  RGB 0 0 0  \xc2\xb7  depth 0") << "one channel needs no name";
 }
 
-TEST(Inspect, RangeLeavesOutliersAside) {
+TEST(Inspect, RangeIgnoresOutliers) {
   std::vector<Rgb> values;
   for (int i = 0; i < 1000; ++i) values.emplace_back(static_cast<float>(i), 0, 0);
   values.emplace_back(1e9f, 0, 0);

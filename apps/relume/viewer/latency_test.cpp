@@ -81,7 +81,7 @@ class Latency : public ::testing::TestWithParam<std::string> {
   Stage stage_;
 };
 
-TEST_P(Latency, AMoveOrASettingAfterARestShowsAtOnce) {
+TEST_P(Latency, MovesAndSettingsAfterARestShowAtOnce) {
   stage_.post();
   ASSERT_TRUE(stage_.next());
   double longest_s = 0;

@@ -27,14 +27,14 @@ TEST(Monitor, DoesNotCountInterruptions) {
   EXPECT_GT(*monitor.worst_interface_hz(), 38);
 }
 
-TEST(Monitor, LooksAtRenderingOnlyOnceThereIsAFrame) {
+TEST(Monitor, IgnoresRenderingBeforeTheFirstFrame) {
   Monitor monitor;
   for (int i = 0; i < 10; ++i) monitor.interface_frame(i * 1.0);
   EXPECT_FALSE(monitor.worst_interface_hz());
   EXPECT_EQ(monitor.longest_gap_s(), 0);
 }
 
-TEST(Monitor, KnowsTheRateOfFramesThatTakeLong) {
+TEST(Monitor, MeasuresTheRateOfSlowFrames) {
   Monitor monitor;
   EXPECT_EQ(monitor.frames_per_s(), 0);
   for (int i = 0; i < 4; ++i) monitor.rendered_frame(i * 8.0);

@@ -50,7 +50,7 @@ struct Stage {
   State state;
 };
 
-TEST(Navigation, WhatWasFramedWhileFlyingIsThePivotOfTheOrbit) {
+TEST(Navigation, FramingWhileFlyingSetsThePivot) {
   Stage stage(Vec3(-3, 2, 8), Vec3(-3, 2, 0));
   set_mode(stage.state, CameraMode::fly);
   frame_selection(stage.state);
@@ -63,7 +63,7 @@ TEST(Navigation, WhatWasFramedWhileFlyingIsThePivotOfTheOrbit) {
   }
 }
 
-TEST(Navigation, ATurnWhileFlyingGivesThePivotUp) {
+TEST(Navigation, TurningWhileFlyingDropsThePivot) {
   Stage stage;
   set_mode(stage.state, CameraMode::fly);
   frame_selection(stage.state);
@@ -97,7 +97,7 @@ TEST(Navigation, TheOrbitBeginsInFrontOfTheCamera) {
   }
 }
 
-TEST(Navigation, ABookmarkThatLooksElsewhereGivesThePivotUp) {
+TEST(Navigation, BookmarksElsewhereDropThePivot) {
   Stage stage;
   set_mode(stage.state, CameraMode::orbit);
   stage.drag({20, 0});
@@ -131,7 +131,7 @@ struct FigureStage : Stage {
   }
 };
 
-TEST(Navigation, AFigureIsFramedAsItIsBent) {
+TEST(Navigation, FramesFiguresInTheirPose) {
   FigureStage stage(testing::figure());  // no node can move it
   frame_selection(stage.state);
   const Vec3 straight = stage.state.navigation.pivot;

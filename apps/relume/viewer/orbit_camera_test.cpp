@@ -107,7 +107,7 @@ TEST(PivotAhead, LiesStraightAheadEvenIfThePointDoesNot) {
   expect_near(pivot_ahead(camera, {0, 0, 4}, 0.5f), {0, 0, 3.5f});
 }
 
-TEST(Pan, WhatIsAtThePivotFollowsTheMouse) {
+TEST(Pan, PivotFollowsTheMouse) {
   CameraPose camera = camera_at(kPivot + Vec3(2, 1, 4), kPivot);
   Vec3 pivot = kPivot;
   pan(camera, pivot, {0.25f, -0.1f});

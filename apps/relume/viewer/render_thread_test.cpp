@@ -57,7 +57,7 @@ TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByImages) {
   EXPECT_EQ(frame->camera.to_world, camera.to_world);
 }
 
-TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
+TEST(RenderThread, SlowChangesAreNotRest) {
   // Every edit takes longer than the time until rest, and longer than the interval between edits. Frames must follow
   // nevertheless.
   Stage stage("cornell-water");  // many triangles, which all become lamps
@@ -131,7 +131,7 @@ TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
   EXPECT_TRUE(both_stopped());
 }
 
-TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
+TEST(RenderThread, AppliesEverySlotAndSettingWithoutARestart) {
   Stage stage;
   stage.settings[0].render.static_lists.rays = 64;  // short preparation, even on a busy machine
   stage.post();
@@ -205,7 +205,7 @@ TEST(RenderThread, LightsMaterialsAndObjectsChangeWhileItRenders) {
   EXPECT_LT(mean_luminance(*moved), 0.1 * before) << "the ceiling hides the lamp";
 }
 
-TEST(RenderThread, ASceneThatCannotBeShownLeavesTheOldOne) {
+TEST(RenderThread, UnrenderableScenesKeepTheOldOne) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());
@@ -235,7 +235,7 @@ TEST(RenderThread, BuffersAreRead) {
   EXPECT_TRUE(without->values.empty());
 }
 
-TEST(RenderThread, PicksWhatIsUnderAPoint) {
+TEST(RenderThread, PicksTheObjectUnderAPoint) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());
@@ -274,7 +274,7 @@ TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {
   EXPECT_TRUE(promise.get_future().get());
 }
 
-TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
+TEST(RenderThread, CompletesRequestsBeforeItEnds) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());

@@ -76,7 +76,7 @@ TEST(ScriptPlayer, WaitsForFramesTimeAndLoading) {
   EXPECT_EQ(stage.acts.back(), "report");
 }
 
-TEST(ScriptPlayer, FramesFollowWhatTheStepsBeforeChanged) {
+TEST(ScriptPlayer, FramesFollowEarlierSteps) {
   Stage stage;
   stage.frames = 7;
   ScriptPlayer player(parse_script("set a b\nframes 2\nreport\n", "t"), "t");
@@ -104,7 +104,7 @@ TEST(ScriptPlayer, TakesScreenshotsBeforeTheNextStep) {
   EXPECT_EQ(stage.acts, (std::vector<std::string>{"screenshot", "split"}));
 }
 
-TEST(ScriptPlayer, HoldsKeysAndLetsThemGo) {
+TEST(ScriptPlayer, HoldsAndReleasesKeys) {
   Stage stage;
   ScriptPlayer player(parse_script("key w 3\n", "t"), "t");
   for (int i = 0; i < 3; ++i) {

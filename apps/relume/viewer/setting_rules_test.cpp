@@ -31,7 +31,7 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
   EXPECT_EQ(takes_effect_with(settings, "octree.split"), "");
 }
 
-TEST(SettingRules, WhatDoesNotCombineSaysWhy) {
+TEST(SettingRules, IncompatibleChoicesGiveAReason) {
   AllSettings settings;
   EXPECT_EQ(refusal(settings, "cache", "psf"), "");
   settings.render.lights = LightSelectionChoice::vlc;

@@ -40,7 +40,7 @@ TEST(StartSettings, KeepTheDefaultsIfTheUserChoosesATechnique) {
   EXPECT_EQ(resolve_start(scene).render.guide, GuideChoice::cdq);
 }
 
-TEST(StartSettings, HaveTheSizeThatIsAskedForByFlagOrFile) {
+TEST(StartSettings, UseTheSizeFromFlagOrFile) {
   EXPECT_FALSE(chooses_size({}));
   EXPECT_FALSE(chooses_size({.preset = "preview"}));
   EXPECT_FALSE(chooses_size({.scene_json = R"({"width": 100})"}));  // saved views also follow the window
@@ -53,7 +53,7 @@ TEST(StartSettings, HaveTheSizeThatIsAskedForByFlagOrFile) {
   std::filesystem::remove(file);
 }
 
-TEST(Presets, MeanTheSameWhateverWasChosenBefore) {
+TEST(Presets, AreIndependentOfEarlierChoices) {
   for (const Preset& before : presets()) {
     const AllSettings first = apply_preset(resolve_start({}), "", "", std::string(before.name));
     for (const Preset& preset : presets()) {

@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-TEST(AdaptedError, MeasuresWhatEachContenderShows) {
+TEST(AdaptedError, MeasuresTheImageOfEachContender) {
   const ExperimentScene scene = learning_scene("cornell");
   RenderSettings settings = scene.settings;
   settings.width = 16;
@@ -40,7 +40,7 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   EXPECT_FALSE(errors[1].figures.empty());
 }
 
-TEST(AdaptedError, IsNotMeasuredAgain) {
+TEST(AdaptedError, ReusesStoredMeasurements) {
   ExperimentContext context;
   context.parts_folder = std::filesystem::temp_directory_path() / "relume_adapted_error_test";
   std::filesystem::remove_all(context.parts_folder);
@@ -76,7 +76,7 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
   std::filesystem::remove_all(context.parts_folder);
 }
 
-TEST(Adaptation, IsMeasuredAgainstItsPlateauRunByRun) {
+TEST(Adaptation, IsComparedWithThePlateauOfEachRun) {
   // The second run is twice as bright, which does not change ratios.
   const Adaptation a{"a", {{9, 5, 3, 1.5, 1, 1, 1, 1}, {18, 10, 6, 3, 2, 2, 2, 2}}};
   EXPECT_DOUBLE_EQ(a.plateau(4), 1.5);
@@ -99,7 +99,7 @@ Adaptation noisy_adaptation(double first, size_t until, unsigned seed) {
   return a;
 }
 
-TEST(Adaptation, IsJudgedInSpiteOfNoise) {
+TEST(Adaptation, IsJudgedDespiteNoise) {
   int held = 0;
   int failed = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
@@ -117,7 +117,7 @@ AdaptedError timed(std::vector<double> mse, std::vector<double> frame_s) {
   return e;
 }
 
-TEST(EqualTimeRatio, TakesTheTimesIntoAccountAndWhatTheyVaryBy) {
+TEST(EqualTimeRatio, AccountsForTimesAndTheirVariation) {
   const std::vector<double> large{8.0, 8.1, 7.9, 8.0};
   const std::vector<double> small{1.0, 1.1, 0.9, 1.0};
   const Ratio errors = error_ratio(large, small);

@@ -32,7 +32,7 @@ TEST(PixelMasks, TheReferencesNoiseIsThatOfTheRegion) {
   EXPECT_DOUBLE_EQ(reference_noise(reference, mask_of({"image"}, 2, 1)), 16);
 }
 
-TEST(PixelMasks, TellTheMinesRegionsApart) {
+TEST(PixelMasks, SeparateTheMinesRegions) {
   Image reference(4, 1);
   Image direct(4, 1);
   direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(500)};  // sky last

@@ -33,7 +33,7 @@ TEST(Ratio, HasStudentsIntervals) {
   EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
 }
 
-TEST(Ratio, PairsKnowWhatBothHaveInCommon) {
+TEST(Ratio, PairsCancelCommonNoise) {
   const std::vector<double> b{1, 5, 2, 9, 3};
   std::vector<double> a;
   for (const double x : b) a.push_back(2 * x);
@@ -50,7 +50,7 @@ TEST(Ratio, PairsKnowWhatBothHaveInCommon) {
 }
 
 /// Tests intervals of many noisy pairs that share half of their noise.
-TEST(Ratio, IntervalsOfPairsHoldTheTruthAsOftenAsTheySay) {
+TEST(Ratio, IntervalsOfPairsHaveTheirStatedCoverage) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0, 0.15);
   constexpr int kTrials = 4000;
@@ -69,7 +69,7 @@ TEST(Ratio, IntervalsOfPairsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_NEAR(held / static_cast<double>(kTrials), 0.95, 0.015);
 }
 
-TEST(Ratio, TurnsThatWereSlowForBothAreEqual) {
+TEST(Ratio, CommonSlowdownsCancel) {
   const std::vector<double> b{1, 1, 4, 1, 1, 2, 1, 1, 3, 1};
   std::vector<double> a;
   for (const double x : b) a.push_back(1.1 * x);

@@ -48,7 +48,7 @@ TEST(Trace, EarlyRatiosEndWithTheFramesOfTheFirst) {
   EXPECT_GT(mean_ratio(traces, 1, 2, &TracePoint::mse, 10, 20).value, 299);
 }
 
-TEST(Trace, RepetitionsTellHowFarARatioIsKnown) {
+TEST(Trace, RepetitionsGiveTheIntervalOfARatio) {
   const std::vector<Trace> traces{{"a", {hyperbola(1), hyperbola(1), hyperbola(2)}},
                                   {"b", {hyperbola(2), hyperbola(4), hyperbola(4)}}};
   const Ratio ratio = early_ratio(traces, 1, 0, 8);
@@ -66,7 +66,7 @@ TEST(Trace, SpreadIsTheVarianceOfDistances) {
   EXPECT_NEAR(distance_spread(image, reference), 0.25, 1e-7);
 }
 
-TEST(Trace, DisplayErrorIsThatOfCutOffSrgbValues) {
+TEST(Trace, DisplayErrorUsesClippedSrgbValues) {
   Image reference(2, 1);
   Image image(2, 1);
   image.at(0, 0) = Rgb(0.5f, 0, 0);
@@ -77,7 +77,7 @@ TEST(Trace, DisplayErrorIsThatOfCutOffSrgbValues) {
 }
 
 /// Measures the box twice, as an interrupted experiment does.
-TEST(Trace, GoesOnFromWhatWasMeasured) {
+TEST(Trace, ContinuesFromStoredMeasurements) {
   ExperimentContext context;
   context.quick = true;
   context.parts_folder = std::filesystem::temp_directory_path() / "relume_trace_test";

@@ -18,7 +18,7 @@ TEST(Named, IsTheElementItself) {
   EXPECT_EQ(&named(same, "cache", "path"), &list[0]);
 }
 
-TEST(Named, AnErrorTellsTheNamesThatExist) {
+TEST(Named, ErrorsListTheNames) {
   const std::vector<Technique> list{{"path", 1}, {"psf", 2}};
   try {
     named(list, "cache", "vlc");

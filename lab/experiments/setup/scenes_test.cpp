@@ -44,7 +44,7 @@ TEST(ExperimentScenes, TurnsKeepThePlace) {
   EXPECT_NEAR(before.x * after.x + before.z * after.z, 0, 1e-6f);
 }
 
-TEST(ExperimentScenes, TurnsAsideMoveTheEyeTheSameWayWhereverItLooks) {
+TEST(ExperimentScenes, SidewaysMotionIsTheSameInAnyViewDirection) {
   const ExperimentScene box = closed_box();
   EXPECT_EQ(turned_aside(box, 30, 0)->to_world, turned(box, 30)->to_world);
   for (const float degrees : {0.0f, 90.0f}) {

@@ -119,7 +119,7 @@ TEST(Huffman, ReadsCodesOfAnyShape) {
   }
 }
 
-TEST(Huffman, RefusesWhatIsNoPrefixCode) {
+TEST(Huffman, RejectsInvalidPrefixCodes) {
   const BitReader reader({}, kName);
   const auto problem = [&](const std::vector<uint8_t>& lengths) {
     return problem_of([&] { HuffmanTable(lengths, reader); });

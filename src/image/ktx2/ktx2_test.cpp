@@ -166,7 +166,7 @@ TEST(Ktx2, MetadataRearrangesChannels) {
   }
 }
 
-TEST(Ktx2, NamesWhatIsNotSupported) {
+TEST(Ktx2, ErrorsNameUnsupportedFeatures) {
   const auto plain = [](const std::function<void(Ktx2File&)>& change) { return problem_after(plain_ktx2(), change); };
   EXPECT_EQ(
       plain([](Ktx2File& f) { f.format = 97; }),
@@ -225,7 +225,7 @@ TEST(Ktx2, NamesContradictions) {
             std::string::npos);
 }
 
-TEST(Ktx2, SizesThatTheFileCannotHoldCostNothing) {
+TEST(Ktx2, ImpossibleSizesAllocateNothing) {
   for (Ktx2File file : all_kinds()) {
     for (const auto& [width, height] : std::vector<std::pair<uint32_t, uint32_t>>{
              {16384, 16384}, {1u << 17, 1u << 11}, {1u << 18, 1}, {0xffffffff, 0xffffffff}}) {
@@ -238,7 +238,7 @@ TEST(Ktx2, SizesThatTheFileCannotHoldCostNothing) {
   }
 }
 
-TEST(Ktx2, FilesThatEndEarlyAreRefused) {
+TEST(Ktx2, RejectsTruncatedFiles) {
   int cases = 0;
   for (const Ktx2File& file : all_kinds()) {
     const std::vector<std::byte> whole = file.bytes();
@@ -250,7 +250,7 @@ TEST(Ktx2, FilesThatEndEarlyAreRefused) {
   EXPECT_GT(cases, 1000);
 }
 
-TEST(Ktx2, BytesOfAnyValueEndInAnImageOrAnError) {
+TEST(Ktx2, RandomBytesGiveAnImageOrAnError) {
   std::mt19937 random(1);
   int refused = 0;
   for (const Ktx2File& file : all_kinds()) {

@@ -108,7 +108,7 @@ TEST(Assimp, TurnsPhongIntoMetallicRoughness) {
   EXPECT_EQ(veil.alpha_mode, AlphaMode::blend);
 }
 
-TEST(Assimp, AMissingEmissiveTextureDoesNotShine) {
+TEST(Assimp, MissingEmissiveTextureDoesNotEmit) {
   const SceneFolder folder;
   folder.write("lamp.png", solid_png(2, 2, 255, 255, 255, 255));
   const auto emission = [&](const std::string& text) {
@@ -256,7 +256,7 @@ long peak_kib() {
   return self.ru_maxrss + children.ru_maxrss;
 }
 
-TEST(Assimp, EndsReadersThatTakeAnyMemory) {
+TEST(Assimp, StopsReadersThatExhaustMemory) {
   std::string dae = dae_text();
   dae.replace(dae.find("<p>0 1 2</p>"), 12, "<p>0 x 2</p>");
   const std::string off = "OFF\n353535235358 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -266,7 +266,7 @@ TEST(Assimp, EndsReadersThatTakeAnyMemory) {
   EXPECT_LT(peak_kib(), 2 << 20);
 }
 
-TEST(Assimp, RefusesWhatItCannotRead) {
+TEST(Assimp, RejectsUnreadableFiles) {
   const SceneFolder folder;
   EXPECT_NE(error_of([&] { load_scene(folder.path() / "missing.obj"); }).find("does not exist"), std::string::npos);
   EXPECT_NE(error_of([&] { load_scene(folder.write("a.xyz", "1")); }).find("extension 'xyz'"), std::string::npos);

@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-TEST(AssimpMessages, KeepTheLineAndTheTextInQuestion) {
+TEST(AssimpMessages, KeepTheLineNumberAndText) {
   EXPECT_EQ(explain_assimp_problem("FBX-Tokenize (line 12 <<  col 3) unexpected double-quote"),
             "line 12: its structure is damaged; export it again or convert it to glTF");
   EXPECT_EQ(explain_assimp_problem("Cannot parse string \"x 2\" as a real number: does not start with digit"),
@@ -16,7 +16,7 @@ TEST(AssimpMessages, KeepTheLineAndTheTextInQuestion) {
             "a number is expected (near '" + std::string(24, 'b') + "...'); export it again or convert it to glTF");
 }
 
-TEST(AssimpMessages, HaveARemedyOfTheirOwn) {
+TEST(AssimpMessages, HaveSpecificRemedies) {
   EXPECT_EQ(explain_assimp_problem("Validation failed: aiScene::mNumMeshes is 0. At least one mesh must be there"),
             kNoTriangles);
   EXPECT_NE(explain_assimp_problem("FBX-DOM unsupported, old format version").find("export it as FBX 2013"),

@@ -62,7 +62,7 @@ int red_of(const Scene& scene) {
   return std::to_integer<int>(scene.textures[0].texels[0]);
 }
 
-TEST(AssimpTextures, AreFoundByTheirNameWhereThePathIsOfAnotherMachine) {
+TEST(AssimpTextures, AreFoundByNameIfThePathIsFromAnotherMachine) {
   const char* const kPaths[] = {R"(C:\art\wood.png)",  R"(\\server\x\wood.png)", "C:/art/wood.png",
                                 "//server/x/wood.png", "/nowhere/wood.png",      R"(..\art\wood.png)"};
   for (const char* const place : {"wood.png", "textures/wood.png"}) {
@@ -79,7 +79,7 @@ TEST(AssimpTextures, AreFoundByTheirNameWhereThePathIsOfAnotherMachine) {
   }
 }
 
-TEST(AssimpTextures, AreTakenFromInsideTheFile) {
+TEST(AssimpTextures, MayBeEmbedded) {
   const SceneFolder folder;
   const Scene scene = load_scene(folder.write("a.fbx", fbx_with_texture("wood.png", solid_png(2, 2, 90, 20, 30, 255))));
   EXPECT_EQ(red_of(scene), 90);

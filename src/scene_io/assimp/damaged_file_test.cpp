@@ -82,8 +82,8 @@ void read_damaged(uint32_t count) {
   EXPECT_LT(self.ru_maxrss + children.ru_maxrss, kLimit_KiB) << "KiB, of this process and of the largest child";
 }
 
-TEST(DamagedFile, EndsInASceneOrInAnError) { read_damaged(40); }
-TEST(SlowDamagedFile, EndsInASceneOrInAnError) { read_damaged(1000); }
+TEST(DamagedFile, GivesASceneOrAnError) { read_damaged(40); }
+TEST(SlowDamagedFile, GivesASceneOrAnError) { read_damaged(1000); }
 
 }  // namespace
 }  // namespace relume

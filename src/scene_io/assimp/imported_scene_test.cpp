@@ -51,7 +51,7 @@ ImportedScene rich() {
   return imported;
 }
 
-TEST(ImportedScene, SurvivesTheWayThroughBytes) {
+TEST(ImportedScene, RoundTripsThroughBytes) {
   const ImportedScene before = rich();
   const Bytes bytes = serialise(before);
   const ImportedScene after = deserialise(bytes, "a");

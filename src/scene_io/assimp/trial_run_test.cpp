@@ -54,7 +54,7 @@ void exhaust_memory() {
   }
 }
 
-TEST(TrialRun, HandsOverWhatTheTaskReturns) {
+TEST(TrialRun, ReturnsTheResultOfTheTask) {
   Bytes large(size_t{40} << 20);
   for (size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::byte>(i * 2654435761u >> 24);
   EXPECT_EQ(run_trial([&] { return large; }, kLimits, "a.dae"), large);
@@ -77,13 +77,13 @@ class FileSizeLimit {
   rlimit before_{};
 };
 
-TEST(TrialRun, HandsOverMoreThanAFileMayHold) {
+TEST(TrialRun, ReturnsMoreThanAFileMayHold) {
   const FileSizeLimit limit(1000);
   const Bytes large(size_t{1} << 20, std::byte{7});
   EXPECT_EQ(run_trial([&] { return large; }, kLimits, "a.dae"), large);
 }
 
-TEST(TrialRun, ReportsAResultThatCannotBeHandedOver) {
+TEST(TrialRun, ReportsResultsThatCannotBeReturned) {
   const std::string message = error_of([] {
     run_trial(
         [] {
@@ -137,7 +137,7 @@ TEST(TrialRun, LimitsElapsedTime) {
   EXPECT_LT(now_s() - start_s, 5);
 }
 
-TEST(TrialRun, EndsWithTheProcessThatBeganIt) {
+TEST(TrialRun, EndsWithItsParentProcess) {
   int ends[2];  // every living process holds the second one open
   ASSERT_EQ(pipe(ends), 0);
   const pid_t process = fork();

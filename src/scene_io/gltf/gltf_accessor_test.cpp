@@ -91,7 +91,7 @@ TEST(GltfAccessor, AppliesSparseValues) {
   EXPECT_THROW(read_scalars(parsed.document, truncated), Error);
 }
 
-TEST(GltfAccessor, RefusesWhatGoesBeyondItsBuffer) {
+TEST(GltfAccessor, RejectsAccessorsBeyondTheirBuffer) {
   GltfBuilder file;
   const int view = file.view(std::vector<float>{1, 2, 3, 4});
   const int fits = file.add_accessor(view, 4, 1, 5126);

@@ -122,7 +122,7 @@ TEST(GltfLights, ReadsAllTypes) {
   EXPECT_TRUE(mentions(scene.warnings, "light 3"));
 }
 
-TEST(GltfLights, LimitsWhatIsOutOfRangeWithAWarning) {
+TEST(GltfLights, ClampsOutOfRangeValuesWithAWarning) {
   GltfBuilder file;
   file.doc["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"name", "needle"}, {"type", "spot"}, {"spot", {{"outerConeAngle", 0}}}},

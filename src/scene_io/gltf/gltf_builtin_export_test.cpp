@@ -118,7 +118,7 @@ TEST_P(BuiltinExport, HasTheStructureOfTheScene) {
 }
 
 /// The loaded scene equals the exported one.
-TEST_P(BuiltinExport, ReadsBackTheSame) {
+TEST_P(BuiltinExport, RoundTripsUnchanged) {
   const Scene scene = find_builtin_scene(GetParam())->build();
   const TempFolder folder;
   write_gltf(folder / "scene.glb", scene);

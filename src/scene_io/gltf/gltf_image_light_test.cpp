@@ -77,7 +77,7 @@ TEST(GltfImageLight, FacesLieInTheirDirections) {
   expect_seen(e, {0.3f, -0.4f, -1}, {1, 1, 0});
 }
 
-TEST(GltfImageLight, FacesAppearAsFromTheInside) {
+TEST(GltfImageLight, FacesAreSeenFromInside) {
   const Environment e = file_with(light()).load().environment;
   const Rgb white(1);
   // Left of the view along each axis, with +Y up.
@@ -113,7 +113,7 @@ TEST(GltfImageLight, MidTonesAreDecodedBeforeTheyAreDivided) {
               Rgb(linear_from_srgb(188.0f / 255), linear_from_srgb(99.0f / 255), linear_from_srgb(20.0f / 255)) / d);
 }
 
-TEST(GltfImageLight, MalformedOnesAreOneWarning) {
+TEST(GltfImageLight, MalformedLightsGiveOneWarning) {
   const Bytes cut(20, std::byte{0x89});
   std::vector<std::pair<json, std::string>> cases = {
       {{{"intensity", 1}}, "it has no specular images"},

@@ -217,7 +217,7 @@ TEST(GltfVariants, AreWritten) {
   EXPECT_EQ(color_of(again), Rgb(0, 0, 1));
 }
 
-TEST(GltfVariants, ThatDoNotExistAreLeftOut) {
+TEST(GltfVariants, MissingVariantsAreOmitted) {
   GltfBuilder file = painted();
   json& mappings = file.doc["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"];
   mappings.push_back({{"material", 0}, {"variants", {7, -1, "sea"}}});

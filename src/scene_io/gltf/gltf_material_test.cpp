@@ -136,7 +136,7 @@ TEST(GltfMaterial, LoadsAllTexturesWithTheirFormats) {
   EXPECT_EQ(m.normal_scale, 0.5f);
 }
 
-TEST(GltfMaterial, MakesTwoTexturesOfAnImageThatIsUsedBothWays) {
+TEST(GltfMaterial, SplitsImagesUsedAsColourAndData) {
   GltfBuilder file;
   const int texture = add_texture(file, 7);
   const json ref = {{"index", texture}};
@@ -246,7 +246,7 @@ TEST(GltfMaterial, ReplacesMissingAndBrokenTextures) {
   EXPECT_FALSE(scene.materials[1].base_color_texture.used());
 }
 
-TEST(GltfMaterial, LimitsNumbersThatAreOutOfRange) {
+TEST(GltfMaterial, ClampsOutOfRangeNumbers) {
   GltfBuilder file;
   file.add_triangle_with_material(
       {{"pbrMetallicRoughness",

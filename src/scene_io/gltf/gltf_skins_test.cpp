@@ -192,7 +192,7 @@ TEST(GltfSkins, SkinsOfOtherSizesLeaveASharedMeshAlone) {
   EXPECT_TRUE(mentions(scene.warnings, "node 'other': its mesh follows joints"));
 }
 
-TEST(GltfSkins, ClipsThatMoveNothingAreLeftOut) {
+TEST(GltfSkins, ClipsWithoutMotionAreOmitted) {
   Figure figure;
   figure.animate(figure.node, "fur", {0, 1}, {0, 1}, 1, "odd");
   figure.animate(0, "scale", {0, 1}, {1, 1, 1, 2, 2, 2}, 3, "grow");
@@ -232,7 +232,7 @@ TEST(GltfSkins, ChannelsOfNoClipAreWrittenIntoEach) {
   }
 }
 
-TEST(GltfSkins, KeysOfMorphTargetsAreBroughtTogether) {
+TEST(GltfSkins, MorphTargetKeysAreMerged) {
   Figure figure;
   Scene scene = figure.file.load();
   const auto index = static_cast<Index>(&body(scene) - scene.nodes.data());

@@ -106,7 +106,7 @@ TEST(Gltf, BuffersWithoutBytesMayBeUnused) {
             std::string::npos);
 }
 
-TEST(Gltf, WarnsOfALaterVersion) {
+TEST(Gltf, WarnsAboutLaterVersions) {
   GltfBuilder file = triangle_file();
   for (const char* version : {"2.0", "1.0", "2"}) {
     file.doc["asset"]["minVersion"] = version;
@@ -207,7 +207,7 @@ TEST(Gltf, TurnsStripsAndFansIntoTriangles) {
   EXPECT_TRUE(mentions(scene.warnings, "points and lines"));
 }
 
-TEST(Gltf, RemovesVerticesOfSharedBuffersThatAPrimitiveDoesNotUse) {
+TEST(Gltf, RemovesUnusedVerticesOfSharedBuffers) {
   GltfBuilder file;
   std::vector<float> coordinates(300);
   for (size_t i = 0; i < coordinates.size(); ++i) coordinates[i] = static_cast<float>(i);
@@ -270,7 +270,7 @@ TEST(Gltf, IgnoresAttributesOfAnotherLength) {
   EXPECT_TRUE(mentions(scene.warnings, "does not fit"));
 }
 
-TEST(Gltf, NamesWhatItDoesNotSupport) {
+TEST(Gltf, NamesUnsupportedExtensions) {
   GltfBuilder file = triangle_file();
   file.doc["extensionsUsed"] = {"KHR_audio", "KHR_materials_ior"};
   const Scene scene = file.load();
@@ -280,7 +280,7 @@ TEST(Gltf, NamesWhatItDoesNotSupport) {
   EXPECT_NE(error_of([&] { file.load(); }).find("requires the extension KHR_audio"), std::string::npos);
 }
 
-TEST(Gltf, ReadsFilesThatRequireWhatOnlyDecorates) {
+TEST(Gltf, ReadsFilesThatRequireDecorativeExtensions) {
   GltfBuilder file = triangle_file();
   file.doc["extensionsUsed"] = file.doc["extensionsRequired"] = {"KHR_xmp", "KHR_xmp_json_ld"};
   const Scene scene = file.load();
@@ -294,7 +294,7 @@ TEST(Gltf, ReadsFilesThatRequireDispersion) {
   EXPECT_TRUE(file.load().warnings.empty());
 }
 
-TEST(Gltf, OcclusionTexturesAreWorthANoteButNoWarning) {
+TEST(Gltf, OcclusionTexturesGiveANoteNotAWarning) {
   GltfBuilder file;
   file.add("images", {{"uri", testing::data_uri(testing::solid_png(1, 1, 255, 255, 255, 255))}});
   file.add("textures", {{"source", 0}});
@@ -304,7 +304,7 @@ TEST(Gltf, OcclusionTexturesAreWorthANoteButNoWarning) {
   EXPECT_TRUE(mentions(scene.notes, "test.gltf: occlusion textures are ignored"));
 }
 
-TEST(Gltf, SaysWhereTheJsonIsBroken) {
+TEST(Gltf, ReportsThePositionOfJsonErrors) {
   EXPECT_EQ(error_of([] { testing::load_text("{\n \"asset\": }"); }).substr(0, 14), "test.gltf:2:11");
   EXPECT_NE(error_of([] { testing::load_text("{}"); }).find("asset.version"), std::string::npos);
   EXPECT_NE(error_of([] { testing::load_text(R"({"asset":{"version":"1.0"}})"); }).find("glTF version 1.0"),

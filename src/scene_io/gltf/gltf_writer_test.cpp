@@ -72,7 +72,7 @@ TEST(GltfWriter, DefaultMaterialsStayEmpty) {
   EXPECT_FALSE(gltf.contains("extensionsUsed"));
 }
 
-TEST(GltfWriter, ReplacesWhatIsNotUtf8InNames) {
+TEST(GltfWriter, ReplacesInvalidUtf8InNames) {
   const TempFolder folder;
   Material material;
   material.name = "gr\xfcn";  // Latin-1
@@ -224,7 +224,7 @@ TEST(GltfWriter, KeepsKindsOfEnvironmentsAndAspectRatios) {
   }
 }
 
-TEST(GltfWriter, KeepsWhatGltfHasNoFormForInExtras) {
+TEST(GltfWriter, KeepsUnsupportedDataInExtras) {
   Scene scene = small_scene(Material());
   scene.settings_json = R"({"max-bounces": 3})";
   scene.environment.kind = EnvironmentKind::map;
@@ -260,7 +260,7 @@ TEST(GltfWriter, KeepsWhatGltfHasNoFormForInExtras) {
   EXPECT_EQ(sky["turbidity"], 3);
 }
 
-TEST(GltfWriter, RefusesWhatItCannotWrite) {
+TEST(GltfWriter, RejectsUnwritableScenes) {
   const TempFolder folder;
   const Scene scene = small_scene(Material());
   EXPECT_THROW(write_gltf(folder / "a.obj", scene), Error);

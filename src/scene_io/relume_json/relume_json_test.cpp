@@ -199,7 +199,7 @@ TEST_F(RelumeJson, RefersToBuiltinScenes) {
   EXPECT_NE(message.find("cornell"), std::string::npos);
 }
 
-TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
+TEST_F(RelumeJson, ErrorsNameTheirPlace) {
   const json eye = {{"eye", {0, 0, 0}}, {"target", {0, 0, 0}}};
   const std::vector<std::pair<json, const char*>> cases = {
       {{{"camra", json::object()}}, "unknown key 'camra'; valid here are scene, camera"},
@@ -239,7 +239,7 @@ TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
   }
 }
 
-TEST_F(RelumeJson, SaysWhereTheSyntaxIsWrong) {
+TEST_F(RelumeJson, ReportsThePositionOfSyntaxErrors) {
   const auto file = folder_.write("broken.json", "{\n  \"scene\": \"base.gltf\",\n  \"camera\" 3\n}");
   EXPECT_NE(error_of([&] { load_scene(file); }).find("broken.json:3:12: JSON"), std::string::npos);
   const auto huge = folder_.write("huge.json", R"({"scene": 1e999})");

@@ -35,7 +35,7 @@ void expect_near(const Mat4& a, const Mat4& b) {
   for (int c = 0; c < 4; ++c) EXPECT_NEAR(glm::distance(Vec3(a[c]), Vec3(b[c])), 0, 1e-5) << c;
 }
 
-TEST(WriteView, CamerasComeBack) {
+TEST(WriteView, CamerasRoundTrip) {
   const Mat4 to_world = placed({4, 5, 6}, look_rotation({1, -2, 3}, {1, 1, 0}));
   for (const Projection projection : {Projection::perspective, Projection::orthographic, Projection::panoramic}) {
     Camera camera;
@@ -80,7 +80,7 @@ TEST(WriteView, KeysMoveTheCamera) {
   expect_near(world_matrices(scene, 3).back(), placed({2, 1, 5}, to));
 }
 
-TEST(WriteView, MaterialsComeBack) {
+TEST(WriteView, MaterialsRoundTrip) {
   Material material;
   material.base_color = {0.1f, 0.2f, 0.3f};
   material.metallic = 0.125f;
@@ -106,7 +106,7 @@ TEST(WriteView, MaterialsComeBack) {
   EXPECT_EQ(loaded.clearcoat_roughness, material.clearcoat_roughness);
 }
 
-TEST(WriteView, TransformsComeBack) {
+TEST(WriteView, TransformsRoundTrip) {
   // The second is one rounding from gimbal lock, where X and Z rotate about the same axis.
   for (const glm::quat& rotation :
        {look_rotation({0.3f, 0.2f, -0.9f}, {1, 2, 0}), glm::quat(0.70710677f, 0, 0.70710683f, 0)}) {
@@ -123,7 +123,7 @@ TEST(WriteView, TransformsComeBack) {
   }
 }
 
-TEST(WriteView, EnvironmentsComeBack) {
+TEST(WriteView, EnvironmentsRoundTrip) {
   const auto loaded = [](const Environment& environment) {
     json file;
     file["environment"] = environment_to_json(environment);

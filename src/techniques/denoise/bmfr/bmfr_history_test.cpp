@@ -101,7 +101,7 @@ TEST(Bmfr, FirstAccumulationOfThePaperAveragesFiveFramesThenFadesThem) {
   EXPECT_EQ(h.count[17], 12u);  // fits are averaged over more frames than the light
 }
 
-TEST(Bmfr, FadingLightCountsForTheSamplesThatItsVarianceTells) {
+TEST(Bmfr, FadingLightCountsByItsVariance) {
   EXPECT_EQ(independent_samples(0), kInfinity);
   EXPECT_EQ(independent_samples(1), 1.0f);
   History h;
@@ -135,7 +135,7 @@ TEST(Bmfr, LightFollowsItsSurface) {
   EXPECT_EQ(h.count[row + 1], 1u);  // entered at the border
 }
 
-TEST(Bmfr, BlackTexelsTakeNothingFromTheHistoryBesideThem) {
+TEST(Bmfr, BlackTexelsDoNotAffectNeighbouringHistories) {
   History h;
   const uint32_t black = 20 * kWidth + 20;
   h.albedo[black] = Rgb(0);
@@ -156,7 +156,7 @@ TEST(Bmfr, OtherSurfacesHaveNoHistory) {
   EXPECT_EQ(h.count[100], 1u);
 }
 
-TEST(Bmfr, SamplesThatAreNotFiniteOrNotThereLeaveTheHistoryAlone) {
+TEST(Bmfr, NonFiniteAndMissingSamplesKeepTheHistory) {
   History h;
   h.accumulate(kNoHistoryLimit);
   const Rgb known = h.light[0];

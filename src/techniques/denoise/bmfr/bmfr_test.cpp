@@ -80,7 +80,7 @@ TEST(BlockRegression, AgreesWithADenseSolver) {
   }
 }
 
-TEST(BlockRegression, LeavesOutFeaturesThatDependOnOthers) {
+TEST(BlockRegression, OmitsLinearlyDependentFeatures) {
   Block block(5);
   block.columns[2] = block.columns[1];                                // a copy
   std::fill(block.columns[3].begin(), block.columns[3].end(), 0.5f);  // a multiple of the constant
@@ -207,7 +207,7 @@ TEST(Bmfr, RemovesNoiseThatFeaturesDoNotExplain) {
   EXPECT_LT(squared / kPixels, 0.02);
 }
 
-TEST(Bmfr, PixelsWithoutSamplesTakeNoPartButAreFitted) {
+TEST(Bmfr, PixelsWithoutSamplesAreFittedButNotUsed) {
   Surface s;
   for (uint32_t i = 0; i < kPixels; i += 3) {
     s.samples[i] = 0;

@@ -38,14 +38,14 @@ struct Neighbourhood {
   std::vector<uint32_t> allocation;
 };
 
-TEST(FireflyClamp, TakesASampleDownToAMultipleOfItsNeighboursMean) {
+TEST(FireflyClamp, ClampsToAMultipleOfTheNeighboursMean) {
   Neighbourhood n(testing::matte(Rgb(0.5f)));
   n.radiance[kMiddle] = Rgb(32);
   const std::vector<float> factors = n.factors(4);
   for (uint32_t i = 0; i < kSize * kSize; ++i) EXPECT_FLOAT_EQ(factors[i], i == kMiddle ? 4.0f / 32 : 1.0f) << i;
 }
 
-TEST(FireflyClamp, LeavesWhatDiffersLess) {
+TEST(FireflyClamp, KeepsSmallerDeviations) {
   Neighbourhood n(testing::matte(Rgb(0.5f)));
   for (uint32_t i = 0; i < kSize * kSize; ++i) n.radiance[i] = Rgb(i % 2 ? 0.0f : 3.0f);
   EXPECT_EQ(n.factors(4), std::vector<float>(kSize * kSize, 1.0f));
@@ -76,7 +76,7 @@ TEST(FireflyClamp, ComparesOnlyWithSamplesOfThisFrame) {
   EXPECT_EQ(factors[kMiddle + 1], 1.0f);
 }
 
-TEST(FireflyClamp, LeavesASampleWithoutNeighbours) {
+TEST(FireflyClamp, KeepsSamplesWithoutNeighbours) {
   Neighbourhood n(testing::matte(Rgb(0.5f)));
   n.radiance.assign(kSize * kSize, Rgb(0));
   n.radiance[kMiddle] = Rgb(32);
@@ -133,7 +133,7 @@ TEST(FireflyClamp, CutsMoreVarianceThanEnergy) {
   EXPECT_GT(clamped.mean, 0.8 * all.mean);
 }
 
-TEST(FireflyClamp, ChangesNoBitIfNothingIsThatBright) {
+TEST(FireflyClamp, IsBitExactWithoutFireflies) {
   constexpr int kFrames = 8;
   const Scene box = find_builtin_scene("cornell")->build();
   for (const DenoiseChoice denoise : {DenoiseChoice::none, DenoiseChoice::svgf})

@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-TEST(Oidn, HandsTheImageAndItsFeaturesOver) {
+TEST(Oidn, PassesTheImageAndItsFeatures) {
   ASSERT_TRUE(oidn_missing().empty());
   const std::vector<Rgb> color(6, Rgb(1, 2, 3));
   const std::vector<Rgb> albedo(6, Rgb(0.5f));
@@ -30,7 +30,7 @@ TEST(Oidn, HandsTheImageAndItsFeaturesOver) {
   for (const Rgb& pixel : output) EXPECT_EQ(pixel, Rgb(0.5f, 1, 1.5f));
 }
 
-TEST(Oidn, FailuresSayWhy) {
+TEST(Oidn, ErrorsGiveTheReason) {
   std::vector<Rgb> pixel(1);
   oidn::log = {};
   oidn::log.failure = "out of memory";
@@ -65,7 +65,7 @@ TEST(Oidn, AuxiliaryImagesAreMeans) {
   EXPECT_EQ(mean_normal[0], Vec3(0, 1, 0));
 }
 
-TEST(Oidn, FiltersOftenAtFirstAndRarelyInTheEnd) {
+TEST(Oidn, FiltersLessOftenOverTime) {
   for (const uint32_t n : {1u, 2u, 3u, 7u, 15u, 16u, 18u, 64u, 72u, 1024u, 1152u}) EXPECT_TRUE(oidn_filters_at(n)) << n;
   for (const uint32_t n : {17u, 19u, 66u, 1025u, 1100u}) EXPECT_FALSE(oidn_filters_at(n)) << n;
 }

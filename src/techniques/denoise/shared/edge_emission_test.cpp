@@ -67,7 +67,7 @@ TEST(EdgeEmission, FramesTheLampAndNothingElse) {
   EXPECT_GT(partly, 10);
 }
 
-TEST(EdgeEmission, StayEdgesUntilSomethingChanges) {
+TEST(EdgeEmission, EdgesPersistUntilAChange) {
   Session session = box(settings_with(16));
   session.render_frame();
   size_t before = edges_of(session).size();
@@ -121,7 +121,7 @@ struct Way {
 
 class EdgeEmissionOf : public ::testing::TestWithParam<Way> {};
 
-TEST_P(EdgeEmissionOf, TakesNoiseOutOfThePixelAndLeavesItsMean) {
+TEST_P(EdgeEmissionOf, RemovesNoiseAndKeepsTheMean) {
   const auto settings = [&](int edge_rays) {
     RenderSettings s = settings_with(edge_rays, edge_rays + 1);
     GetParam().choose(s);

@@ -94,7 +94,7 @@ TEST(ImageHistory, LaterImagesWeighMore) {
   EXPECT_EQ(p.image[7], Rgb(2.5f));  // weight 1/4
 }
 
-TEST(ImageHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
+TEST(ImageHistory, UnfilteredLightCountsEquallyInEveryFrame) {
   // In every third of twelve frames, pixel 0 shows a lamp, pixel 1 the same lamp on a filtered surface, pixel 2 a sky
   // as bright as the wall. Filtered light grows by one per frame, except at pixel 2.
   Images p;
@@ -121,7 +121,7 @@ TEST(ImageHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
 }
 
 /// The measured emission at a lamp's edge varies between frames. None of it is scattered light.
-TEST(ImageHistory, WhatAMovedImageKeepsIsWhatWasScattered) {
+TEST(ImageHistory, MovedImagesKeepScatteredLightOnly) {
   Images p;
   std::fill(p.edge_rays.begin(), p.edge_rays.end(), 16u);
   for (int i = 0; i < 5; ++i) {
@@ -139,7 +139,7 @@ TEST(ImageHistory, WhatAMovedImageKeepsIsWhatWasScattered) {
   EXPECT_NEAR(p.image[7].r, 8 + 2, 1e-5);
 }
 
-TEST(ImageHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
+TEST(ImageHistory, IsNeverNegativeIfSamplesMissAVisibleLamp) {
   Images p;
   for (int i = 0; i < 4; ++i) {
     const bool lamp = i > 0;  // at its edge in a mirror: features then show it, and samples miss it
@@ -153,7 +153,7 @@ TEST(ImageHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
   EXPECT_EQ(p.image[0], Rgb(0));
 }
 
-TEST(ImageHistory, MovedImagesAreHeldToWhatIsSeenNow) {
+TEST(ImageHistory, MovedImagesAreClampedToTheirNeighbourhood) {
   Images p;
   p.average(false, 0.25f);
   EXPECT_EQ(p.image[7], Rgb(1));  // 3 exceeds the range around
@@ -203,7 +203,7 @@ TEST(ImageHistory, ALonelyBrightSampleStaysFiltered) {
   EXPECT_NEAR(p.image[kPixel].r, 0.0f, 1e-3f);
 }
 
-TEST(ImageHistory, TilesConvergeAsSinglePixelsDo) {
+TEST(ImageHistory, TilesConvergeLikeSinglePixels) {
   Images p;
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> uniform(0, 2);

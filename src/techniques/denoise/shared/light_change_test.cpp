@@ -64,7 +64,7 @@ struct Wall {
   std::vector<Rgb> scattered = std::vector<Rgb>(kPixels);
 };
 
-TEST(LightChange, NoiseIsRarelyTakenForOne) {
+TEST(LightChange, NoiseIsRarelyTakenForAChange) {
   size_t blocks = 0;
   size_t discounted = 0;
   for (uint32_t seed = 1; seed <= 16; ++seed) {
@@ -75,7 +75,7 @@ TEST(LightChange, NoiseIsRarelyTakenForOne) {
   EXPECT_LT(discounted * 10, blocks);
 }
 
-TEST(LightChange, NoiseThatNeighboursShareIsNotTakenForOne) {
+TEST(LightChange, SharedNoiseIsNotTakenForAChange) {
   // Half a pixel of motion: four pixels fetch each pixel of a history of one sample.
   double sum = 0;
   size_t blocks = 0;
@@ -94,7 +94,7 @@ TEST(LightChange, NoiseThatNeighboursShareIsNotTakenForOne) {
   EXPECT_NEAR(sum / static_cast<double>(blocks), 1.0, 0.1);  // 1.6 without the correction
 }
 
-TEST(LightChange, ALampThatGoesOutIsSeenWhereItShone) {
+TEST(LightChange, LampsThatGoOutDiscountTheirHistory) {
   Wall wall(1);
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (i % kSize < kSize / 2) wall.scattered[i] = Rgb(0);
@@ -107,7 +107,7 @@ TEST(LightChange, ALampThatGoesOutIsSeenWhereItShone) {
   }
 }
 
-TEST(LightChange, TheMoreTheLightHasChangedTheLessThePastIsWorth) {
+TEST(LightChange, LargerChangesDiscountHistoryMore) {
   double before = 0;
   for (const float factor : {1.5f, 2.0f, 4.0f}) {
     Wall wall(2);
@@ -119,7 +119,7 @@ TEST(LightChange, TheMoreTheLightHasChangedTheLessThePastIsWorth) {
   }
 }
 
-TEST(LightChange, IsSeenBesideTexelsThatKnowNothing) {
+TEST(LightChange, IsDetectedBesideTexelsWithoutHistory) {
   // Every other column is black. After motion by half a pixel, each pixel has a black tap.
   Wall wall(1);
   std::fill(wall.motion.begin(), wall.motion.end(), Vec2(0.5f, 0));

@@ -95,7 +95,7 @@ struct Wall {
   std::vector<float> filtered = planes;
 };
 
-TEST(Svgf, LanesComputeWhatSinglePixelsDo) {
+TEST(Svgf, LanesMatchSinglePixels) {
   Wall wall;
   wall.make_noise(6);
   for (uint32_t i = 0; i < kPixels; ++i) {
@@ -144,7 +144,7 @@ TEST(Svgf, RemovesNoiseByItsVariance) {
   EXPECT_LT(wall.mse(1), 0.1 / 8);
 }
 
-TEST(Svgf, YoungHistoriesAskTheirNeighbours) {
+TEST(Svgf, ShortHistoriesUseTheirNeighbours) {
   Wall wall;
   wall.make_noise(1);
   wall.filter();
@@ -179,7 +179,7 @@ TEST(Svgf, StopsAtNormalsAndPlanes) {
   }
 }
 
-TEST(Svgf, PixelsWithoutSamplesTakeWhatIsAroundThem) {
+TEST(Svgf, PixelsWithoutSamplesUseTheirNeighbours) {
   Wall wall;
   for (uint32_t i = 0; i < kPixels; i += 2) {
     wall.count[i] = 0;
@@ -189,7 +189,7 @@ TEST(Svgf, PixelsWithoutSamplesTakeWhatIsAroundThem) {
   for (uint32_t i = 0; i < kPixels; ++i) ASSERT_NEAR(wall.at(1, i % kWidth, i / kWidth), 2.0f, 1e-4f) << i;
 }
 
-TEST(Svgf, NothingLeaksOutOfPixelsThatAreNotFiltered) {
+TEST(Svgf, UnfilteredPixelsDoNotLeak) {
   Wall wall;
   wall.moments.assign(kPixels, Vec2(1, 100));
   for (uint32_t i = 0; i < kPixels; i += 5) {

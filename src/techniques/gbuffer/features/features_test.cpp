@@ -76,7 +76,7 @@ TEST(Features, AMirrorIsAWindow) {
   EXPECT_GT(seen, 200);
 }
 
-TEST(Features, EmissionInMirrorsIsWhatPathsFindThere) {
+TEST(Features, MirroredEmissionMatchesPaths) {
   const Frame frame("cornell-mirror", 1);  // one mirror, then emission only
   int lamps = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
@@ -121,7 +121,7 @@ void expect_seen_through(const Scene& glowing, float metres, const char* what) {
   }
 }
 
-TEST(Features, BodiesAbsorbAsAlongPaths) {
+TEST(Features, BodiesAbsorbLikePaths) {
   Scene behind = testing::glowing_plate(5);
   testing::add_body(behind, testing::tint(kAbsorption), 3, 1);
   expect_seen_through(behind, 2, "the plate behind a body");
@@ -201,7 +201,7 @@ struct FeatureBuffers {
   std::vector<uint32_t> surface = std::vector<uint32_t>(kPixels);
 };
 
-TEST(Features, TilesShowWhatSinglePixelsShow) {
+TEST(Features, TilesMatchSinglePixels) {
   for (const char* name : {"cornell-mirror", "mine"}) {
     const CompiledScene scene(find_builtin_scene(name)->build(), CompileOptions{.width = kWidth, .height = kHeight});
     std::vector<Hit> hits(kPixels);
@@ -239,7 +239,7 @@ TEST(Features, DemodulationDividesByTheAlbedo) {
   EXPECT_TRUE(is_filtered(Rgb(0, 0.5f, 0)));
 }
 
-TEST(Features, LobesThatMirrorAreFollowed) {
+TEST(Features, MirrorLobesAreFollowed) {
   const CompiledScene scene(find_builtin_scene("cornell")->build(), CompileOptions{.width = 8, .height = 8});
   SurfacePoint sp;
   sp.ng = sp.ns = Vec3(0, 0, 1);

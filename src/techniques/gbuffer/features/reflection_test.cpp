@@ -113,7 +113,7 @@ TEST(Reflection, ImagesMoveLikeImages) {
   }
 }
 
-TEST(Reflection, ImagesOfWhatMovesMove) {
+TEST(Reflection, ImagesOfMovingObjectsMove) {
   const Scene scene = room(0.05f);
   Session session(scene, settings_of(), {2});
   session.render_frame();
@@ -149,7 +149,7 @@ TEST(Reflection, ConvexMirrorsShowImagesCloser) {
   EXPECT_NEAR(reflection_detail::curvature(compiled.view(), hit, -sp.frame.n), -bend, 1e-6f);
 }
 
-TEST(Reflection, IsNotLookedForUnlessAskedFor) {
+TEST(Reflection, IsComputedOnlyOnRequest) {
   Session session(room(0.2f), settings_of(false));
   session.render_frame();
   EXPECT_EQ(view(session, kSpecularAlbedo).size, 0u);

@@ -56,7 +56,7 @@ size_t other_triangles(const char* name) {
   return others;
 }
 
-TEST(PrimaryHits, TilesHaveTheBitsOfSingleRays) {
+TEST(PrimaryHits, TilesAreBitIdenticalToSingleRays) {
   // At shared edges and coincident faces, Embree's packets and single rays may choose different triangles: in 20 of 25
   // million pixels of all built-in scenes.
   size_t others = 0;
@@ -197,7 +197,7 @@ TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
   EXPECT_LT(std::fabs(s.motion[kHeight / 2 * kWidth + kWidth / 2].x), 1e-3f);
 }
 
-TEST(PrimaryHits, WhatLayBehindTheCameraComesFromNowhere) {
+TEST(PrimaryHits, SurfacesFromBehindTheCameraAreMarked) {
   const CompiledScene scene = compile("cornell");
   SceneView view = scene.view();
   const Vec3 seen(0, 2.7f, 0);

@@ -83,7 +83,7 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   }
 }
 
-TEST(DirectionSampler, RouletteSeesWhatTheBsdfAloneWouldHaveMade) {
+TEST(DirectionSampler, RouletteUsesTheBsdfDensity) {
   const Guide guide(0.3f, false);
   int refracted = 0;
   for (const testing::BsdfCase& c : materials()) {
@@ -116,7 +116,7 @@ TEST(DirectionSampler, WeightsAreValueTimesCosineOverDensity) {
   }
 }
 
-TEST(DirectionSampler, WhatOnlyTheBsdfFindsKeepsItsShare) {
+TEST(DirectionSampler, DeltaLobesKeepTheirShare) {
   constexpr uint32_t kSamples = 20000;
   const Guide guide(0.25f, false);
   int with_delta = 0;
@@ -140,7 +140,7 @@ TEST(DirectionSampler, WhatOnlyTheBsdfFindsKeepsItsShare) {
   EXPECT_GT(with_delta, 0);
 }
 
-TEST(DirectionSampler, IsTheBsdfWhereNothingIsKnown) {
+TEST(DirectionSampler, EqualsTheBsdfWithoutLearnedLight) {
   const Guide guide(0.5f, false);
   const testing::BsdfCase c = materials().back();
   SurfacePoint sp = make_point(c);

@@ -90,7 +90,7 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
   EXPECT_NEAR(light, 1, 1e-4);
 }
 
-TEST(DirectionView, ShowsNothingOnceItIsOff) {
+TEST(DirectionView, IsEmptyOnceDisabled) {
   RenderSettings s = settings_of(32, 16);
   s.guide = GuideChoice::cdq;
   s.cdq.view = true;
@@ -105,7 +105,7 @@ TEST(DirectionView, ShowsNothingOnceItIsOff) {
   EXPECT_FALSE(any());
 }
 
-TEST(DirectionView, GoesOnFromACheckpoint) {
+TEST(DirectionView, ResumesFromCheckpoint) {
   RenderSettings s = settings_of(32, 16);
   s.light_selection.environment = false;  // only paths sample it
   s.guide = GuideChoice::cdq;
@@ -125,7 +125,7 @@ TEST(DirectionView, GoesOnFromACheckpoint) {
   EXPECT_EQ(shown_by(resumed), shown_by(whole));
 }
 
-TEST(RegionView, ShowsLeavesThatAreAsLargeAsTheirDepthSays) {
+TEST(RegionView, LeafSizesMatchTheirDepth) {
   RenderSettings s = settings_of(48, 48);
   s.lights = LightSelectionChoice::vlc;
   Session session(floor_scene(3), s);

@@ -144,7 +144,7 @@ double adapted_moment(const QuadtreeAdaption& options, float rim, uint32_t count
   return sum;
 }
 
-TEST(AdaptQuadtree, AMemoryServesWhereFramesHaveFewSamples) {
+TEST(AdaptQuadtree, MemoryHelpsWithFewSamplesPerFrame) {
   // Of twenty samples per frame, one in fifty would hit the light with uniform directions.
   EXPECT_LT(adapted_moment({.kept = 8.0f / 9}, 0.96f, 20), 0.8 * adapted_moment({.kept = 0}, 0.96f, 20));
 }
@@ -157,7 +157,7 @@ TEST(AdaptQuadtree, ASpreadCatchesTheRimOfASmallLight) {
   EXPECT_LT(adapted_moment(spread, 0.9962f, 60), 0.5 * adapted_moment(memory, 0.9962f, 60));
 }
 
-TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
+TEST(AdaptQuadtree, SpreadReachesNeighboursThatAreNotFiner) {
   for (uint32_t seed = 0; seed < 20; ++seed) {
     const DirectionalQuadtree tree = random_tree(128, seed);
     testing::Random random(seed);
@@ -205,7 +205,7 @@ std::set<std::tuple<uint32_t, float, float>> inner_nodes(const DirectionalQuadtr
   return nodes;
 }
 
-TEST(AdaptQuadtree, WhatIsSplitInACallIsNotJoinedInIt) {
+TEST(AdaptQuadtree, NeverJoinsNodesSplitInTheSameCall) {
   // Leaves beside a bright one have a weight, but no samples that determine the weights of their parts.
   for (const float kept : {0.0f, 0.9f}) {
     DirectionalQuadtree tree = uniform_quadtree(128);
@@ -227,7 +227,7 @@ TEST(AdaptQuadtree, WhatIsSplitInACallIsNotJoinedInIt) {
   }
 }
 
-TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
+TEST(AdaptQuadtree, OneRememberedBrightSampleAttractsNoLeaves) {
   DirectionalQuadtree tree = uniform_quadtree(128);
   const DirectionSample bright{0x40008000u, 1000.0f};
   QuadtreeWeights w;
@@ -245,7 +245,7 @@ TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
   }
 }
 
-TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {
+TEST(AdaptQuadtree, KeepsTheTreeWithoutSamplesOrImprovement) {
   DirectionalQuadtree tree = uniform_quadtree(64);
   const std::vector<DirectionSample> bad{{0, 0.0f}, {1, -1.0f}, {2, kInfinity}, {3, std::nanf("")}, {4, 1e30f}};
   EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return bad[i]; }, 5, {}), 0u);
@@ -255,7 +255,7 @@ TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {
   EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 20000, {}), 0u);
 }
 
-TEST(AdaptQuadtree, NeverGoesBelowTheLargestDepth) {
+TEST(AdaptQuadtree, StaysWithinTheMaximumDepth) {
   DirectionalQuadtree tree = uniform_quadtree(128);
   const std::vector<DirectionSample> sample{{0x80008000u, 1.0f}};
   for (int i = 0; i < 40; ++i) adapt_afresh(tree, [&](uint32_t) { return sample[0]; }, 1, {});

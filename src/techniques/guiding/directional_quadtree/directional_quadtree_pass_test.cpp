@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-TEST(DirectionalQuadtreePass, RefusesCheckpointsWithWhatIsNoTree) {
+TEST(DirectionalQuadtreePass, RejectsCheckpointsWithInvalidTrees) {
   const OctreeSettings octree_settings;
   const OctreePass octree(octree_settings, true);
   const DirectionalQuadtreeSettings settings;  // 128 bits

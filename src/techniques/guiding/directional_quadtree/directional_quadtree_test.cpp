@@ -64,7 +64,7 @@ TEST(BitField, RankAndSelectAgreeWithCounting) {
   }
 }
 
-TEST(BitField, NibblesComeAndGo) {
+TEST(BitField, NibblesAreRemovedAndInserted) {
   testing::Random random(4);
   for (uint32_t group = 0; group < 32; ++group) {
     BitField field{};
@@ -194,7 +194,7 @@ TEST(QuadtreeArray, StoresWhatItLoads) {
   }
 }
 
-TEST(Quadtree, IsToldFromOtherBits) {
+TEST(Quadtree, IsDistinguishedFromOtherBits) {
   for (const uint32_t bits : {32u, 64u, 96u, 128u}) {
     DirectionalQuadtree tree = uniform_quadtree(bits);
     EXPECT_TRUE(is_quadtree(tree));

@@ -152,7 +152,7 @@ TEST(LightSelector, EveryKindKeepsTheContract) {
   }
 }
 
-TEST(LightSelector, EveryKindLeavesTheEnvironmentOutIfAsked) {
+TEST(LightSelector, EveryKindCanExcludeTheEnvironment) {
   Environment sky;
   sky.kind = EnvironmentKind::sun_sky;
   const testing::LightScene scene = testing::make_light_scene(sky);
@@ -172,7 +172,7 @@ TEST(LightSelector, EveryKindLeavesTheEnvironmentOutIfAsked) {
   }
 }
 
-TEST(LightSelector, PowersThatOverflowLeaveTheOthersTheirPlace) {
+TEST(LightSelector, OverflowingPowersKeepOtherLights) {
   const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 16, .height = 16});
   const LightsView& lights = scene.view().lights;
   ASSERT_EQ(lights.lights.size, 3u);
@@ -193,7 +193,7 @@ TEST(LightSelector, PowersThatOverflowLeaveTheOthersTheirPlace) {
   EXPECT_GT(explored.pmf(2), 0.0f);
 }
 
-TEST(LightSelector, PowersThatOverflowLeaveOthersAtInfinityTheirPlace) {
+TEST(LightSelector, OverflowingPowersKeepOtherInfiniteLights) {
   std::vector<Light> directions(2);
   for (Light& light : directions) {
     light.kind = LightKind::directional;
@@ -207,7 +207,7 @@ TEST(LightSelector, PowersThatOverflowLeaveOthersAtInfinityTheirPlace) {
   for (const AliasEntry& entry : entries) EXPECT_FLOAT_EQ(entry.pmf, 0.5f);
 }
 
-TEST(LightSelector, FindsNothingWhereThereIsNothing) {
+TEST(LightSelector, SelectsNothingWithoutLights) {
   for (int k = 0; k < kLightSelectorKindCount; ++k) {
     LightSelector selector;
     selector.kind = static_cast<LightSelectorKind>(k);

@@ -20,7 +20,7 @@ SurfacePoint point_at(const Vec3& position, const Vec3& normal) {
   return sp;
 }
 
-TEST(LightTree, HoldsEveryLightThatEmitsOnce) {
+TEST(LightTree, HoldsEveryEmitterOnce) {
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const LightsView& lights = scene.view().lights;
   const LightTreeData data = build_light_tree(lights);
@@ -41,7 +41,7 @@ TEST(LightTree, HoldsEveryLightThatEmitsOnce) {
   EXPECT_LT(data.nodes.size(), expected.size() / 4);  // wide nodes are mostly full
 }
 
-TEST(LightTree, BoundsWhatItsLightsCanSend) {
+TEST(LightTree, BoundsItsLightsContributions) {
   // The bound of a group is positive wherever one of its lights shines.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const LightsView& lights = scene.view().lights;
@@ -138,7 +138,7 @@ TEST(LightTree, FacesOfOneWallShineOneWay) {
   }
 }
 
-TEST(LightTree, GoesByIntensityWhereBoundsOverflow) {
+TEST(LightTree, UsesIntensityIfBoundsOverflow) {
   std::vector<Light> points(9);
   for (Light& light : points) {
     light.kind = LightKind::point;
@@ -250,7 +250,7 @@ TEST(LightTree, EmptySceneHasNoLight) {
   EXPECT_EQ(none.pmf(SurfacePoint{}, 0), 0.0f);
 }
 
-TEST(LightTree, TakesLightsInOnePlaceApart) {
+TEST(LightTree, SeparatesCoincidentLights) {
   // No plane separates equal centres, yet leaves hold at most two lights.
   std::vector<Light> same(37);
   for (Light& light : same) {

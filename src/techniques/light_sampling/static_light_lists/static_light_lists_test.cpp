@@ -35,7 +35,7 @@ class WarehouseLists : public ::testing::Test {
   LightListData data_;
 };
 
-TEST_F(WarehouseLists, HoldNearlyAllThatIsVisibleAndFarFromAllThereIs) {
+TEST_F(WarehouseLists, HoldNearlyAllVisibleLightsButNotAllLights) {
   const LightsView& lights = scene_.view().lights;
   testing::Random random(5);
   int visible = 0;
@@ -63,7 +63,7 @@ TEST_F(WarehouseLists, AreSortedWithoutRepetition) {
   }
 }
 
-TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
+TEST(StaticLightLists, EachSeedFindsItsOwnLists) {
   // With few rays, a cell misses some lamps. These must differ between sessions.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   Backend backend(2);
@@ -111,7 +111,7 @@ TEST(StaticLightLists, SceneWithoutLightsHasNone) {
   EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
 }
 
-TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
+TEST(StaticLightListsPass, OverflowingPowersKeepOtherLights) {
   const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 4, .height = 4});
   const StaticLightListsSettings settings;
   const LightSelectionSettings selection;
@@ -124,7 +124,7 @@ TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
   EXPECT_GT(lists.all.pmf(2), 0.0f);
 }
 
-TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
+TEST(StaticLightListsPass, KeepsItsListsWithAnyFrameSeed) {
   // The camera moves, so every frame has a different seed.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const StaticLightListsSettings settings{.rays = 128};
@@ -179,7 +179,7 @@ TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
   EXPECT_EQ(remade, checkpoint());
 }
 
-TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
+TEST(StaticLightListsPass, RejectsInvalidCheckpoints) {
   const StaticLightListsSettings settings;
   const LightSelectionSettings selection;
   const auto loads = [&](const LightListData& data) {

@@ -28,7 +28,7 @@ TEST(Exploration, BlendsItsGuesses) {
   EXPECT_NEAR(table(1, 1, 0)[1].pmf, 0.5f + 0.5f / 3, 1e-6f);
 }
 
-TEST(Exploration, KnowsWhatIsNearEachCell) {
+TEST(Exploration, FavoursLightsNearEachCell) {
   std::vector<Light> lights(6);
   for (uint32_t i = 0; i < 6; ++i) {
     lights[i].kind = LightKind::point;

@@ -86,7 +86,7 @@ TEST_F(Caches, KeepEachVisibleLightOnce) {
   EXPECT_EQ(caches_.dropped(), 0u);
 }
 
-TEST_F(Caches, LeaveOutLightsAtInfinityAndThoseThatAreGone) {
+TEST_F(Caches, OmitInfiniteAndRemovedLights) {
   CacheBuildOptions options;
   options.memory = 3;
   see(0, 7);
@@ -100,7 +100,7 @@ TEST_F(Caches, LeaveOutLightsAtInfinityAndThoseThatAreGone) {
   EXPECT_TRUE(known(0).empty());
 }
 
-TEST_F(Caches, ShareSamplesAmongBucketsByWhatTheirLightsMaySend) {
+TEST_F(Caches, WeightBucketsByEstimatedIrradiance) {
   CacheBuildOptions options;
   options.bucket_size = 4;
   // Region 0 is the cube from −1 to 0. Of four buckets, 0 has two lights inside, 1 has one 20 m away, and 2 is empty.
@@ -128,7 +128,7 @@ TEST_F(Caches, ShareSamplesAmongBucketsByWhatTheirLightsMaySend) {
   EXPECT_EQ(std::vector<float>(even, even + 4), (std::vector<float>{0.25f, 0.25f, 0.0f, 0.5f}));
 }
 
-TEST_F(Caches, PassTurnsOfEmptyBucketsOnRoundTheEnd) {
+TEST_F(Caches, PassTurnsOfEmptyBucketsAroundTheEnd) {
   CacheBuildOptions options;
   options.bucket_size = 2;
   options.even_buckets = 1;
@@ -152,7 +152,7 @@ TEST_F(Caches, PassLightsOnToFaceNeighboursOnly) {
   for (uint32_t region = 0; region < 8; ++region) EXPECT_TRUE(known(region).empty());
 }
 
-TEST_F(Caches, NeedAsFewBucketsAsHoldAll) {
+TEST_F(Caches, UseTheFewestBucketsThatHoldAll) {
   CacheBuildOptions options;
   options.bucket_size = 8;
   for (LightId i = 0; i < 20; ++i) see(0, i);
@@ -165,7 +165,7 @@ TEST_F(Caches, NeedAsFewBucketsAsHoldAll) {
   EXPECT_EQ(caches_.buckets()[0].count, 4u);
 }
 
-TEST_F(Caches, KeepTheirNumberOfBucketsUntilThereIsRoomToSpare) {
+TEST_F(Caches, KeepTheirBucketsUntilThereIsSpareRoom) {
   CacheBuildOptions options;
   options.bucket_size = 8;
   for (LightId i = 0; i < 9; ++i) see(0, i);
@@ -182,7 +182,7 @@ TEST_F(Caches, KeepTheirNumberOfBucketsUntilThereIsRoomToSpare) {
   EXPECT_EQ(caches_.buckets()[0].count, 1u);
 }
 
-TEST_F(Caches, DropAndCountWhatDoesNotFit) {
+TEST_F(Caches, DropAndCountExcessLights) {
   CacheBuildOptions options;
   options.bucket_size = 2;
   for (LightId i = 0; i < 500; ++i) see(0, i);
@@ -219,7 +219,7 @@ TEST_F(Caches, SpreadALimitedNumberOfSamples) {
   EXPECT_EQ(known(0).size(), 10u);  // one of every ten samples
 }
 
-TEST_F(Caches, GoWithTheLeaves) {
+TEST_F(Caches, AreInheritedByTheLeaves) {
   see(0, 5);
   see(7, 6);
   build();
@@ -249,7 +249,7 @@ TEST_F(Caches, GoWithTheLeaves) {
   }
 }
 
-TEST_F(Caches, RefuseListsThatOverlapMoreThanASplitMakesThem) {
+TEST_F(Caches, RejectListsThatOverlapMoreThanASplitCauses) {
   const auto loads = [](size_t regions) {
     std::stringstream file;
     write_vector(file, std::vector<LightBuckets>(regions));
@@ -358,7 +358,7 @@ SurfacePoint receiver(uint32_t region) {
   return sp;
 }
 
-TEST(VisibilityLightCache, FavoursWhatItKnowsAndWhatMatters) {
+TEST(VisibilityLightCache, FavoursKnownAndImportantLights) {
   const testing::LightScene scene = testing::make_light_scene({});
   const LightsView& lights = scene.lights();
   const auto all = build_exploration(lights, Vec3(0), {});

@@ -77,7 +77,7 @@ TEST(AdaptivePsf, UnknownCellsFollowEveryPath) {
   }
 }
 
-TEST(AdaptivePsf, CulledPixelsShowTheirCellWhateverTheBlend) {
+TEST(AdaptivePsf, CulledPixelsShowTheirCellWithAnyBlend) {
   CachedFrameSettings settings = small(48);
   settings.apsf.blend = BlendFunction::zero;  // the path alone
   settings.apsf.survival_v0 = 1;
@@ -132,7 +132,7 @@ TEST(AdaptivePsf, TracesFewerRays) {
   EXPECT_LT(static_cast<double>(adaptive.rays()), 0.85 * static_cast<double>(full.rays()));
 }
 
-TEST(AdaptivePsf, PathsThatADeltaLobeNeedsSurvive) {
+TEST(AdaptivePsf, PathsNeededByDeltaLobesSurvive) {
   Material coated = testing::matte(Rgb(0.5f));
   coated.clearcoat = 1;
   coated.clearcoat_roughness = 0;

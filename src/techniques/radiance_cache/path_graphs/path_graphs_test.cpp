@@ -135,7 +135,7 @@ TEST_P(Caches, SameBitsWithAnyNumberOfThreads) {
   }
 }
 
-TEST_P(Caches, KeepTheirBitsWhereOtherPoliciesWatchTheirPaths) {
+TEST_P(Caches, AreBitExactWithWatchingPolicies) {
   const auto run = [](bool watched) {
     CachedFrameSettings settings = small(GetParam(), 45);
     settings.apsf.min_samples = 16;
@@ -198,7 +198,7 @@ TEST_P(Caches, PolishedWallsLoseNoLight) {
 INSTANTIATE_TEST_SUITE_P(AllCaches, Furnace, ::testing::ValuesIn(testing::kCacheKinds), case_name);
 INSTANTIATE_TEST_SUITE_P(AllCaches, Caches, ::testing::ValuesIn(testing::kCacheKinds), case_name);
 
-TEST(PathGraph, AnEndlessConstantIsThePathTracer) {
+TEST(PathGraph, InfiniteConstantIsPathTracing) {
   CachedFrameSettings settings = small(CacheKind::apg, 32);
   settings.apg.variance_constant = 1e12f;
   settings.apg.variance = VarianceMeasure::absolute;
@@ -229,7 +229,7 @@ TEST(PathGraph, AConstantOfZeroShowsTheCells) {
   EXPECT_GT(at_first, filtered * 9 / 10);
 }
 
-TEST(PathGraph, TerminatesLaterTheLargerTheConstant) {
+TEST(PathGraph, LargerConstantsTerminateLater) {
   double before = 0;
   for (const float constant : {0.01f, 3.0f, 30.0f, 300.0f}) {
     CachedFrameSettings settings = small(CacheKind::apg, 32);
@@ -313,7 +313,7 @@ TEST(PathGraph, CoarserCellsBeyondTheFirstVertexAreFewer) {
 }
 
 // Whether a vertex takes a sample must not depend on the rest of its path, or cells would be biased to dark samples.
-TEST(PathGraph, VerticesBehindTooManyThatWaitTakeNoSampleAndAreCounted) {
+TEST(PathGraph, VerticesBeyondTheWaitingLimitAreCounted) {
   CachedFrameSettings settings = small(CacheKind::apg, 16);
   settings.max_bounces = 16;
   settings.russian_roulette = false;
@@ -343,7 +343,7 @@ TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {
   EXPECT_LE(heaviest, 1.001f * kCellWeightMax);
 }
 
-TEST(PathGraph, TracesFewerRaysTheFewerPathsFeed) {
+TEST(PathGraph, LessFeedTracesFewerRays) {
   uint64_t before = 0;
   for (const float feed : {0.0f, 0.3f, 1.0f}) {
     CachedFrameSettings settings = small(CacheKind::apg, 32);

@@ -37,7 +37,7 @@ double mse(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
 
 Scene build(const char* name) { return find_builtin_scene(name)->build(); }
 
-TEST(PathSpaceFilter, CellsHoldWhatTheirPixelsTraced) {
+TEST(PathSpaceFilter, CellsHoldTheSamplesOfTheirPixels) {
   CachedFrames frames(build("cornell"), small(48));
   frames.trace();
   const HashGridView grid = frames.grid().view(frames.scene().view().camera);
@@ -98,7 +98,7 @@ TEST(PathSpaceFilter, JitterKeepsTheMean) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(with[c] / without[c], 1.0, 0.02);
 }
 
-TEST(PathSpaceFilter, LeavesTheMeanOfThePathTracerAlone) {
+TEST(PathSpaceFilter, KeepsTheMeanOfPathTracing) {
   const auto mean = [](CacheKind kind) {
     CachedFrameSettings settings = small(48);
     settings.kind = kind;
@@ -150,7 +150,7 @@ Material coated(const Rgb& color) {
   return m;
 }
 
-TEST(PathSpaceFilter, DeltaLobesPassTheCellsBy) {
+TEST(PathSpaceFilter, DeltaLobesBypassTheCells) {
   // A smooth coat over a red base: the sky's reflection is the same with and without the filter.
   const Scene scene = testing::plate_under_sky(coated({0.5f, 0, 0}));
   CachedFrameSettings settings = small(16);
@@ -186,7 +186,7 @@ TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
   }
 }
 
-TEST(PathSpaceFilter, LayersSayWhatTheCellsAreLike) {
+TEST(PathSpaceFilter, LayersDescribeTheCells) {
   CachedFrames frames(build("cornell"), small(32));
   std::vector<float> count(32 * 32);
   std::vector<float> level(32 * 32);

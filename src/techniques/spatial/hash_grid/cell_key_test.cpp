@@ -61,7 +61,7 @@ TEST(CellKey, JitterStaysInTheTangentPlaneAndWithinHalfACell) {
   EXPECT_EQ(still.jittered(Vec3(1, 2, 3), Vec3(0, 1, 0), {0.9f, 0.1f}), Vec3(1, 2, 3));
 }
 
-TEST(CellKey, TellsApartWhatMustNotMix) {
+TEST(CellKey, SeparatesIncompatiblePoints) {
   const CellKeys k = keys();
   const CellPoint p = at(Vec3(1.03f, 0, 5));
   EXPECT_TRUE(same(k.address(p), k.address(p)));
@@ -78,7 +78,7 @@ TEST(CellKey, TellsApartWhatMustNotMix) {
   }
 }
 
-TEST(CellKey, DirectionsCountWhereAskedFor) {
+TEST(CellKey, DirectionsSeparateCellsOnRequest) {
   const CellKeys k = [] {
     CellKeys with = keys();
     with.direction_bins = 4;
@@ -147,7 +147,7 @@ TEST(CellKey, CoarsenedPointsShareLargerCells) {
   EXPECT_GT(cells[1].size(), 2 * cells[2].size());
 }
 
-TEST(CellKey, CoarsenedCellsAreOthersThanThoseOfTheirLevel) {
+TEST(CellKey, CoarsenedCellsDifferFromCellsOfTheirLevel) {
   const CellKeys k = keys();
   CellPoint near{Vec3(0.1f, 0.2f, 1), 7, 0, 2, 0};
   CellPoint coarsened = near;
@@ -159,7 +159,7 @@ TEST(CellKey, CoarsenedCellsAreOthersThanThoseOfTheirLevel) {
             k.address_at(near.position, coarsened, level, 0).bucket_hash);
 }
 
-TEST(CellKey, FarFromTheOriginToo) {
+TEST(CellKey, ResolvesCellsFarFromTheOrigin) {
   CellKeys k = keys();
   k.camera = Vec3(1e6f, 0, 1e6f);
   const CellAddress here = k.address(at(k.camera + Vec3(0, 0, 1)));

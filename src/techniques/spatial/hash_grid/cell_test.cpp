@@ -33,7 +33,7 @@ void expect_equal(const CellMoments& m, const BruteForce& b) {
   EXPECT_EQ(m.count, b.count);
 }
 
-TEST(CellSums, HoldWhatBruteForceHolds) {
+TEST(CellSums, MatchBruteForce) {
   testing::Random random(1);
   CellSums sums;
   BruteForce expected;
@@ -78,7 +78,7 @@ TEST(CellSums, CarryIntoTheUpperLimb) {
   EXPECT_NEAR(sums.moments().mean_square / sqr(kCellSampleMax), 1.0, 1e-6);
 }
 
-TEST(CellSums, WeighSamples) {
+TEST(CellSums, WeightSamples) {
   testing::Random random(3);
   CellSums sums;
   BruteForce expected;

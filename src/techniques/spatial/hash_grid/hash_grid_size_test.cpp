@@ -167,7 +167,7 @@ TEST(HashGridSize, SamplesWithoutMemoryAreDroppedAndCounted) {
   EXPECT_EQ(hasty.statistics().dropped, 836u);
 }
 
-TEST(HashGridSize, KeepsToALimitThatWasLowered) {
+TEST(HashGridSize, AppliesALoweredLimit) {
   HashGrid grid(with_limit(1 << 16), 4000);
   Backend backend(1);
   fill(grid, 0, 3000);
@@ -189,7 +189,7 @@ TEST(HashGridSize, KeepsToALimitThatWasLowered) {
 }
 
 // Otherwise each sample without a slot would probe the whole table, as would each later look-up.
-TEST(HashGridSize, AFullMemoryIsNotSearchedInVain) {
+TEST(HashGridSize, FullTablesAreSearchedBriefly) {
   HashGrid grid(with_limit(64), 1, HashGridBounds{.slots = 64, .memory_slots = 1 << 16});
   Backend backend(1);
   fill(grid, 0, 1 << 17);
@@ -213,7 +213,7 @@ TEST(HashGridSize, LoadsMoreCellsThanItKeeps) {
   EXPECT_EQ(small.statistics().discarded, 2104u);
 }
 
-TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
+TEST(HashGridSize, RejectsCheckpointsWithFalseSizes) {
   HashGrid grid(with_limit(4096), 64);
   const std::vector<std::byte> bytes = grid.save();
   const auto lie = [&](size_t offset, auto value) {
@@ -244,7 +244,7 @@ TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
   }
 }
 
-TEST(HashGridSize, LoadsWhatItSavesHoweverManyCellsAreExpected) {
+TEST(HashGridSize, LoadsSavedCellsWithAnyExpectedNumber) {
   HashGrid grid(with_limit(4096), uint64_t{kMostSlots} * 4);  // a large image of small cells and long paths
   Backend backend(1);
   fill(grid, 0, 100);

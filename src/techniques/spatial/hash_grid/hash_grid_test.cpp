@@ -150,7 +150,7 @@ TEST(HashGrid, SameBitsWhereTheTableIsTooSmall) {
   }
 }
 
-TEST(HashGrid, EvictsByAgeAndUsesTheRoomAgain) {
+TEST(HashGrid, EvictsByAgeAndReusesSlots) {
   HashGridSettings settings = plain();
   settings.max_age = 3;
   settings.max_cells = 1 << 13;
@@ -208,7 +208,7 @@ TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
   EXPECT_LT(grid.statistics().mean_probes, 6.0f);  // at least 12.5 if all of a voxel began at one slot
 }
 
-TEST(HashGrid, ComesBackFromACheckpoint) {
+TEST(HashGrid, ResumesFromCheckpoint) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;
   Backend backend(2);
@@ -228,7 +228,7 @@ TEST(HashGrid, ComesBackFromACheckpoint) {
   EXPECT_EQ(grid.statistics().slots, other.statistics().slots);
 }
 
-TEST(HashGrid, RefusesWhatIsNoCheckpoint) {
+TEST(HashGrid, RejectsInvalidCheckpoints) {
   HashGrid grid(plain(), 64);
   const std::vector<std::byte> bytes = grid.save();
   EXPECT_FALSE(grid.load({}));
@@ -237,7 +237,7 @@ TEST(HashGrid, RefusesWhatIsNoCheckpoint) {
   EXPECT_FALSE(grid.load(zeros));
 }
 
-TEST(HashGrid, LeavesOutWhatIsNotFiniteAndClampsWhatIsTooLarge) {
+TEST(HashGrid, DropsNonFiniteAndClampsLargeSamples) {
   HashGrid grid(plain(), 64);
   const HashGridView v = grid.view(grid_camera());
   EXPECT_EQ(v.insert(point(0), Rgb(std::numeric_limits<float>::quiet_NaN()), 1, 0.9f), kNoCell);

@@ -89,7 +89,7 @@ TEST(Octree, FindsTheCellThatHoldsThePoint) {
     EXPECT_TRUE(is_leaf(tree, tree.view().find(p)));
 }
 
-TEST(Octree, BothLeavesOfAPairAreThoseOfTheirPoints) {
+TEST(Octree, PairLookUpsMatchSingleOnes) {
   const OctreeTree tree = adapted(OctreeTree(Vec3(0), 8), surface_points(20000, Vec3(0), 1), kThresholds, 10);
   const std::vector<Vec3> a = surface_points(4000, Vec3(0), 3);
   testing::Random random(5);
@@ -181,7 +181,7 @@ TEST(Octree, FirstTreeHasItsLinks) {
   EXPECT_EQ(tree.links().parents, computed.links().parents);
 }
 
-TEST(Octree, LeavesKnowWhatTheyStemFrom) {
+TEST(Octree, LeavesKnowTheirOrigin) {
   // The surface moves between frames, so some leaves are split and others joined.
   Backend backend(1);
   OctreeTree tree = adapted(OctreeTree(Vec3(0), 16), surface_points(20000, Vec3(2, 0, 0), 1), kThresholds, 8);
@@ -233,7 +233,7 @@ TEST(Octree, IsTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(nodes[0], nodes[1]);
 }
 
-TEST(Octree, ComesBackFromAFileAndRefusesDamage) {
+TEST(Octree, RoundTripsThroughAFileAndRejectsDamage) {
   const OctreeTree tree = adapted(OctreeTree(Vec3(0), 8), surface_points(5000, Vec3(0), 1), kThresholds, 6);
   std::stringstream file;
   tree.save(file);

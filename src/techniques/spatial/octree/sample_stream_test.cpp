@@ -73,7 +73,7 @@ TEST(SampleStream, KeepsWhatTheFirstVerticesLeft) {
   EXPECT_EQ(stream.groups().counts[1], 3u);
 }
 
-TEST(SampleStream, LeavesOutRegionsThatAreNot) {
+TEST(SampleStream, OmitsRegionsOutOfRange) {
   SampleStream stream;
   stream.resize(3, 1);
   stream.samples()[1].region = 7;
@@ -85,7 +85,7 @@ TEST(SampleStream, LeavesOutRegionsThatAreNot) {
   stream.group(backend, 0);
 }
 
-TEST(SampleStream, ComesBackFromAStream) {
+TEST(SampleStream, RoundTripsThroughAStream) {
   SampleStream stream = random_stream(100, 9);
   std::stringstream file;
   stream.save(file);
@@ -135,7 +135,7 @@ class Recording : public ::testing::Test {
   FakePath path_;
 };
 
-TEST_F(Recording, TakesFromWhereTheSurfaceWasAndLeavesWhereItIs) {
+TEST_F(Recording, ReadsAtTheOldAndWritesAtTheNewPosition) {
   PathRecorder recorder = recording_.begin(3);
   place(Vec3(0.5f), Vec3(-0.5f, 0.5f, 0.5f));
   recorder.arrived(point_, path_);
@@ -163,7 +163,7 @@ TEST_F(Recording, KeepsLightsAndWhetherTheyWereVisible) {
   EXPECT_EQ(samples_[10].light, 43u);
 }
 
-TEST_F(Recording, ValueIsWhatWasFoundWithoutTheBsdfAndWithoutWhatLightsKnow) {
+TEST_F(Recording, ValueExcludesTheBsdfAndSampledLights) {
   PathRecorder recorder = recording_.begin(0);
   place(Vec3(0.5f), Vec3(0.5f));
   recorder.arrived(point_, path_);

@@ -53,7 +53,7 @@ TEST(Accumulate, AveragesPixelsIndependently) {
   EXPECT_EQ(p.ray_sum, (std::vector<uint32_t>{6, 5}));
 }
 
-TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
+TEST(Accumulate, CountsNonFiniteSamplesAsBlack) {
   Pixels p(2);
   p.add(0, Rgb(4));
   p.add(0, Rgb(std::numeric_limits<float>::quiet_NaN()));
@@ -63,7 +63,7 @@ TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
   EXPECT_EQ(p.moments.mean[1], Rgb(0));
 }
 
-TEST(Accumulate, LeavesPixelsAloneThatGotNoSample) {
+TEST(Accumulate, KeepsPixelsWithoutSamples) {
   Pixels p(2);
   p.allocation = {0, 1};
   p.add(0, Rgb(4));
@@ -84,7 +84,7 @@ TEST(Accumulate, WithoutHistoryShowsTheLatestSample) {
   EXPECT_EQ(p.moments.m2[0], 0.0f);
 }
 
-TEST(Accumulate, ContinuesTheHistoryThatItReads) {
+TEST(Accumulate, ContinuesItsHistory) {
   Pixels p(2);
   testing::MomentVectors history(2, {Rgb(2), 1, 3, 3});
   p.radiance = {Rgb(6), Rgb(6)};
@@ -113,7 +113,7 @@ TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   EXPECT_EQ(relative_error(black.moments.view()), 0);
 }
 
-TEST(Accumulate, CountsTheElementsThatAPixelTakesFromItsSequence) {
+TEST(Accumulate, CountsSequenceElementsOfEachPixel) {
   Pixels p(2);
   std::vector<uint32_t> taken{5, 5};
   p.allocation = {1, 0};

@@ -31,7 +31,7 @@ struct Pixel {
   std::vector<uint32_t> samples{0};
 };
 
-TEST(SpecularMean, LeavesTheMeanAsItIsWhereNothingMoves) {
+TEST(SpecularMean, KeepsTheMeanWithoutMotion) {
   Pixel pixel;
   PixelMoments expected;
   for (int i = 1; i <= 5; ++i) {

@@ -62,7 +62,7 @@ TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
   EXPECT_EQ(adaptive_threshold(99, 4, 32), 0.0f);
 }
 
-TEST(AdaptiveSampling, EveryPixelGetsTheLeast) {
+TEST(AdaptiveSampling, EveryPixelGetsTheMinimum) {
   Pixels p(3);
   p.history.samples = {3, 4, 4};
   p.history.m2_rgb = {0, 0, 300};
@@ -97,7 +97,7 @@ TEST(AdaptiveSampling, SamplesFollowTheProbability) {
   EXPECT_NE(p.allocation, chosen);  // other pixels in the next frame
 }
 
-TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
+TEST(AdaptiveSampling, ReprojectedPixelsWaitForTheOthers) {
   Pixels p(2);
   p.history.samples = {20, 8};
   p.history.m2_rgb = {300, 300};
@@ -126,7 +126,7 @@ TEST(AdaptiveSampling, ProbabilitiesDoNotOutliveAChangeOfTheScene) {
   EXPECT_EQ(p.probability, (std::vector<float>{0, 0}));
 }
 
-TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
+TEST(AdaptiveSampling, RejectsMaximumNotAboveMinimum) {
   RenderSettings settings;
   settings.adaptive.min_samples = 64;
   for (const int max : {8, 64}) {
@@ -182,7 +182,7 @@ TEST(AdaptiveSampling, ThePilotLeavesReprojectedHistories) {
   }
 }
 
-TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
+TEST(AdaptiveSampling, ProbabilitiesAreUpdatedAboutOncePerSample) {
   RenderSettings settings;
   settings.width = 16;
   settings.height = 12;
@@ -219,7 +219,7 @@ TEST(AdaptiveSampling, EvenNoiseRaisesTheRate) {
   EXPECT_LT(average_rate("cornell", 0.05f), 0.3) << "its background has no noise";
 }
 
-TEST(AdaptiveSampling, TheSettingIsTheLeastRate) {
+TEST(AdaptiveSampling, SettingIsTheMinimumRate) {
   for (const float least : {0.35f, 0.6f}) EXPECT_NEAR(average_rate("cornell", least), least, 0.02);
 }
 

@@ -35,12 +35,12 @@ struct Pool {
   std::vector<float> deviation;
 };
 
-TEST(PooledDeviation, IsThatOfOneSample) {
+TEST(PooledDeviation, IsPerSample) {
   Pool pool(9, 9);
   for (const float d : pool.estimate()) EXPECT_FLOAT_EQ(d, 1.0f);
 }
 
-TEST(PooledDeviation, LeavesThePixelOut) {
+TEST(PooledDeviation, ExcludesThePixelItself) {
   Pool pool(9, 9);
   const std::vector<float> before = pool.estimate();
   const uint32_t own = 4 * 9 + 4;
@@ -63,7 +63,7 @@ TEST(PooledDeviation, WeighsPixelsByTheirSamples) {
   EXPECT_EQ(pool.estimate()[1], 0.0f);
 }
 
-TEST(PooledDeviation, IsThatOfADisplayIfWanted) {
+TEST(PooledDeviation, CanUseDisplayValues) {
   Pool pool(5, 5);
   const float at_half = pool.estimate(true)[12];
   // The derivative of 1.055 L^(1/2.4) − 0.055 at L = 0.5.
@@ -122,7 +122,7 @@ TEST(PooledAllocation, SamplesOfAPixelSpreadEvenlyOverFrames) {
   }
 }
 
-TEST(PooledAllocation, EveryPixelGetsTheLeastFirst) {
+TEST(PooledAllocation, EveryPixelGetsTheMinimumFirst) {
   Allocation a(0.0f, 3);
   for (const uint32_t n : a.run(1)) EXPECT_EQ(n, 1u);
 }

@@ -39,7 +39,7 @@ TEST(LookBack, TakesNeighboursThatPassedValidation) {
   EXPECT_FALSE(p.taps().valid);
 }
 
-TEST(LookBack, LeavesHistoriesOutThatCountForNothing) {
+TEST(LookBack, IgnoresHistoriesWithoutWeight) {
   MovedPlane p;
   p.limits[7] = 0;
   EXPECT_EQ(p.taps().heaviest(), 6u);

@@ -83,7 +83,7 @@ TEST(ReprojectionPass, RefusesCountsThatDoNotFitTheImage) {
   }
 }
 
-TEST(ReprojectionPass, RefusesAShortFileAndKeepsWhatItHad) {
+TEST(ReprojectionPass, RejectsTruncatedFilesWithoutChange) {
   const ReprojectionSettings settings;
   ReprojectionPass pass(settings, kPixels, false);
   const std::string state = state_with(std::vector<StoredSample>(4 * kPixels), 4 * kPixels, kPixels);
@@ -92,7 +92,7 @@ TEST(ReprojectionPass, RefusesAShortFileAndKeepsWhatItHad) {
   EXPECT_EQ(state_of(pass), state);
 }
 
-TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
+TEST(ReprojectionPass, DropsLoadedSamplesInvalidForTheScene) {
   CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
   const ReprojectionSettings settings;
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -177,7 +177,7 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
   }
 }
 
-TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
+TEST(ReprojectionPass, ReportsAllHistoriesKeptWithoutMotion) {
   Backward b;
   uint32_t number = 0;
   const auto kept_after = [&](Change changes) {

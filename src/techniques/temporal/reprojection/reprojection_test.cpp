@@ -136,7 +136,7 @@ TEST(Reprojection, AStillCameraVotesForItsOwnPixels) {
   EXPECT_GT(surfaces, static_cast<int>(kPixels) / 2);
 }
 
-TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
+TEST(Reprojection, MovesToTheNewPixelOfTheSurface) {
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(0.3f);
@@ -162,7 +162,7 @@ TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
   EXPECT_GT(stage.count(RejectReason::off_screen), 0);
 }
 
-TEST(Reprojection, NoticesWhatIsHiddenNow) {
+TEST(Reprojection, DetectsOcclusion) {
   // From the right, the tall box hides a part of the back wall that was visible.
   Stage stage(cornell());
   stage.render();
@@ -192,7 +192,7 @@ TEST(Reprojection, MirrorsAreKeptIfOnlyTheCameraTurns) {
 }
 
 // The paper rejects materials, not lobes.
-TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
+TEST(Reprojection, SmoothCoatsRejectTheBaseToo) {
   Scene scene = cornell_of(0.05f, 0.0f);
   for (Material& m : scene.materials) m.specular = 1.0f;
   Stage stage(std::move(scene));
@@ -225,7 +225,7 @@ TEST(Reprojection, PixelsWithoutAHistoryHaveAReason) {
   EXPECT_EQ(reasons(stage, RejectReason::off_screen), 0);
 }
 
-TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
+TEST(Reprojection, RejectsGlossThatWouldLookDifferent) {
   const auto refused = [](float roughness, float max_error) {
     Stage stage(cornell_of(roughness, 1.0f));
     stage.render();
@@ -237,7 +237,7 @@ TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
   EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
 }
 
-TEST(Reprojection, GlossLooksTheSameToACameraThatTurnsInItsPlace) {
+TEST(Reprojection, GlossIsKeptIfOnlyTheCameraTurns) {
   Stage stage(cornell_of(0.3f, 1.0f));
   stage.render();
   stage.turn_camera(0.1f);
@@ -296,7 +296,7 @@ TEST(Reprojection, FollowsAnObjectThatMoves) {
   EXPECT_GT(stage.count(RejectReason::occluded), 0);
 }
 
-TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
+TEST(Reprojection, RejectsRelitSurfaces) {
   Scene scene = cornell();
   scene.materials.push_back({});
   PunctualLight light;

@@ -91,7 +91,7 @@ TEST(Bdpt, ClosedFurnaceAtEveryDepth) {
   }
 }
 
-TEST(Bdpt, LongPathsGoOnFromTheCamera) {
+TEST(Bdpt, LongPathsContinueFromTheCamera) {
   // An albedo of 0.9 puts a third of the light into paths of more than ten bounces.
   const Rgb expected = mean_of(render_bdpt(make_closed_sphere(0.9f), {.max_bounces = 64}, 32));
   EXPECT_NEAR(expected.g, 10.0f, 0.2f);
@@ -102,7 +102,7 @@ TEST(Bdpt, LongPathsGoOnFromTheCamera) {
   }
 }
 
-TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSparesRays) {
+TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSavesRays) {
   const auto measure = [](float roulette, double* rays) {
     BdptFrame frame(find_builtin_scene("cornell")->build(),
                     {.width = 24, .height = 24, .connection_roulette = roulette});
@@ -124,7 +124,7 @@ TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSparesRays) {
   EXPECT_LT(fewer, 0.9 * all);
 }
 
-TEST(Bdpt, CameraConnectionsThatCarryLittleAreSeldomTested) {
+TEST(Bdpt, SmallCameraConnectionsAreRarelyTested) {
   BdptFrame frame(make_closed_sphere(0.6f), {.connection_roulette = 0.5f});
   const BdptContext c = frame.context();
   LightVertices light;
@@ -177,7 +177,7 @@ TEST(Bdpt, OneBounceTakesThreeRaysAndKeepsTheMean) {
   }
 }
 
-TEST(Bdpt, LightsKnowTheBodyThatTheyStandIn) {
+TEST(Bdpt, LightsInsideBodiesUseTheirMedium) {
   BdptFrame frame(make_lamp_in_glass(), {});
   ASSERT_EQ(frame.light_medium.size(), 2u);
   for (const Rgb& medium : frame.light_medium) {
@@ -194,7 +194,7 @@ TEST(Bdpt, LampsInDarkGlassAreAsBrightFromBothSides) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples each
 }
 
-TEST(Bdpt, CamerasKnowTheBodyThatTheyStandIn) {
+TEST(Bdpt, CamerasInsideBodiesUseTheirMedium) {
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_in_glass(true), options, 512));
   };
@@ -209,7 +209,7 @@ TEST(Bdpt, CamerasKnowTheBodyThatTheyStandIn) {
   EXPECT_EQ(BdptFrame(make_lamp_in_glass(), {}).compiled.view().camera_medium, Rgb(0));
 }
 
-TEST(Bdpt, LampsHalfInABodyKnowWhichHalf) {
+TEST(Bdpt, LampsHalfInsideABodyKeepTheMean) {
   EXPECT_EQ(BdptFrame(make_lamp_half_in_glass(), {}).light_medium, std::vector<Rgb>(2, Rgb(kSeveralMedia)));
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_half_in_glass(), options, 2048));

@@ -368,7 +368,7 @@ void expect_few_wrong(const WeightCheck& check) {
     EXPECT_LE(check.wrong[kind] * 1000, check.compared[kind]) << "strategy " << kind << ": " << check.example;
 }
 
-TEST(BdptWeights, EqualThoseOfAllDensitiesMultipliedOut) {
+TEST(BdptWeights, MatchTheProductsOfAllDensities) {
   int compared[kKinds] = {};
   for (const ZooLight light : kZooLights) {
     if (light == ZooLight::constant) continue;  // found by s = 0 only: a single strategy
@@ -388,7 +388,7 @@ TEST(BdptWeights, EqualThoseOfAllDensitiesMultipliedOut) {
   EXPECT_GT(compared[kLensMet], 100);
 }
 
-TEST(BdptWeights, KnowThatConnectionsChooseLightsOtherwise) {
+TEST(BdptWeights, AccountForLightSelectionOfConnections) {
   WeightCheck check(ZooLight::mixed, ZooCamera::pinhole, LightSelectorKind::uniform);
   check.run(4096);
   expect_few_wrong(check);

@@ -98,7 +98,7 @@ TEST(Dispersion, ChannelsArriveWhereSnellsLawSays) {
   }
 }
 
-TEST(Dispersion, WithoutItAllChannelsArriveTogether) {
+TEST(Dispersion, WithoutDispersionAllChannelsArriveTogether) {
   Scene scene = slab_above_scale();
   scene.materials.back().dispersion = 0;
   const Rgb mean = mean_of(render(scene, 4, 16, 4));
@@ -143,7 +143,7 @@ TEST(Dispersion, TotalReflectionChoosesColors) {
 }
 
 /// Thin walls do not refract: dispersion changes no bit of their images, and no wavelengths are drawn.
-TEST(Dispersion, ThinWallsHaveNone) {
+TEST(Dispersion, ThinWallsDoNotDisperse) {
   Scene scene = slab_above_scale();
   scene.materials.back().thickness = 0;
   const std::vector<Rgb> with = render(scene, 8, 4, 4);

@@ -34,7 +34,7 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   return vertices;
 }
 
-TEST(FirstVertex, TilesLeaveWhatElementsLeave) {
+TEST(FirstVertex, TilesMatchElements) {
   const std::vector<uint32_t> allocation(kPixels, 1);
   const std::vector<FirstVertex> elements = trace(allocation, false);
   const std::vector<FirstVertex> tiles = trace(allocation, true);
@@ -56,7 +56,7 @@ TEST(FirstVertex, TilesLeaveWhatElementsLeave) {
   EXPECT_LE(different, kPixels / 500);
 }
 
-TEST(FirstVertex, PixelsWithoutAPathLeaveNone) {
+TEST(FirstVertex, PixelsWithoutPathsHaveNone) {
   std::vector<uint32_t> allocation(kPixels, 1);
   for (uint32_t i = 0; i < kPixels; i += 3) allocation[i] = 0;
   for (const bool in_tiles : {false, true}) {
@@ -100,7 +100,7 @@ std::vector<FirstVertex> expect_radiance_of_first_vertices(const Scene& source) 
   return vertices;
 }
 
-TEST(FirstVertex, AccountsForWhatThePathReflects) {
+TEST(FirstVertex, AccountsForReflectedLight) {
   expect_radiance_of_first_vertices(find_builtin_scene("cornell")->build());
 }
 

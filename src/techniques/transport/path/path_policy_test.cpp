@@ -71,7 +71,7 @@ class PathPolicies : public ::testing::TestWithParam<uint32_t> {
                              CompileOptions{.camera = {}, .width = kWidth, .height = kHeight}};
 };
 
-TEST_P(PathPolicies, ThatWatchDoNotChangeThePathThatAnotherSteers) {
+TEST_P(PathPolicies, WatchingPoliciesDoNotChangeSteeredPaths) {
   Traced alone;
   trace(alone.radiance_output(), alone.steering_output());
   Traced watched;
@@ -84,7 +84,7 @@ TEST_P(PathPolicies, ThatWatchDoNotChangeThePathThatAnotherSteers) {
   EXPECT_EQ(steering_first.radiance, alone.radiance);
 }
 
-TEST_P(PathPolicies, ThatWatchHaveTheirBitsWherePathsAreNotSteered) {
+TEST_P(PathPolicies, WatchingPoliciesAreBitExactWithoutSteering) {
   Traced vertices_alone;
   trace(vertices_alone.radiance_output(), vertices_alone.vertex_output());
   Traced specular_alone;

@@ -246,7 +246,7 @@ TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
   }
 }
 
-TEST(Path, ThroughputThatIsNotANumberIsReported) {
+TEST(Path, ReportsNanThroughput) {
   Scene scene = plate(matte(Rgb(0.5f)), 5, 1);
   const CompiledScene compiled(scene, {.width = 4, .height = 4});
   PathContext context;
@@ -274,7 +274,7 @@ Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32
   return traced;
 }
 
-TEST(Path, TilesTraceWhatElementsTrace) {
+TEST(Path, TilesMatchElements) {
   constexpr uint32_t kWidth = 53;  // not a multiple of tiles or batches
   constexpr uint32_t kHeight = 47;
   for (const char* name : {"cornell", "turntable"}) {

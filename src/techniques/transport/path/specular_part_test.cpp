@@ -83,7 +83,7 @@ Material plastic(const Rgb& base, float roughness) {
   return material;
 }
 
-TEST(SpecularPart, TilesLeaveWhatElementsLeave) {
+TEST(SpecularPart, TilesMatchElements) {
   const CompiledScene scene = compiled(find_builtin_scene("cornell")->build());
   const Parts elements = Tracer{scene}.parts(3, false);
   const Parts tiles = Tracer{scene}.parts(3, true);
@@ -98,7 +98,7 @@ TEST(SpecularPart, TilesLeaveWhatElementsLeave) {
   EXPECT_LE(different, kPixels / 500);
 }
 
-TEST(SpecularPart, LeavesRadianceAsItIs) {
+TEST(SpecularPart, KeepsTheRadiance) {
   const CompiledScene scene = compiled(find_builtin_scene("cornell")->build());
   const Parts p = Tracer{scene}.parts(3, true);
   std::vector<Rgb> alone(kPixels);
