@@ -26,7 +26,7 @@ struct Bmp {
   std::vector<std::byte> bytes() const {
     std::vector<uint8_t> file = {'B', 'M'};
     const auto put = [&](uint64_t value, int size) {
-      for (int i = 0; i < size; ++i) file.push_back(static_cast<uint8_t>(value >> (8 * i)));
+      for (int i = 0; i < size; ++i, value >>= 8) file.push_back(static_cast<uint8_t>(value));
     };
     const int field = header_size == 12 ? 2 : 4;
     for (int i = 0; i < 3; ++i) put(0, 4);  // the last: offset of the pixels
