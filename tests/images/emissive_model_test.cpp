@@ -12,6 +12,12 @@ namespace {
 
 constexpr int kTextureSize = 2048;
 constexpr int kRings = 87;  // 15 138 triangles
+// Sanitizers slow the making of the light table more than rendering.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double kMaxRatio = 3;
+#else
+constexpr double kMaxRatio = 1.5;
+#endif
 
 /// An emissive texture after lossy compression: noise of a few codes, and a lit display.
 Texture emissive_texture() {
@@ -88,7 +94,7 @@ double first_sample_s(float emission) {
 
 TEST(EmissiveModel, FirstSampleIsAlmostAsFast) {
   double least_ratio = kInfinity;
-  for (int attempt = 0; attempt < 3 && least_ratio > 1.5; ++attempt) {  // caches are cold on a busy machine
+  for (int attempt = 0; attempt < 3 && least_ratio > kMaxRatio; ++attempt) {  // caches are cold on a busy machine
     const double dark_s = first_sample_s(0);
     const double lit_s = first_sample_s(1);
     RecordProperty("dark_ms", static_cast<int>(1000 * dark_s));
@@ -96,7 +102,7 @@ TEST(EmissiveModel, FirstSampleIsAlmostAsFast) {
     std::printf("first sample: %.0f ms without emission, %.0f ms with it\n", 1000 * dark_s, 1000 * lit_s);
     least_ratio = std::min(least_ratio, lit_s / dark_s);
   }
-  EXPECT_LE(least_ratio, 1.5);
+  EXPECT_LE(least_ratio, kMaxRatio);
 }
 
 }  // namespace
