@@ -72,7 +72,7 @@ TEST_F(FileRolesTest, InputsCannotBeOutputs) {
   EXPECT_NE(refused(folder_ / "hard"), "");
 }
 
-TEST_F(FileRolesTest, LaterInputsCount) {
+TEST_F(FileRolesTest, ChecksInputsAddedLater) {
   const fs::path texture = existing("wood.png");
   roles_.writes("-o", texture);
   EXPECT_NE(refusal_of([&] {

@@ -47,7 +47,7 @@ TEST(RefitCost, KeepsTheBvhWhereNeighboursStayTogether) {
   EXPECT_FALSE(cost.has_grown(grid.mesh()));
 }
 
-TEST(RefitCost, RebuildsIfNeighboursSeparate) {
+TEST(RefitCost, HasGrownIfNeighboursSeparate) {
   Grid grid(32);
   RefitCost cost(grid.mesh());
   for (uint32_t i = 0; i < grid.positions.size(); ++i) {

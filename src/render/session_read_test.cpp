@@ -84,7 +84,7 @@ TEST(SessionRead, RowsMayBeApart) {
   }
 }
 
-TEST(SessionRead, RejectsUnfittingTargets) {
+TEST(SessionRead, RejectsInvalidTargets) {
   const Session session = cornell(1);
   std::vector<Rgb> pixels(kWidth * kHeight);
   EXPECT_THROW(session.read({.width = kWidth, .height = kHeight}), Error);

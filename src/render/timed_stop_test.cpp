@@ -28,7 +28,7 @@ TEST(TimedStop, ComesWithTheOuterOne) {
   EXPECT_TRUE(untimed.token().stop_requested());
 }
 
-TEST(TimedStop, DestroysAtOnceWithoutStopping) {
+TEST(TimedStop, IsDestroyedAtOnceWithoutStopping) {
   std::stop_token token;
   const double start_s = now_s();
   {

@@ -85,7 +85,7 @@ TEST(AliasTable, SurvivesTheEdgesOfTheUnitInterval) {
   }
 }
 
-TEST(AliasTable, ReachesEachOfAMillionEntriesEquallyOften) {
+TEST(AliasTable, ReachesEachOfAMillionEntriesInProportion) {
   // Every other light is dim: a 24-bit number would choose it 16 times too often, or never.
   constexpr size_t kCount = size_t{1} << 20;
   std::vector<float> weights(kCount);

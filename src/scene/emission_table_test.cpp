@@ -53,7 +53,7 @@ Scene glowing_plate(Texture texture) {
   return scene;
 }
 
-TEST(EmissionTable, FewTexelsHaveSeparateEntries) {
+TEST(EmissionTable, TexelsHaveSeparateEntriesIfFew) {
   const CompiledScene scene(glowing_plate(dim_texture(128, 16)), {.width = 8, .height = 8});
   const TexturedEmission& e = scene.view().lights.textured;
   ASSERT_EQ(e.triangles.size, 2u * kEdge * kEdge);
@@ -104,7 +104,7 @@ TEST(EmissionTable, MaskedMaterialsShareEntriesToo) {
   }
 }
 
-TEST(EmissionTable, EveryEmittingTexelHasAnEntry) {
+TEST(EmissionTable, EveryEntryHasAPositiveProbability) {
   for (const bool is_masked : {false, true}) {
     const CompiledScene scene(is_masked ? masked_plate(1024, 64) : glowing_plate(dim_texture(1024, 64)),
                               {.width = 8, .height = 8});

@@ -112,7 +112,7 @@ Image after_moves(const Combination& c, DenoiseChoice denoise, CameraPose* camer
   return session.image();
 }
 
-TEST(DenoisedCombination, AcceptsAnySamplesAndHistory) {
+TEST(DenoisedCombination, LowersTheErrorWithAnySamplesAndHistory) {
   for (const Combination& c : kCombinations) {
     CameraPose camera;
     const Image plain = after_moves(c, DenoiseChoice::none, &camera);

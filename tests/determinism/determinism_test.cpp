@@ -203,7 +203,7 @@ TEST(Checkpoint, RefusesOtherSettingsAndScenesAndStaysUsable) {
   std::filesystem::remove(file);
 }
 
-TEST(Checkpoint, DetectsChangedBytesBeforeAnyChange) {
+TEST(Checkpoint, DetectsDamageBeforeChangingTheSession) {
   const std::filesystem::path file = checkpoint_file("flipped");
   RenderSettings settings = small_settings(8, 8);
   settings.history = HistoryChoice::reproject;

@@ -65,7 +65,7 @@ TEST(Figures, AnAnimatedRootKeepsItsAnimation) {
   EXPECT_EQ(document.mover(kBody).node, armature) << "the edit changes nothing";
 }
 
-TEST(Figures, InactiveClipsCount) {
+TEST(Figures, InactiveClipsAreConsidered) {
   Scene scene = relume::testing::figure();
   const Index armature = add_armature(scene);
   scene.clips.emplace_back("stretch");

@@ -27,7 +27,7 @@ TEST(Monitor, DoesNotCountInterruptions) {
   EXPECT_GT(*monitor.worst_interface_hz(), 38);
 }
 
-TEST(Monitor, IgnoresRenderingBeforeTheFirstFrame) {
+TEST(Monitor, IgnoresTheInterfaceBeforeTheFirstFrame) {
   Monitor monitor;
   for (int i = 0; i < 10; ++i) monitor.interface_frame(i * 1.0);
   EXPECT_FALSE(monitor.worst_interface_hz());

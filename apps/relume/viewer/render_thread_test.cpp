@@ -205,7 +205,7 @@ TEST(RenderThread, LightsMaterialsAndObjectsChangeWhileItRenders) {
   EXPECT_LT(mean_luminance(*moved), 0.1 * before) << "the ceiling hides the lamp";
 }
 
-TEST(RenderThread, UnrenderableScenesKeepTheOldOne) {
+TEST(RenderThread, UnrenderableSettingsKeepTheScene) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());

@@ -56,7 +56,7 @@ size_t other_triangles(const char* name) {
   return others;
 }
 
-TEST(PrimaryHits, TilesAreBitIdenticalToSingleRays) {
+TEST(PrimaryHits, TilesMatchSingleRays) {
   // At shared edges and coincident faces, Embree's packets and single rays may choose different triangles: in 20 of 25
   // million pixels of all built-in scenes.
   size_t others = 0;

@@ -152,7 +152,7 @@ TEST(LightSelector, EveryKindKeepsTheContract) {
   }
 }
 
-TEST(LightSelector, EveryKindCanExcludeTheEnvironment) {
+TEST(LightSelector, EveryKindButUniformCanExcludeTheEnvironment) {
   Environment sky;
   sky.kind = EnvironmentKind::sun_sky;
   const testing::LightScene scene = testing::make_light_scene(sky);
@@ -172,7 +172,7 @@ TEST(LightSelector, EveryKindCanExcludeTheEnvironment) {
   }
 }
 
-TEST(LightSelector, OverflowingPowersKeepOtherLights) {
+TEST(LightSelector, OtherLightsRemainIfPowersOverflow) {
   const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 16, .height = 16});
   const LightsView& lights = scene.view().lights;
   ASSERT_EQ(lights.lights.size, 3u);

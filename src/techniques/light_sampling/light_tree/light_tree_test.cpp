@@ -41,7 +41,7 @@ TEST(LightTree, HoldsEveryEmitterOnce) {
   EXPECT_LT(data.nodes.size(), expected.size() / 4);  // wide nodes are mostly full
 }
 
-TEST(LightTree, BoundsItsLightsContributions) {
+TEST(LightTree, BoundsArePositiveWhereLightsShine) {
   // The bound of a group is positive wherever one of its lights shines.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const LightsView& lights = scene.view().lights;

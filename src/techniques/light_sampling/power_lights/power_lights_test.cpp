@@ -40,7 +40,7 @@ TEST(PowerLights, ReachesEveryLightThatEmits) {
   for (const AliasEntry& e : build_power_lights(scene.lights())) EXPECT_GT(e.pmf, 0.0f);
 }
 
-TEST(PowerLights, OverflowingPowersKeepOtherLights) {
+TEST(PowerLights, OtherLightsRemainIfPowersOverflow) {
   std::vector<Light> lights(2);
   for (Light& light : lights) light.kind = LightKind::point;
   lights[0].point = {Vec3(0), Rgb(3e38f)};

@@ -111,7 +111,7 @@ TEST(StaticLightLists, SceneWithoutLightsHasNone) {
   EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
 }
 
-TEST(StaticLightListsPass, OverflowingPowersKeepOtherLights) {
+TEST(StaticLightListsPass, OtherLightsRemainIfPowersOverflow) {
   const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 4, .height = 4});
   const StaticLightListsSettings settings;
   const LightSelectionSettings selection;

@@ -43,7 +43,7 @@ class Region {
 
 float one(size_t) { return 1; }
 
-TEST(RegionChange, ChanceIsNotAChange) {
+TEST(RegionChange, ChanceIsRarelyTakenForAChange) {
   for (const int samples : {1, 4, 64}) {
     Region region(64, samples, 3);
     int alarms = 0;
