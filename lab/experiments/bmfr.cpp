@@ -294,8 +294,10 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
 }
 
 void claim_walk(const Walk* walk, std::vector<Claim>& claims) {
-  const std::string still = "At one sample per frame, the MSE is a tenth of the noisy image's while nothing moves.";
-  const std::string moving = "At one sample per frame, the MSE is a fifth of the noisy image's while the camera walks.";
+  const std::string still =
+      "At one sample per frame, the MSE of the denoised image is a tenth of the noisy image's while nothing moves.";
+  const std::string moving =
+      "At one sample per frame, the MSE of the denoised image is a fifth of the noisy image's while the camera walks.";
   if (!walk) {
     claims.push_back(unmeasured("walk-still", kOurs, still, "10 ×", kNoSponza));
     claims.push_back(unmeasured("walk-moving", kOurs, moving, "5 ×", kNoSponza));

@@ -139,8 +139,10 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
                     measured, {sun, spot}, 100));
   claims.push_back(judged_ratios(
       fmt::format("mine-sun{}", guided.suffix), kOurs,
-      fmt::format("Where the sun and its spot light the mine, guiding ({}) has at least 30 times less error.",
-                  guided.name),
+      fmt::format(
+          "Where the sun and its spot light the mine, guiding ({}) has at least 30 times less error; next event "
+          "estimation excludes the environment.",
+          guided.name),
       measured, {sun, spot}, 30));
   const Ratio indirect = gain(sampled, guided, 2);
   claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), kOurs,

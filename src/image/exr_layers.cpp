@@ -60,7 +60,7 @@ Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::st
   }
   std::vector<std::string> names;
   for (const ExrChannel& channel : exr.channels) names.push_back(channel.name);
-  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; it has {}; choose a file or layer with these channels", name,
+  throw Error(fmt::format("{}: no channels {}R, {}G, {}B; it has {}; choose another file or layer", name,
                           layer.empty() ? "" : layer + ".", layer.empty() ? "" : layer + ".",
                           layer.empty() ? "" : layer + ".", fmt::join(names, ", ")));
 }

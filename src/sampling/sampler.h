@@ -10,8 +10,8 @@ namespace relume {
 /// Number of dimension pairs for the camera, which come first: a point of the pixel and one of the lens.
 inline constexpr uint32_t kCameraDimensions = 2;
 
-/// Provides dimensions in order. Each dimension is a padded, independently scrambled low-discrepancy sequence over the
-/// samples of the pixel ([Burley20], §5).
+/// Provides dimensions in order. Each pair of next_2d() and each number of next_1d() has a padded, independently
+/// scrambled low-discrepancy sequence over the samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
   /// Number of a pixel's first sequence.

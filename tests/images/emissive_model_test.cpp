@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kTextureSize = 2048;
 constexpr int kRings = 87;  // 15 138 triangles
-// Sanitizers slow the making of the light table more than rendering.
+// Sanitizers slow the building of the light table more than rendering.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kMaxRatio = 3;
 #else

@@ -18,7 +18,8 @@
 
 namespace relume {
 
-/// Each contender renders several sessions with different seeds, one after the other.
+/// Contenders alternate frame by frame. Those that keep state between frames render several sessions with different
+/// seeds, in sequence.
 struct AdaptedOptions {
   int warm_up = 128;  ///< unmeasured frames at the start of each session
   int frames = 64;    ///< measured frames per session

@@ -39,8 +39,7 @@ BufferDescription denoiser_history(const BufferId& id, const char* help) {
 BufferDescription denoised_buffer() { return kept(kDenoised, "the denoised image"); }
 
 BufferDescription unfiltered_buffer() {
-  BufferDescription buffer =
-      kept(kUnfiltered, "mean light that is not filtered, such as emission, since the last change");
+  BufferDescription buffer = kept(kUnfiltered, "unfiltered light, such as emission: mean since the last change");
   buffer.double_buffered = true;
   return buffer;
 }
