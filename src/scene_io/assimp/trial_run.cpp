@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <span>
@@ -65,7 +66,8 @@ class Pipe {
  public:
   Pipe() {
     if (pipe2(ends_.data(), O_CLOEXEC) != 0)
-      throw Error(fmt::format("no pipe can be opened (error {}); close some files or raise the limit on them", errno));
+      throw Error(
+          fmt::format("no pipe can be opened ({}); close some files or raise the limit on them", std::strerror(errno)));
     fcntl(ends_[0], F_SETFL, O_NONBLOCK);
   }
   ~Pipe() {
