@@ -22,7 +22,7 @@ TEST(Display, ResolvesAutomaticSettings) {
   EXPECT_EQ(fixed_display(settings), (Display{1.5f, ToneMap::aces}));
 }
 
-TEST(Display, ExposureAdaptsAlikeAtAnyFrameRate) {
+TEST(Display, ExposureAdaptsEquallyAtAnyFrameRate) {
   const float half_second = adapted_exposure(0, 4, 0.5f);
   EXPECT_NEAR(half_second, 3.0f, 1e-5f);
   float slow = 0;

@@ -70,7 +70,7 @@ TEST(TextureDecode, SixteenBitDataKeepsItsPrecisionAndColourIsRounded) {
   EXPECT_EQ(color.texels, (std::vector<std::byte>{std::byte{128}, std::byte{0}, std::byte{255}, std::byte{18}}));
 }
 
-TEST(TextureDecode, FloatIsDecodedFromSrgbButForAlpha) {
+TEST(TextureDecode, FloatIsDecodedFromSrgbExceptAlpha) {
   const Texture texture = decode_texture(make_png(1, 1, 8, kRgba, {188, 0, 255, 128}), "t", PixelFormat::rgba32_float);
   const std::vector<float> values = floats(texture);
   EXPECT_FLOAT_EQ(values.at(0), linear_from_srgb(188.0f / 255.0f));

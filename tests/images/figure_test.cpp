@@ -202,7 +202,7 @@ TEST_P(Figure, IsFollowedLikeARigidBody) {
   EXPECT_LT(std::fabs(bent.trail), kWorse * std::fabs(rigid.trail) + 0.02);
 }
 
-TEST_P(Figure, MovesAlikeBySkinAndByNode) {
+TEST_P(Figure, MovesEquallyBySkinAndByNode) {
   RenderSettings settings = base_settings(1);
   GetParam().set(settings);
   const std::vector<Frame> by_node = play(stiff(), settings);

@@ -34,7 +34,7 @@ class Sponza : public ::testing::Test {
   Scene scene_;
 };
 
-TEST_F(Sponza, HasTheMeanOfCyclesWhereTexturesAreInterpolatedAlike) {
+TEST_F(Sponza, HasTheMeanOfCyclesWithTheSameTextureFilter) {
   const Estimate estimate = mean(TextureFilter::encoded);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(estimate.mean[c] / kCycles[c], 1, 0.01) << "channel " << c;
 }

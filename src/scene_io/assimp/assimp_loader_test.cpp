@@ -199,7 +199,7 @@ TEST(Assimp, CombinesImagesOfMoreThanEightBits) {
   EXPECT_EQ(first_texel(masked, masked.materials[material_of(masked)].base_color_texture), Vec4(2, 3, 4, 0));
 }
 
-TEST(Assimp, MendsFloatTexturesWithAWarning) {
+TEST(Assimp, RepairsFloatTexturesWithAWarning) {
   const SceneFolder folder;
   Image image(1, 1);
   image.pixels[0] = Rgb(std::nanf(""), 0.5f, 3);

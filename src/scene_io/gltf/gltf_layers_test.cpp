@@ -144,7 +144,7 @@ TEST(GltfLayers, ConvertTexturesOfSpecularGlossiness) {
   }
 }
 
-TEST(GltfLayers, ConvertSpecularGlossinessAlikeWithAndWithoutTextures) {
+TEST(GltfLayers, ConvertSpecularGlossinessEquallyWithAndWithoutTextures) {
   GltfBuilder file;
   const int white = add_texture(file, 255, 255);
   json members = {{"diffuseFactor", {0.5, 0.25, 1, 1}}, {"specularFactor", {0.1, 0.2, 0.5}}, {"glossinessFactor", 0.7}};

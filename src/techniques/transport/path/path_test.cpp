@@ -226,7 +226,7 @@ double absorbed_irradiance(double x0, double x1, double half_z, double h, double
   return sum;
 }
 
-TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
+TEST(Path, LampInsideAMediumMatchesTheClosedForm) {
   Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
   add_body(scene, tint(kAbsorption), 4, -1);
