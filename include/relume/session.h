@@ -41,7 +41,7 @@ class RELUME_API Session {
  public:
   /// Compiles the scene. `movable` lists nodes that set_transform() will move, besides animated ones. Ignores
   /// Scene::settings_json and the settings for stopping and display: the caller applies them. Throws Error (unknown
-  /// camera, incompatible settings).
+  /// camera or node, incompatible settings).
   explicit Session(Scene scene, const Settings& settings = {}, std::vector<Index> movable = {});
   ~Session();
   Session(Session&&) noexcept;

@@ -4,7 +4,8 @@
 //
 // called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads; in a CUDA
 // build the same struct is a kernel argument. A kernel may provide a second form for the host that processes a tile at
-// once (for example in ray packets). It must compute the same as the one-element form:
+// once (for example in ray packets). It must compute the same bits as the one-element form, except that ray packets may
+// choose another triangle where a ray hits two at one distance (shared edges, coincident faces):
 //
 //   void operator()(const Tile& tile) const;
 #pragma once

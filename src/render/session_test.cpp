@@ -191,6 +191,10 @@ TEST(Session, RejectsIndicesOutOfRange) {
   for (const Index index : {2, kNone, kLargest, -kLargest}) {
     EXPECT_EQ(testing::problem_of([&] { session.set_transform(index, {}); }),
               "plate: node " + std::to_string(index) + " does not exist; give an index from 0 to 1");
+    EXPECT_EQ(testing::problem_of([&] {
+                Session(testing::plate(), small_settings(), {0, index});
+              }),
+              "plate: node " + std::to_string(index) + " does not exist; give an index from 0 to 1");
   }
   EXPECT_EQ(testing::problem_of([&] { session.set_material(1, {}); }),
             "plate: material 1 does not exist; give an index from 0 to 0");

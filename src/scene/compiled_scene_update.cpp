@@ -12,18 +12,6 @@
 #include "scene/placement.h"
 
 namespace relume {
-namespace {
-
-/// Throws Error unless `index` is a valid index among `count` parts of this kind ("node").
-void check_index(Index index, size_t count, const char* kind, const std::string& place) {
-  if (index >= 0 && static_cast<size_t>(index) < count) return;
-  const std::string valid =
-      count == 0 ? fmt::format("the scene has no {}s", kind) : fmt::format("give an index from 0 to {}", count - 1);
-  throw Error(fmt::format("{}: {} {} does not exist; {}", place, kind, index, valid));
-}
-
-}  // namespace
-
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
   was_moved_ = false;

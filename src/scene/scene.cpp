@@ -144,9 +144,19 @@ std::vector<Box> mesh_boxes(const Scene& scene) {
   return boxes;
 }
 
+void check_index(Index index, size_t count, const char* kind, const std::string& place) {
+  if (index >= 0 && static_cast<size_t>(index) < count) return;
+  const std::string valid =
+      count == 0 ? fmt::format("the scene has no {}s", kind) : fmt::format("give an index from 0 to {}", count - 1);
+  throw Error(ErrorCode::invalid_handle, fmt::format("{}: {} {} does not exist; {}", place, kind, index, valid));
+}
+
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable) {
   std::vector<bool> moves(scene.nodes.size(), false);
-  for (const Index node : movable) moves[static_cast<size_t>(node)] = true;
+  for (const Index node : movable) {
+    check_index(node, scene.nodes.size(), "node", error_place(scene));
+    moves[static_cast<size_t>(node)] = true;
+  }
   for (const AnimationChannel& channel : scene.animation) moves[static_cast<size_t>(channel.node)] = true;
   for (const size_t i : topological_order(scene)) {
     const Index parent = scene.nodes[i].parent;

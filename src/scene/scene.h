@@ -34,7 +34,12 @@ void for_each_place(const Node& node, const F& f) {
 /// Bounds of each mesh in mesh space.
 std::vector<Box> mesh_boxes(const Scene& scene);
 
+/// Throws Error (invalid_handle) unless `index` is valid among `count` parts of this kind ("node"). `place` begins the
+/// message.
+void check_index(Index index, size_t count, const char* kind, const std::string& place);
+
 /// Whether each node may move: the node or an ancestor has an animation channel or is in `movable`.
+/// Throws Error (invalid_handle) if `movable` lists a node that does not exist.
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});
 
 /// Whether each node is visible at `time_s`: neither the node nor an ancestor is hidden.
