@@ -88,7 +88,7 @@ class Repository(unittest.TestCase):
         self.assertIn("cycle", check_layers.check_table({"a": "b", "b": "a"})[0])
         self.assertIn("does not know", check_layers.check_table({"a": "b"})[0])
 
-    def test_permissions_that_nobody_needs(self):
+    def test_unused_permissions(self):
         self.write("src/scene_io/a.h", '#include "core/a.h"\n')
         self.write("src/scene_io/a_test.cpp", '#include "scene/a.h"\n')
         self.write("src/techniques/transport/bdpt/a.h", '#include "techniques/transport/path/a.h"\n')

@@ -167,7 +167,7 @@ class DesktopData(unittest.TestCase):
     def test_the_desktop_entry_is_valid(self):
         self.assertEqual(run("desktop-file-validate", DESKTOP / "relume.desktop"), "")
 
-    def test_types_of_files_are_known_by_name_and_content(self):
+    def test_file_types_are_recognised_by_name_and_content(self):
         with tempfile.TemporaryDirectory(prefix="relume_") as folder:
             types = pathlib.Path(folder) / "mime"
             (types / "packages").mkdir(parents=True)
@@ -178,7 +178,7 @@ class DesktopData(unittest.TestCase):
             self.assertEqual({line for line in globs if not line.startswith("#")}, {"model/gltf-binary:*.glb", "model/gltf+json:*.gltf"})
             self.assertIn(b"model/gltf-binary]\n>0=\0\x04glTF", (types / "magic").read_bytes())
 
-    def test_the_desktop_entry_opens_what_types_name(self):
+    def test_the_desktop_entry_lists_all_file_types(self):
         entry = (DESKTOP / "relume.desktop").read_text()
         types = re.search(r"^MimeType=(.*);$", entry, re.MULTILINE)[1].split(";")
         for name in re.findall(r'<mime-type type="([^"]+)"', (DESKTOP / "relume.xml").read_text()):

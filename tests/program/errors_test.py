@@ -56,7 +56,7 @@ class RefusalTest(ProgramTest):
 
 
 class Errors(RefusalTest):
-    def test_error_that_is_never_known(self):
+    def test_error_without_history(self):
         self.refuse(USAGE, "render", "cornell", *SMALL, "-o", "out.exr", "--error", "0.1", "--history", "none", says=["--error", "--history", "--spp"])
 
     def test_unknown_scene(self):
@@ -88,7 +88,7 @@ class Errors(RefusalTest):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--exposure", "nan"), says=["--exposure"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--time", "soon"), says=["--time"])
 
-    def test_timing_of_what_is_compared_by_images(self):
+    def test_timing_with_options_for_images(self):
         for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr"), ("--reference-settings", "lights:uniform")):
             self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "remove"])
 

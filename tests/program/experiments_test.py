@@ -51,7 +51,7 @@ class Experiments(ProgramTest):
         self.assertRegex(done.stderr.splitlines()[-1], r"2 of 3 experiments failed: psf-frametime, bdpt-cost")
         self.assertIn("\n## vlc-adaptation\n", (self.folder / "out/index.md").read_text())
 
-    def test_continue_leaves_out_what_can_stay(self):
+    def test_continue_skips_current_results(self):
         command = ["experiment", "run", "psf-frametime", "--quick", "-o", "out", "--cache-dir", "cache"]
         self.succeed(*command, timeout=300)
         file = self.folder / "out/psf-frametime.json"

@@ -175,7 +175,7 @@ class Outputs(ProgramTest):
             self.assertEqual(channel["min"], 0)  # where all samples were rejected
             self.assertLess(channel["max"], 3.5e38)
 
-    def test_what_stands_in_for_light_and_camera_is_said(self):
+    def test_default_light_and_camera_are_reported(self):
         write_gltf(self.folder / "bare.gltf", {"nodes": [{"mesh": 0}]})
         said = self.succeed("render", "bare.gltf", "-o", "out.png", *SMALL, "--spp", "1").stderr
         self.assertIn("no light", said)
@@ -248,13 +248,13 @@ class Outputs(ProgramTest):
                     self.assertEqual(self.bounds("still.exr")["depth.Z"], sequence["depth.Z"])
                     self.assert_same_pixels("still.exr", f"at{fps}.{frame:03}.exr")
 
-    def test_a_frame_of_its_own_shows_what_the_sequence_shows(self):
+    def test_a_single_frame_equals_that_of_the_sequence(self):
         self.succeed("render", "slit", "-o", "f.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", "2", timeout=240)
         self.assertEqual(self.files(), ["f.000.exr", "f.001.exr", "f.002.exr"])
         self.succeed("render", "slit", "-o", "alone.exr", *SMALL, "--spp", "4", "--frames", "2-2", "--fps", "2")
         self.assert_same_pixels("f.002.exr", "alone.0002.exr")
 
-    def test_what_stands_still_has_no_motion(self):
+    def test_motion_is_zero_after_the_last_key(self):
         self.write_moving_card()  # its last key is at 2 s
         self.succeed("render", "moving.json", "-o", "f.###.exr", *SMALL, "--spp", "4", "--frames", "3-6", "--fps", "2", "--aov", "motion")
         for frame, most in {4: 2.25, 5: 0, 6: 0}.items():

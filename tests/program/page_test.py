@@ -128,7 +128,7 @@ class ComparePage(Page):
         self.assertEqual(self.visible_panes(), ["reference", "uniform", "short"])
         self.assertEqual(len(self.all("section")), 6)
 
-    def test_says_what_the_reference_did_not_take(self):
+    def test_lists_settings_not_used_for_the_reference(self):
         pairs = [row.text for row in self.all(".details-block tbody tr")]
         self.assertIn("Not for the reference psf.cell-size = 12", [" ".join(pair.split()) for pair in pairs])
 
@@ -325,7 +325,7 @@ class ExperimentPage(Page):
         self.wait(lambda: self.pixels() != before)
         self.assertEqual(len(self.visible_panes()), 7)  # reference, four techniques, two maps
 
-    def test_what_is_done_is_left_out(self):
+    def test_continue_skips_completed_pages(self):
         before = self.read("combination.json")
         done = run(*self.ARGUMENTS, "--continue", "-o", "out", "--cache-dir", "cache", cwd=self.folder, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -40,7 +40,7 @@ class Roles(RefusalTest):
         os.link(self.folder / "b.png", self.folder / "hard.png")
         self.refuse_pair("--flip-map", "which B reads", "hard.png", "metrics", "a.png", "b.png", "--flip-map", "hard.png")
 
-    def test_what_a_scene_consists_of_stays(self):
+    def test_files_of_the_scene_are_not_overwritten(self):
         self.succeed("export", "cornell-spheres", "-o", "room.gltf")
         self.succeed("render", "cornell", *TINY, "-o", "sky.exr")
         (self.folder / "view.json").write_text(json.dumps({"scene": "room.gltf", "environment": {"map": "sky.exr"}}))
@@ -87,7 +87,7 @@ class Roles(RefusalTest):
         self.refuse_pair("-o", "--image", "a.json", *compare, "--image", "r.exr")
         self.refuse_pair("-o", "--env", "a.json", *compare, "--env", "r.exr")
 
-    def test_what_may_have_one_name(self):
+    def test_roles_that_may_share_a_file(self):
         self.succeed("render", "cornell", *TINY, "-o", "a.exr", "--resume", "a.ckpt", "--stats", "/dev/null")
         self.succeed("render", "cornell", *TINY, "-o", "a.exr", "--resume", "a.ckpt", "--stats", "a.json")
         self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.exr")

@@ -65,7 +65,7 @@ class Stopping(ProgramTest):
         self.assertLessEqual(self.stats()["estimated_error"], 0.1)
         self.assertGreater(self.stats()["samples_per_pixel"], 2)
 
-    def test_interrupt_writes_what_there_is(self):
+    def test_interrupt_writes_all_outputs(self):
         checkpoint = self.folder / "a.ckpt"
         process = start("render", *ROOM, *LAYERS, "-o", "out.exr", "--spp", "1000000", "--resume", "a.ckpt", "--checkpoint-interval", "0.2", "--stats", "s.json", cwd=self.folder)
         self.addCleanup(process.kill)
@@ -229,7 +229,7 @@ class Stopping(ProgramTest):
             time.sleep(0.01)
         self.fail("the encoder writes nothing")
 
-    def test_what_kill_leaves_goes_with_the_next_file_of_that_name(self):
+    def test_next_render_removes_temporary_files_of_a_killed_one(self):
         env = self.with_encoder('for last; do :; done; cat > "$last"; sleep 1')
         arguments = ["render", "cornell", *SMALL, "--spp", "1", "--frames", "0-1", "-o", "out.y4m"]
         process = start(*arguments, cwd=self.folder, env=env)

@@ -92,7 +92,7 @@ class Scenes(Viewer):
 
 
 class Input(Viewer):
-    def test_escape_closes_what_is_open_before_it_drops_the_selection(self):
+    def test_escape_closes_popups_before_it_drops_the_selection(self):
         presets = "panel settings\nseconds 0.2\nclick 1.342 0.159\nseconds 0.2\n"  # next to the image
         for opened in ("key f1\n", presets):
             closed, dropped, _ = self.view("cornell", f"frames 1\nselect node lamp\n{opened}key escape\nreport\nkey escape\nreport\n")
@@ -137,7 +137,7 @@ class Input(Viewer):
         self.assertNotEqual(after["focus_m"], before["focus_m"])
         self.assertEqual(after["selected"], 0, "nothing is selected by it")
 
-    def test_alt_click_shows_what_guiding_knows(self):
+    def test_alt_click_shows_the_guiding_distribution(self):
         script = "set cache none\nset guide cdq\nframes 8\nclick 0.5 0.85 alt\nframes 4\nreport\n"
         report, _ = self.view("cornell", script)
         self.assertEqual(report["buffer"], "directions")
@@ -226,7 +226,7 @@ class Settings(Viewer):
         done = run("render", "furnace", "-o", "denoised.png", *SMALL, "--spp", "1", "--denoise", "oidn", cwd=self.folder)
         return set() if done.returncode == 0 else {("denoise", "oidn")}
 
-    def test_every_setting_is_known(self):
+    def test_every_setting_is_accepted(self):
         """Sets every setting to its current value, to test the names."""
         values = json.loads(self.succeed("settings", "--json").stdout)
         self.assertGreater(len(values), 30)
