@@ -20,41 +20,43 @@ Scene ball(EnvironmentKind light, bool camera) {
   return scene;
 }
 
-struct Shown {
+struct Rendered {
   Image image;
   std::vector<std::string> notes;
 };
 
-Shown show(Scene scene) {
+Rendered render_small(Scene scene) {
   RenderSettings settings = small_settings(kSize, kSize);
   Session session(std::move(scene), settings);
   for (int i = 0; i < 4; ++i) session.render_frame();
   return {session.image(), session.notes()};
 }
 
-TEST(StandIn, NoNoteIfNothingIsMissing) { EXPECT_TRUE(show(ball(EnvironmentKind::constant, true)).notes.empty()); }
+TEST(SceneDefaults, NoNoteIfNothingIsMissing) {
+  EXPECT_TRUE(render_small(ball(EnvironmentKind::constant, true)).notes.empty());
+}
 
-TEST(StandIn, LightIsTheStudio) {
-  const Shown automatic = show(ball(EnvironmentKind::automatic, true));
+TEST(SceneDefaults, LightIsTheStudio) {
+  const Rendered automatic = render_small(ball(EnvironmentKind::automatic, true));
   ASSERT_EQ(automatic.notes.size(), 1u);
   EXPECT_NE(automatic.notes[0].find("no light"), std::string::npos) << automatic.notes[0];
-  EXPECT_EQ(automatic.image.pixels, show(ball(EnvironmentKind::studio, true)).image.pixels);
+  EXPECT_EQ(automatic.image.pixels, render_small(ball(EnvironmentKind::studio, true)).image.pixels);
   const Rgb middle = automatic.image.at(kSize / 2, kSize / 2);
   const Rgb corner = automatic.image.at(0, 0);
   EXPECT_GT(luminance(middle), 1.2f * luminance(corner)) << "the ball is brighter than the backdrop";
   EXPECT_GT(luminance(corner), 0.05f);
 }
 
-TEST(StandIn, TheStudioTurnsWithTheCamera) {
+TEST(SceneDefaults, TheStudioTurnsWithTheCamera) {
   Scene turned = ball(EnvironmentKind::studio, false);
   add_camera(turned, {.name = "side", .fov_y_rad = 0.8f}, {8, 0, 0}, {-1, 0, 0});
-  const Estimate side = estimate_of(show(std::move(turned)).image);
-  const Estimate front = estimate_of(show(ball(EnvironmentKind::studio, true)).image);
+  const Estimate side = estimate_of(render_small(std::move(turned)).image);
+  const Estimate front = estimate_of(render_small(ball(EnvironmentKind::studio, true)).image);
   EXPECT_NEAR(luminance(side.mean), luminance(front.mean), 0.03f * luminance(front.mean));
 }
 
-TEST(StandIn, CameraFramesTheScene) {
-  const Shown without = show(ball(EnvironmentKind::constant, false));
+TEST(SceneDefaults, CameraFramesTheScene) {
+  const Rendered without = render_small(ball(EnvironmentKind::constant, false));
   ASSERT_EQ(without.notes.size(), 1u);
   EXPECT_NE(without.notes[0].find("no camera"), std::string::npos) << without.notes[0];
   IVec2 low(kSize);
@@ -71,13 +73,15 @@ TEST(StandIn, CameraFramesTheScene) {
   EXPECT_NEAR(size.y, 0.88f * kSize, 1.5f);
 }
 
-TEST(StandIn, NotesBothStandIns) { EXPECT_EQ(show(ball(EnvironmentKind::automatic, false)).notes.size(), 2u); }
+TEST(SceneDefaults, NotesBothDefaults) {
+  EXPECT_EQ(render_small(ball(EnvironmentKind::automatic, false)).notes.size(), 2u);
+}
 
-TEST(StandIn, UnlitSurfacesNeedNoLight) {
+TEST(SceneDefaults, UnlitSurfacesNeedNoLight) {
   Scene scene;
   add(scene, quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), unlit({0.5f, 0.25f, 0.125f}));
   add_spot_meter(scene, Vec3(0), {0, 0, -1}, 1);
-  EXPECT_TRUE(show(std::move(scene)).notes.empty());
+  EXPECT_TRUE(render_small(std::move(scene)).notes.empty());
 }
 
 }  // namespace
