@@ -66,8 +66,8 @@ const Image& reference_of(const char* scene, EstimatorChoice estimator, int movi
 }
 
 /// A session's images after some frames: the denoised one, the mean of all samples, and the last frame's sample.
-struct Shown {
-  Shown(const char* scene, const RenderSettings& settings, int still, int moving)
+struct SessionImages {
+  SessionImages(const char* scene, const RenderSettings& settings, int still, int moving)
       : reference(reference_of(scene, settings.estimator, moving)) {
     Session session(build(scene), settings);
     const CameraPose start = session.camera();
@@ -108,21 +108,21 @@ class DenoisedImage : public ::testing::Test {
 
 TEST_F(DenoisedImage, ATenthOfTheErrorWhereNothingMoves) {
   for_each_denoiser([](DenoiseChoice denoise) {
-    const Shown s("cornell", settings_of(denoise), 8, 0);
+    const SessionImages s("cornell", settings_of(denoise), 8, 0);
     EXPECT_LT(shown_mse(s.denoised, s.reference), 0.1 * shown_mse(s.noisy, s.reference));
   });
 }
 
 TEST_F(DenoisedImage, AFifthOfTheErrorWhereTheCameraMoves) {
   for_each_denoiser([](DenoiseChoice denoise) {
-    const Shown s("cornell", settings_of(denoise), 1, 8);
+    const SessionImages s("cornell", settings_of(denoise), 1, 8);
     EXPECT_LT(shown_mse(s.denoised, s.reference), 0.2 * shown_mse(s.noisy, s.reference));
   });
 }
 
 TEST_F(DenoisedImage, IsAsBrightAsTheScene) {
   for_each_denoiser([](DenoiseChoice denoise) {
-    const Shown s("cornell", settings_of(denoise), 16, 0);
+    const SessionImages s("cornell", settings_of(denoise), 16, 0);
     EXPECT_NEAR(mean_luminance(s.denoised) / mean_luminance(s.reference), 1.0, 0.02);  // the pages' stated bias
   });
 }
@@ -130,7 +130,7 @@ TEST_F(DenoisedImage, IsAsBrightAsTheScene) {
 /// Details that features do not contain survive: the error falls below that of the samples' mean.
 TEST_F(DenoisedImage, MirrorImagesSurvive) {
   for_each_denoiser([](DenoiseChoice denoise) {
-    const Shown s("cornell-mirror", settings_of(denoise, EstimatorChoice::bdpt), 8, 0);
+    const SessionImages s("cornell-mirror", settings_of(denoise, EstimatorChoice::bdpt), 8, 0);
     const Region mirror{16, 16, 80, 60};
     EXPECT_LT(shown_mse(s.denoised, s.reference, mirror), 0.8 * shown_mse(s.mean, s.reference, mirror));
   });
@@ -138,7 +138,7 @@ TEST_F(DenoisedImage, MirrorImagesSurvive) {
 
 TEST_F(DenoisedImage, CausticsSurvive) {
   for_each_denoiser([](DenoiseChoice denoise) {
-    const Shown s("cornell-glass", settings_of(denoise, EstimatorChoice::bdpt), 16, 0);
+    const SessionImages s("cornell-glass", settings_of(denoise, EstimatorChoice::bdpt), 16, 0);
     const Region floor{8, 70, 88, 94};
     EXPECT_LT(shown_mse(s.denoised, s.reference, floor), 0.8 * shown_mse(s.mean, s.reference, floor));
   });
@@ -149,7 +149,7 @@ TEST_F(DenoisedImage, EdgesOfLampsDoNotShineThroughCaches) {
   for_each_denoiser([](DenoiseChoice denoise) {
     RenderSettings settings = settings_of(denoise);
     settings.cache = CacheChoice::psf;
-    const Shown s("cornell", settings, 1, 4);
+    const SessionImages s("cornell", settings, 1, 4);
     EXPECT_LT(shown_mse(s.denoised, s.reference), 1.2 * shown_mse(s.noisy, s.reference));
     for (const Rgb& pixel : s.denoised.pixels) ASSERT_GE(std::min({pixel.x, pixel.y, pixel.z}), 0);
   });

@@ -54,7 +54,7 @@ GltfBuilder textured_file(const TempFolder& folder) {
   return file;
 }
 
-Image picture(Scene scene) {
+Image render_image(Scene scene) {
   RenderSettings settings;
   settings.width = settings.height = 24;
   settings.threads = 1;
@@ -67,7 +67,7 @@ TEST(GltfKeptImages, LoadedAndExportedScenesLookTheSame) {
   const TempFolder folder;
   const Scene before = textured_file(folder).load();
   ASSERT_TRUE(before.warnings.empty()) << before.warnings.front();
-  const Image expected = picture(before);
+  const Image expected = render_image(before);
   for (const char* name : {"b.glb", "b.gltf"}) {
     EXPECT_EQ(write_gltf(folder / name, before).size(), 1u) << "nothing is lost or converted";
     const Scene after = load_scene(folder / name);
@@ -86,7 +86,7 @@ TEST(GltfKeptImages, LoadedAndExportedScenesLookTheSame) {
         EXPECT_EQ(value, material.*std::get<T Material::*>(p.member)) << p.name;
       }
     });
-    EXPECT_EQ(picture(after).pixels, expected.pixels) << name;
+    EXPECT_EQ(render_image(after).pixels, expected.pixels) << name;
   }
 }
 
