@@ -130,7 +130,7 @@ TEST_F(ReferenceTest, ContinuesAfterAnInterruption) {
   EXPECT_EQ(file_count(), 1u);
 }
 
-TEST_F(ReferenceTest, KnowsHowSurfacesMoved) {
+TEST_F(ReferenceTest, StoresMotionOfSurfaces) {
   const Scene scene = find_builtin_scene("cornell-closed")->build();
   const auto still = ReferenceRenderer(scene, small(), 4, folder_).render(0, {}, {});
   const auto turned = ReferenceRenderer(scene, small(), 4, folder_).render(0.2f, 0.1f, {}, {}, {});

@@ -92,7 +92,7 @@ TEST(TimedSession, CountsSinceTheRestart) {
   EXPECT_EQ(first.pixels, session.session().image().pixels);
 }
 
-TEST(TimedSession, ARestartForgetsHistories) {
+TEST(TimedSession, ARestartDiscardsHistories) {
   RenderSettings settings;
   settings.width = 16;
   settings.height = 12;

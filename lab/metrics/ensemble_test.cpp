@@ -55,7 +55,7 @@ TEST(Ensemble, ABiasInOnePlaceIsAsCertainAsOneEverywhere) {
   EXPECT_GT(split.bias2, 10 * *split.bias2_error);
 }
 
-TEST(Ensemble, ManyRepetitionsKnowTheBiasBetter) {
+TEST(Ensemble, ManyRepetitionsReduceTheErrorOfTheBias) {
   const auto split_of = [](uint32_t count) {
     Ensemble ensemble;
     for (uint32_t seed = 1; seed <= count; ++seed) ensemble.add(make_noisy(seed, 0.01f, 0.03f));

@@ -67,7 +67,7 @@ TEST(TemporalError, IndependentNoiseCountsTwice) {
   EXPECT_NEAR(e.rel_mse, e.mse / 0.01, 1e-6 * e.rel_mse);
 }
 
-TEST(TemporalError, NoiseOfTheReferencesIsKnown) {
+TEST(TemporalError, EstimatesTheNoiseOfReferences) {
   // Images without error against noisy references: all of the temporal error is the references'.
   const Image black(kWidth, kHeight);
   Image variance(kWidth, kHeight);

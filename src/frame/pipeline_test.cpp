@@ -123,7 +123,7 @@ TEST_F(PipelineTest, StopsLateIfAPassAfterTheImageCan) {
   EXPECT_TRUE(pipeline_.stops_late());
 }
 
-TEST_F(PipelineTest, AcceptsPassesThatReadWhatEarlierOnesWrite) {
+TEST_F(PipelineTest, AcceptsReadsOfEarlierWrites) {
   add({.name = "trace", .stage = Stage::trace, .owns = {{.id = kRadiance}}});
   add({.name = "filter", .stage = Stage::resolve, .reads = {kRadiance}, .writes = {kRadiance}});
   EXPECT_NO_THROW(pipeline_.check());
@@ -189,7 +189,7 @@ class Reach final : public Pass {
   bool write_;
 };
 
-TEST(Pipeline, PassesSeeOnlyWhatTheyDeclare) {
+TEST(Pipeline, PassesAccessOnlyDeclaredBuffers) {
   const auto run = [](PassDeclaration declaration, bool write) {
     Pipeline pipeline;
     pipeline.add(std::make_unique<Reach>(std::move(declaration), write));
@@ -210,7 +210,7 @@ TEST(Pipeline, PassesSeeOnlyWhatTheyDeclare) {
   EXPECT_THROW(run({.name = "reader", .reads = {kRadiance}}, true), std::logic_error);
 }
 
-TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
+TEST(Pipeline, SurfaceBuffersRequireADeclaration) {
   struct Move final : Pass {
     explicit Move(bool declares) : moves(declares) {}
     PassDeclaration declaration() const override { return {.name = "move", .moves_surfaces = moves}; }

@@ -69,7 +69,7 @@ TEST(PixelMoments, LimitKeepsTheMeanAndTheVarianceOfASample) {
   EXPECT_EQ(few.m2, 0.0f);
 }
 
-TEST(PixelMoments, PlanesKeepWhatIsStored) {
+TEST(PixelMoments, PlanesReturnStoredMoments) {
   testing::MomentVectors planes(2);
   planes.mutable_view().store(1, {Rgb(1, 2, 3), 4, 5, 6});
   const PixelMoments read = planes.view()[1];

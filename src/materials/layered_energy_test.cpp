@@ -66,7 +66,7 @@ TEST(LayeredEnergy, AnisotropicMetalIsNearlyWhite) {
 }
 
 /// Cloth over a white base never returns more than all light, and loses little where the fibres absorb little.
-TEST(LayeredEnergy, SheenTakesWhatItReturnsFromTheBase) {
+TEST(LayeredEnergy, SheenOverAWhiteBaseCreatesNoEnergy) {
   for (const float sheen_roughness : {0.1f, 0.3f, 0.6f, 1.0f}) {
     MaterialCase cloth = white("cloth", 0, 0, false);
     cloth.sample.specular = 0;

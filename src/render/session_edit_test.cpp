@@ -63,7 +63,7 @@ struct Card {
   NodeHandle node;
 };
 
-TEST(SessionEdit, ShowsWhatIsAddedMovedAndRemoved) {
+TEST(SessionEdit, ShowsAddedMovedAndRemovedNodes) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   const double before = rendered_luminance(session);
   Card card(session, 7);

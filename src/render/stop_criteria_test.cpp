@@ -78,7 +78,7 @@ TEST(RenderUntil, KeepsWithinTheTime) {
   EXPECT_EQ(session.samples, 3u) << "a fourth frame would end after 12 s";
 }
 
-TEST(RenderUntil, CompletesOneFrameWhateverTheTime) {
+TEST(RenderUntil, CompletesAtLeastOneFrame) {
   FakeSession session;
   session.frame_s = 60;
   EXPECT_EQ(session.run({.time_s = 0.001}), StopReason::time);

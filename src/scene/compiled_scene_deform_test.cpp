@@ -130,7 +130,7 @@ TEST(DeformingMeshes, LightsMoveWithTheSurface) {
     EXPECT_EQ(view.lights.lights[t].triangle.v0, view.vertices[view.triangles[t].x].position);
 }
 
-TEST(DeformingMeshes, CamerasAndLightsMayStandOnJoints) {
+TEST(DeformingMeshes, CamerasAndLightsMoveWithJoints) {
   Scene scene = figure();
   scene.cameras.emplace_back();
   scene.lights.emplace_back();

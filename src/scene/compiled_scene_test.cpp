@@ -355,7 +355,7 @@ TEST(CompiledScene, CountsItsMemory) {
   EXPECT_GT(bytes_of(with_map), plain + 64 * 32 * sizeof(Rgb));
 }
 
-TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {
+TEST(WorldTriangles, BoxIsUpdatedWithTransforms) {
   CompiledScene scene(plate(), {.width = kSize, .height = kSize, .movable = {0}});
   EXPECT_EQ(world_box(scene.view()).low, Vec3(-1, -1, 0));
   EXPECT_EQ(world_box(scene.view()).high, Vec3(1, 1, 0));

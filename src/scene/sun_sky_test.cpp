@@ -65,7 +65,7 @@ TEST(SunSky, SunFadesAndReddensTowardsTheHorizonAndInHaze) {
   EXPECT_TRUE(is_black(make_sun_sky(sky_with(-0.1f, 3)).sun.irradiance));
 }
 
-TEST(SunSky, GroundReflectsWhatFallsOnIt) {
+TEST(SunSky, GroundReflectsItsIrradiance) {
   SunSky s = sky_with(0.7f, 3);
   s.ground_albedo = Rgb(0.5f, 0.25f, 0.1f);
   const SunSkyModel model = make_sun_sky(s);

@@ -125,7 +125,7 @@ TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
   EXPECT_EQ(estimate_of(render(lamp, settings(0), 4)).mean, Rgb(1));
 }
 
-TEST_P(Scattering, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5 of the radiance
+TEST_P(Scattering, MirrorHasSchlickReflectance) {  // F0 + (1 - F0)(1 - cos 45°)^5 of the radiance
   const Rgb f0(0.9f, 0.5f, 0.1f);
   Scene scene;
   add(scene, quad({0, -1, -1}, {0, 2, 0}, {1.4142f, 0, 1.4142f}), metal("mirror", f0, 0));

@@ -124,7 +124,7 @@ const FeatureCase kCases[] = {
 };
 
 class VertexColorFeature : public FeatureTest {};
-TEST_P(VertexColorFeature, ShowsWhatItMeans) { check(); }
+TEST_P(VertexColorFeature, MatchesPlainScene) { check(); }
 INSTANTIATE_TEST_SUITE_P(Gltf, VertexColorFeature, ::testing::ValuesIn(kCases), feature_name);
 
 }  // namespace

@@ -237,7 +237,7 @@ const FeatureCase kCases[] = {
 };
 
 class GeometryFeature : public FeatureTest {};
-TEST_P(GeometryFeature, ShowsWhatItMeans) { check(); }
+TEST_P(GeometryFeature, MatchesPlainScene) { check(); }
 INSTANTIATE_TEST_SUITE_P(Gltf, GeometryFeature, ::testing::ValuesIn(kCases), feature_name);
 
 }  // namespace

@@ -127,7 +127,7 @@ const FeatureCase kCases[] = {
 };
 
 class NodeFeature : public FeatureTest {};
-TEST_P(NodeFeature, ShowsWhatItMeans) { check(); }
+TEST_P(NodeFeature, MatchesPlainScene) { check(); }
 INSTANTIATE_TEST_SUITE_P(Gltf, NodeFeature, ::testing::ValuesIn(kCases), feature_name);
 
 /// One scene with its bytes in data URIs, in separate files, and in a GLB.

@@ -138,7 +138,7 @@ const FeatureCase kCases[] = {
 };
 
 class TextureFeature : public FeatureTest {};
-TEST_P(TextureFeature, ShowsWhatItMeans) { check(); }
+TEST_P(TextureFeature, MatchesPlainScene) { check(); }
 INSTANTIATE_TEST_SUITE_P(Gltf, TextureFeature, ::testing::ValuesIn(kCases), feature_name);
 
 TEST(TextureFeatures, TexelsLieWhereGltfPutsThem) {  // (0, 0) is the upper left corner; sRGB codes are decoded

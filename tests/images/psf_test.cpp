@@ -210,7 +210,7 @@ TEST_P(Caches, FurnaceIsAnalyticWithAnyVariance) {
   }
 }
 
-TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
+TEST_P(Caches, MovedObjectsAppearWithinTenFrames) {
   constexpr int kSize = 80;
   for (const char* name : {"lamp", "tall box"}) {
     Scene scene = build("cornell");

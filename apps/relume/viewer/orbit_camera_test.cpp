@@ -85,7 +85,7 @@ TEST(Orbit, KeepsThePivotInPlaceWhereverUpIs) {
   }
 }
 
-TEST(OnScreen, IsWhatTheImageShows) {
+TEST(OnScreen, IsInsideTheImage) {
   CameraPose camera = camera_at({0, 0, 4}, {0, 0, 0});
   camera.camera.fov_y_rad = 0.5f * kPi;  // the image shows 8 by 16 metres at the origin
   EXPECT_TRUE(is_on_screen(camera, {0, 0, 0}, 2));

@@ -69,7 +69,7 @@ TEST(Presets, AreIndependentOfEarlierChoices) {
   }
 }
 
-TEST(Presets, KeepTheImageAndWhatTheSceneAsksFor) {
+TEST(Presets, KeepImageAndSceneSettings) {
   AllSettings current;
   current.render.width = 123;
   current.render.camera = "side";

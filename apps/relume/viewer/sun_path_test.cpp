@@ -30,7 +30,7 @@ TEST(SunPath, NoonElevationFollowsFromLatitudeAndTilt) {
   EXPECT_NEAR(sun_position(12, kMidsummer, kLatitude).azimuth_rad, 0, kTolerance) << "south";
 }
 
-TEST(SunPath, StandsHighestAtNoonAndBelowTheHorizonAtMidnight) {
+TEST(SunPath, IsHighestAtNoonAndBelowTheHorizonAtMidnight) {
   for (float hour = 0; hour <= 24; hour += 0.5f)
     EXPECT_LE(sun_position(hour, kMidsummer, kLatitude).elevation_rad,
               sun_position(12, kMidsummer, kLatitude).elevation_rad);

@@ -25,7 +25,7 @@ TEST(Verdict, NoiseDecidesNothing) {
   EXPECT_EQ(compared(0.1f, 0.11f, 0.01f), kVerdictHolds);
 }
 
-TEST(Verdict, AMarginDecidesWhatIsEqual) {
+TEST(Verdict, AMarginDecidesEquality) {
   const Image truth = reference();
   const Estimate a = squared_bias(repetitions(6, 0.5f, 0.001f, 100), truth, 0);
   const Estimate b = squared_bias(repetitions(6, 0.5f, 0.001f, 900), truth, 0);

@@ -24,7 +24,7 @@ std::vector<FrameSums> sums_of(int repetitions, int frames, float shared, float 
   return list;
 }
 
-TEST(FrameVariance, CountsWhatFramesOfASessionShare) {
+TEST(FrameVariance, IncludesNoiseSharedByFramesOfASession) {
   const PixelMask all = mask_of({"image"}, 32, 32);
   // Ten thousand values determine a variance to a few per cent.
   EXPECT_NEAR(frame_variance(sums_of(6, 8, 0, 0.3f, 1), all).value, 0.03, 0.002);

@@ -48,7 +48,7 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   EXPECT_NEAR(region_ratio(comparison, "noisy", "clean", left).value, 0.36 / 0.15, 1e-5);
 }
 
-TEST(Regions, VariancesAreNoiseWithoutWhatAllImagesLack) {
+TEST(Regions, VariancesExcludeSharedErrors) {
   Comparison comparison;
   comparison.contenders.emplace_back().name = "dark";
   comparison.contenders[0].images.assign(3, Image(16, 16));

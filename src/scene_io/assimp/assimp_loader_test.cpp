@@ -48,7 +48,7 @@ Vec3 world_position(const Scene& scene, size_t vertex) {
   return Vec3(kInfinity);
 }
 
-TEST(Assimp, KnowsTheMaterialLibrariesOfObjFiles) {
+TEST(Assimp, ListsMaterialLibrariesOfObjFiles) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {"mtllib a.mtl", {"a.mtl"}},
       {"mtllib a.mtl b.mtl", {"a.mtl", "b.mtl"}},

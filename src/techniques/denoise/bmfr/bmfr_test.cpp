@@ -222,7 +222,7 @@ TEST(Bmfr, PixelsWithoutSamplesAreFittedButNotUsed) {
   }
 }
 
-TEST(BlockRegression, FadingLightIsNoBetterKnownThanItsSamplesTell) {
+TEST(BlockRegression, LimitsTheSampleCountOfFadingLight) {
   // Noise around one value. Each pixel claims a hundred samples.
   const auto spread = [](float most_samples) {
     Surface s;

@@ -173,7 +173,7 @@ TEST(ImageHistory, MotionIsFollowedWithoutBlur) {
     EXPECT_NEAR(p.image[20 * kWidth + x].r, wave(static_cast<float>(x) - 2.5f).r, 0.01f);
 }
 
-TEST(ImageHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
+TEST(ImageHistory, ConvergesToTheMeanWithinItsError) {
   Images p;  // the image is off by 2
   const ConvergeKernel kernel = p.converge();
   kernel(20, 20);

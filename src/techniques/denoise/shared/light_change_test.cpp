@@ -132,7 +132,7 @@ TEST(LightChange, IsDetectedBesideTexelsWithoutHistory) {
   for (const float d : wall.discounts()) EXPECT_GT(d, 1.0f);
 }
 
-TEST(LightChange, NothingIsKnownWithoutAPast) {
+TEST(LightChange, DiscountsAreZeroWithoutHistory) {
   Wall wall(3);
   std::fill(wall.count.begin(), wall.count.end(), 0u);
   for (const float d : wall.discounts()) EXPECT_EQ(d, 0.0f);

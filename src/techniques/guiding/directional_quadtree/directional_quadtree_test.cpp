@@ -182,7 +182,7 @@ TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
   EXPECT_LT(2 * spread(true), spread(false));
 }
 
-TEST(QuadtreeArray, StoresWhatItLoads) {
+TEST(QuadtreeArray, LoadsStoredTrees) {
   for (const uint32_t bit_count : kBitCounts) {
     std::vector<uint32_t> words(3 * bit_count / 32);
     const QuadtreeArray array{mutable_view_of(words), bit_count};

@@ -284,7 +284,7 @@ TEST_F(Caches, RefuseBucketsBeyondTheirEntries) {
   EXPECT_FALSE(loads({0, 1}, 97, 3));
 }
 
-TEST_F(Caches, KnowWhetherBucketsAreConsistent) {
+TEST_F(Caches, DetectInconsistentBuckets) {
   const auto consistent = [](const std::vector<uint32_t>& entries, const std::vector<float>& weights) {
     std::stringstream file;
     write_vector(file, std::vector<LightBuckets>{{0, 2}});

@@ -73,7 +73,7 @@ TEST(RegionChange, TwoOutlyingFramesOfOneCellAreAChange) {
   EXPECT_NEAR(region.mean(0), 3.0f, 1.1f);  // five standard errors
 }
 
-TEST(RegionChange, DiscountedHistoriesWeighWhatTheyAreWorth) {
+TEST(RegionChange, DiscountedCountMatchesTheError) {
   CellMoments history;
   history.count = 1000;
   CellMoments window;

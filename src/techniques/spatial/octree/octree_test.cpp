@@ -181,7 +181,7 @@ TEST(Octree, FirstTreeHasItsLinks) {
   EXPECT_EQ(tree.links().parents, computed.links().parents);
 }
 
-TEST(Octree, LeavesKnowTheirOrigin) {
+TEST(Octree, LeavesLinkToThePreviousTree) {
   // The surface moves between frames, so some leaves are split and others joined.
   Backend backend(1);
   OctreeTree tree = adapted(OctreeTree(Vec3(0), 16), surface_points(20000, Vec3(2, 0, 0), 1), kThresholds, 8);

@@ -60,7 +60,7 @@ TEST(SampleStream, DoesNotDependOnThreads) {
   EXPECT_EQ(orders[0], orders[1]);
 }
 
-TEST(SampleStream, KeepsWhatTheFirstVerticesLeft) {
+TEST(SampleStream, KeepsSamplesOfFirstVertices) {
   SampleStream stream;
   stream.resize(3, 1);
   for (VertexSample& sample : stream.samples()) sample.region = 1;
@@ -225,7 +225,7 @@ TEST_F(Recording, DeltaBouncesLeaveNoDirection) {
   EXPECT_EQ(samples_[0].value, 0.0f);
 }
 
-TEST_F(Recording, SkippedPixelsForgetTheLastFrame) {
+TEST_F(Recording, SkippedPixelsDiscardTheLastFrame) {
   samples_[4].region = 1;
   samples_[14].region = 1;
   recording_.skip(4);

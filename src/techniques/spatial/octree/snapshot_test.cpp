@@ -15,7 +15,7 @@ struct Counter {
   void load(std::istream& in) { read_value(in, frames); }
 };
 
-TEST(Snapshot, AnEpochSamplesWithWhatItsFirstFrameHad) {
+TEST(Snapshot, AnEpochSamplesWithTheStateOfItsFirstFrame) {
   Snapshot<Counter> snapshot;
   Counter learning;
   const auto frame = [&](bool begins_epoch) {

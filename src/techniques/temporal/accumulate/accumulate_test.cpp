@@ -186,7 +186,7 @@ TEST(LightFilm, StartsAgainWithTheMean) {
   EXPECT_EQ(p.moments.m2_rgb[0], 0.0f);
 }
 
-TEST(LightFilm, KnowsTheVarianceOfItsMean) {
+TEST(LightFilm, EstimatesTheVarianceOfItsMean) {
   // Frames of unequal numbers of light paths w, whose splats have the variance 1 / w.
   constexpr int kRuns = 4000;
   constexpr int kFrames = 6;

@@ -57,7 +57,7 @@ TEST(ReprojectionPass, SavesAndLoads) {
   EXPECT_EQ(state_of(pass), state);
 }
 
-TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
+TEST(ReprojectionPass, LoadsStateSavedBeforeTheFirstFrame) {
   const ReprojectionSettings settings;
   ReprojectionPass pass(settings, kPixels, false);
   EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, false))));
