@@ -7,10 +7,10 @@ namespace relume {
 
 /// Excludes light that next event estimation at the first vertex could sample, and guides no direction.
 struct IncidentPolicy : NoPolicy {
-  Rgb known{0};
+  Rgb nee_radiance{0};
 
-  RELUME_HD void emitted(const PathState& path, bool lights_know) {
-    if (path.bounce == 1 && lights_know) known = path.radiance;
+  RELUME_HD void emitted(const PathState& path, bool covered_by_nee) {
+    if (path.bounce == 1 && covered_by_nee) nee_radiance = path.radiance;
   }
   RELUME_HD bool arrived(SurfacePoint& sp, PathState&) {
     sp.region = kNoRegion;
@@ -31,7 +31,7 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   points[0] = sp;
   IncidentPolicy policy;
   walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, policy);
-  return path.radiance - policy.known;
+  return path.radiance - policy.nee_radiance;
 }
 
 /// Adds the incident luminance of one path times |cos θ| to each texel of an octahedral map of edge `edge`.

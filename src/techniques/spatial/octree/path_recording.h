@@ -65,9 +65,9 @@ struct PathRecorder {
   }
 
   template <typename Path>
-  RELUME_HD void emitted(const Path& path, bool lights_know) {
+  RELUME_HD void emitted(const Path& path, bool covered_by_nee) {
     const uint32_t v = path.bounce - 1;
-    if (v < recording->vertices && lights_know) radiance[v] = path.radiance;
+    if (v < recording->vertices && covered_by_nee) radiance[v] = path.radiance;
   }
 
   template <typename Path, typename Connection>

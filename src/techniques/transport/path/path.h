@@ -91,15 +91,15 @@ RELUME_HD inline Rgb dispersion_weight(const SceneView& scene, const SurfacePoin
 RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
                                            PathState& path) {
   if (is_black(sp.emission)) return false;
-  const bool lights_know = !path.delta && sp.light != kNoLight;
+  const bool covered_by_nee = !path.delta && sp.light != kNoLight;
   float weight = 1.0f;
-  if (lights_know) {
+  if (covered_by_nee) {
     const float pdf_light = c.selector.pmf(previous, sp.light) *
                             pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
     weight = power_heuristic(path.pdf_w, pdf_light);
   }
   path.radiance += path.throughput * sp.emission * weight;
-  return lights_know;
+  return covered_by_nee;
 }
 
 /// Adds light from infinity along a ray that left the scene, weighted in the same way. Returns whether next event
@@ -107,7 +107,7 @@ RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePo
 RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
   const LightsView& lights = c.scene.lights;
   const Vec3& wi = path.ray.direction;
-  bool lights_know = false;
+  bool covered_by_nee = false;
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
@@ -115,11 +115,11 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
     if (!path.delta) {
       const float pmf = c.selector.pmf(previous, id);
       if (pmf > 0.0f) weight = power_heuristic(path.pdf_w, pmf * pdf_li(lights, id, previous.position, wi, {}));
-      lights_know = lights_know || pmf > 0.0f;
+      covered_by_nee = covered_by_nee || pmf > 0.0f;
     }
     path.radiance += path.throughput * radiance * weight;
   }
-  return lights_know;
+  return covered_by_nee;
 }
 
 /// A light and a point on it, sampled from a surface.

@@ -13,9 +13,9 @@ struct Connection;
 /// The default policy does nothing and compiles away. A watching policy takes paths and surfaces by const reference; a
 /// steering policy takes them by reference and changes them.
 struct NoPolicy {
-  /// Called after the emission at the end of the path's ray was added. `lights_know`: next event estimation could also
-  /// have sampled it.
-  RELUME_HD void emitted(const PathState&, bool /*lights_know*/) {}
+  /// Called after the emission at the end of the path's ray was added. `covered_by_nee`: next event estimation could
+  /// also have sampled it.
+  RELUME_HD void emitted(const PathState&, bool /*covered_by_nee*/) {}
   /// Called at a surface whose own emission is already added. Returning false ends the path. A steering policy may
   /// change the lobes and region of the surface. It may also remove radiance and throughput from the path, here and in
   /// scattered().
@@ -48,9 +48,9 @@ struct PathPolicies<First, Others...> {
   First first;
   PathPolicies<Others...> others;
 
-  RELUME_HD void emitted(const PathState& path, bool lights_know) {
-    first.emitted(path, lights_know);
-    others.emitted(path, lights_know);
+  RELUME_HD void emitted(const PathState& path, bool covered_by_nee) {
+    first.emitted(path, covered_by_nee);
+    others.emitted(path, covered_by_nee);
   }
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     const bool first_continues = first.arrived(sp, path);
