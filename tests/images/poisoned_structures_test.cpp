@@ -99,7 +99,7 @@ class Poisoned {
  private:
   void build_caches() {
     const LightsView& lights = scene_.view().lights;
-    const std::vector<LightGuess> guesses = light_guesses(lights);
+    const std::vector<LightSummary> summaries = light_summaries(lights);
     // Each region has random light samples.
     SampleStream stream;
     stream.resize(tree_.leaf_slots(), 1);
@@ -111,8 +111,8 @@ class Poisoned {
     stream.group(backend_, tree_.leaf_slots());
     CacheBuildOptions options;
     options.bucket_size = 1;
-    caches_.build(backend_, tree_, stream.groups(), view_of(guesses), options);
-    exploration_.build(lights, guesses, scene_.view().camera.position, {}, 4);
+    caches_.build(backend_, tree_, stream.groups(), view_of(summaries), options);
+    exploration_.build(lights, summaries, scene_.view().camera.position, {}, 4);
     infinite_ = build_infinite_lights(lights, LightsAtInfinity::worth_sampling);
     columns_ = build_light_columns(lights);
     cache_.regions = caches_.buckets();

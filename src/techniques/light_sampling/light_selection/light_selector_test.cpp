@@ -89,7 +89,7 @@ struct Selectors {
     c.entries = view_of(entries);
     c.bucket_weights = view_of(bucket_weights);
     c.bucket_size = 8;
-    explored.build(lights, light_guesses(lights), Vec3(0), {}, 3);
+    explored.build(lights, light_summaries(lights), Vec3(0), {}, 3);
     c.all = explored.grid();
     c.infinite = make_infinite_lights(lights, infinite, true);
     c.ltc = ltc_table();

@@ -13,7 +13,7 @@ struct BucketWeightsKernel {
   View<const uint32_t> parents;
   View<const LightBuckets> buckets;
   View<const uint32_t> entries;
-  View<const LightGuess> lights;
+  View<const LightSummary> lights;
   uint32_t bucket_size = 32;
   float even = 1;       ///< uniform share, > 0
   View<float> weights;  ///< by bucket; a region's first index is its first entry / bucket_size
@@ -23,7 +23,7 @@ struct BucketWeightsKernel {
     if (b.count == 0) return;
     float* out = weights.data + b.first / bucket_size;
     const float turn = even / static_cast<float>(b.count);
-    const float sum = even < 1.0f ? guess(region, b, out) : 0.0f;
+    const float sum = even < 1.0f ? power_over_squared_distance(region, b, out) : 0.0f;
     const float scale = sum > 0.0f && is_finite(sum) ? (1.0f - even) / sum : 0.0f;
     const float all_turns = scale > 0.0f ? turn : turn / even;
     uint32_t last = b.count - 1;
@@ -47,7 +47,7 @@ struct BucketWeightsKernel {
 
   /// Sums power over squared distance, W/m², per bucket; returns the total. Distances are at least half the region's
   /// diagonal.
-  RELUME_HD float guess(uint32_t region, const LightBuckets& b, float* out) const {
+  RELUME_HD float power_over_squared_distance(uint32_t region, const LightBuckets& b, float* out) const {
     const OctreeCell cell = octree_cell_of(tree.nodes, parents, region);
     const float half = 0.5f * static_cast<float>(cell.size());
     const Vec3 center = tree.corner + (Vec3(cell.corner) + Vec3(half)) / tree.scale;
@@ -57,7 +57,7 @@ struct BucketWeightsKernel {
       out[i] = 0;
       const uint32_t* entry = entries.data + b.first + i * bucket_size;
       for (uint32_t k = 0; k < bucket_size && entry[k] != CachedLight::kNone; ++k) {
-        const LightGuess& light = lights[CachedLight::id(entry[k])];
+        const LightSummary& light = lights[CachedLight::id(entry[k])];
         out[i] += light.watts / max(length_squared(light.position - center), least);
       }
       sum += out[i];

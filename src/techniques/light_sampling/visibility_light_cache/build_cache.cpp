@@ -15,7 +15,7 @@ constexpr uint64_t kMostListed = uint64_t{1} << 31;
 }  // namespace
 
 void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
-                        View<const LightGuess> lights, const CacheBuildOptions& options) {
+                        View<const LightSummary> lights, const CacheBuildOptions& options) {
   const uint32_t regions = tree.leaf_slots();
   std::vector<uint64_t> dropped{0};
   std::vector<uint32_t> seen(samples.order.size);
@@ -56,7 +56,7 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   dropped_ = dropped[0];
 }
 
-void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightGuess> lights,
+void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                                const CacheBuildOptions& options, std::vector<uint64_t>& dropped) {
   const auto regions = static_cast<uint32_t>(lists_.size());
   std::vector<LightBuckets> buckets(regions);

@@ -37,7 +37,7 @@ class LightCaches {
  public:
   /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite lights. Larger ids are
   /// ignored: those of lights at infinity and of removed lights.
-  void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightGuess> lights,
+  void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
              const CacheBuildOptions& options);
 
   /// Gives each leaf of `next` the cache of the leaf that it stems from.
@@ -67,7 +67,7 @@ class LightCaches {
 
  private:
   /// Sorts the new lists into buckets and computes the weights.
-  void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightGuess> lights,
+  void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                     const CacheBuildOptions& options, std::vector<uint64_t>& dropped);
 
   std::vector<LightBuckets> buckets_;  ///< by leaf slot

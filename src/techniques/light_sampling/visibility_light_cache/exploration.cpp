@@ -9,43 +9,43 @@
 namespace relume {
 namespace {
 
-/// Weights for an alias table; `near(light)` is the distance guess.
+/// Weights for an alias table; `near(light)` is the weight by distance.
 template <typename Near>
-std::vector<float> blend(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, const Near& near) {
-  std::vector<float> guesses[3];
-  for (std::vector<float>& guess : guesses) guess.assign(lights.size(), 0.0f);
+std::vector<float> blend(const std::vector<LightSummary>& lights, const ExplorationWeights& weights, const Near& near) {
+  std::vector<float> distributions[3];
+  for (std::vector<float>& distribution : distributions) distribution.assign(lights.size(), 0.0f);
   for (size_t i = 0; i < lights.size(); ++i) {
     if (!(lights[i].watts > 0.0f)) continue;
-    guesses[0][i] = lights[i].watts;
-    guesses[1][i] = lights[i].changed ? 1.0f : 0.0f;
-    guesses[2][i] = near(lights[i]);
+    distributions[0][i] = lights[i].watts;
+    distributions[1][i] = lights[i].changed ? 1.0f : 0.0f;
+    distributions[2][i] = near(lights[i]);
   }
   const float shares[3] = {weights.energy, weights.change, weights.distance};
   std::vector<float> blended(lights.size(), 0.0f);
-  for (int g = 0; g < 3; ++g) {
+  for (int d = 0; d < 3; ++d) {
     double sum = 0;
-    for (const float w : guesses[g]) sum += static_cast<double>(w);
+    for (const float w : distributions[d]) sum += static_cast<double>(w);
     if (!(sum > 0)) continue;
     for (size_t i = 0; i < lights.size(); ++i)
-      blended[i] += shares[g] * static_cast<float>(static_cast<double>(guesses[g][i]) / sum);
+      blended[i] += shares[d] * static_cast<float>(static_cast<double>(distributions[d][i]) / sum);
   }
   return blended;
 }
 
 /// By distance to the camera, at least 1 % of the scene's radius.
-std::vector<AliasEntry> one_table(const std::vector<LightGuess>& lights, float scene_radius, const Vec3& camera,
+std::vector<AliasEntry> one_table(const std::vector<LightSummary>& lights, float scene_radius, const Vec3& camera,
                                   const ExplorationWeights& weights) {
   const float nearest2 = sqr(0.01f * scene_radius);
-  return build_alias_table(blend(lights, weights, [&](const LightGuess& light) {
+  return build_alias_table(blend(lights, weights, [&](const LightSummary& light) {
     return 1.0f / std::max(length_squared(light.position - camera), nearest2);
   }));
 }
 
-uint64_t fingerprint_of(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, uint32_t cells) {
+uint64_t fingerprint_of(const std::vector<LightSummary>& lights, const ExplorationWeights& weights, uint32_t cells) {
   uint64_t h = cells + 1;
   const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
   for (const float w : {weights.energy, weights.change, weights.distance}) add(w);
-  for (const LightGuess& light : lights) {
+  for (const LightSummary& light : lights) {
     for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
     add(light.watts);
     add(light.changed ? 1.0f : 0.0f);
@@ -68,8 +68,8 @@ UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
 
 }  // namespace
 
-std::vector<LightGuess> light_guesses(const LightsView& lights) {
-  std::vector<LightGuess> list(lights.first_infinite);
+std::vector<LightSummary> light_summaries(const LightsView& lights) {
+  std::vector<LightSummary> list(lights.first_infinite);
   for (LightId i = 0; i < lights.first_infinite; ++i)
     list[i] = {position_of(lights.lights[i]), selection_weight(lights, i), lights.lights[i].changed};
   return list;
@@ -77,19 +77,20 @@ std::vector<LightGuess> light_guesses(const LightsView& lights) {
 
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights) {
-  return one_table(light_guesses(lights), lights.bounds.radius, camera, weights);
+  return one_table(light_summaries(lights), lights.bounds.radius, camera, weights);
 }
 
-void ExplorationTables::build(const LightsView& lights, const std::vector<LightGuess>& list, const Vec3& camera,
+void ExplorationTables::build(const LightsView& lights, const std::vector<LightSummary>& list, const Vec3& camera,
                               const ExplorationWeights& weights, uint32_t cells) {
   Vec3 low(kInfinity);
   Vec3 high(-kInfinity);
-  for (const LightGuess& light : list) {
+  for (const LightSummary& light : list) {
     low = glm::min(low, light.position);
     high = glm::max(high, light.position);
   }
   constexpr uint32_t kMostEntries = 1u << 18;
-  const bool emits = std::any_of(list.begin(), list.end(), [](const LightGuess& light) { return light.watts > 0.0f; });
+  const bool emits =
+      std::any_of(list.begin(), list.end(), [](const LightSummary& light) { return light.watts > 0.0f; });
   const bool apart = emits && max_component(high - low) > 0.0f;
   const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
   const uint32_t count = dims.x * dims.y * dims.z;
@@ -112,7 +113,7 @@ void ExplorationTables::build(const LightsView& lights, const std::vector<LightG
   parallel_for(count, [&](uint32_t cell) {
     const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
     const Vec3 middle = low + edge * (at + Vec3(0.5f));
-    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightGuess& light) {
+    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightSummary& light) {
       return light.watts / std::max(length_squared(light.position - middle), nearest2);
     }));
     std::copy(table.begin(), table.end(), entries_.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));

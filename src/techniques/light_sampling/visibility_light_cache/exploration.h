@@ -1,5 +1,5 @@
 // Exploration: light selection among all finite lights, including those that no cache lists yet. The probabilities are
-// a mixture of three guesses of a light's importance. There is one table for all points ([Dittebrandt20, §4.3]), or one
+// a mixture of three distributions over the lights. There is one table for all points ([Dittebrandt20, §4.3]), or one
 // per cell of a coarse grid.
 #pragma once
 
@@ -11,16 +11,16 @@
 namespace relume {
 
 /// Properties of a light for exploration.
-struct LightGuess {
+struct LightSummary {
   Vec3 position{0};
   float watts = 0;  ///< luminance of the emitted power
   bool changed = false;
 };
 
 /// Properties of all finite lights, by id.
-std::vector<LightGuess> light_guesses(const LightsView& lights);
+std::vector<LightSummary> light_summaries(const LightsView& lights);
 
-/// Relative shares of the three guesses in the mixture.
+/// Relative shares of the three distributions in the mixture.
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light can be chosen
   float change = 1;  ///< uniform over the lights that changed since the last frame
@@ -50,7 +50,7 @@ struct ExplorationGrid {
   }
 };
 
-/// Entries of an alias table over the finite lights. Lights without emission have probability 0; a guess without lights
+/// Entries of an alias table over the finite lights. Lights without emission have probability 0; an empty distribution
 /// leaves its share to the others.
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights);
@@ -58,9 +58,10 @@ std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& 
 /// Owns the tables of a grid over the box of the finite lights.
 class ExplorationTables {
  public:
-  /// `guesses`: light_guesses(lights). `cells`: along the longest side, reduced for very many lights; 1: a single table
-  /// by distance to the camera, as in the paper. The tables of several cells are rebuilt only when a light changes.
-  void build(const LightsView& lights, const std::vector<LightGuess>& guesses, const Vec3& camera,
+  /// `summaries`: light_summaries(lights). `cells`: along the longest side, reduced for very many lights; 1: a single
+  /// table by distance to the camera, as in the paper. The tables of several cells are rebuilt only when a light
+  /// changes.
+  void build(const LightsView& lights, const std::vector<LightSummary>& summaries, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;
   size_t memory_bytes() const { return sizeof(AliasEntry) * entries_.size(); }

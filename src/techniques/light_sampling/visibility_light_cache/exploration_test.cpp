@@ -39,7 +39,7 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   view.first_infinite = 6;
   view.bounds = {Vec3(0), 50};
   ExplorationTables tables;
-  tables.build(view, light_guesses(view), Vec3(0), {}, 5);
+  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
   EXPECT_EQ(tables.grid().cells, UVec3(5, 1, 1));
   for (const float x : {-7.0f, 3.0f, 22.0f, 41.0f, 99.0f}) {  // outside the grid too
     const AliasTable here = tables.grid().at(Vec3(x, 0, 0));
@@ -53,14 +53,14 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   EXPECT_GT(tables.grid().at(Vec3(39, 0, 0)).pmf(4), 3 * tables.grid().at(Vec3(39, 0, 0)).pmf(0));
   // Changed lights rebuild the tables.
   lights[0].point.intensity = Rgb(0);
-  tables.build(view, light_guesses(view), Vec3(0), {}, 5);
+  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
   EXPECT_EQ(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 0.0f);
   for (Light& light : lights) light.point.intensity = Rgb(0);
-  tables.build(view, light_guesses(view), Vec3(0), {}, 5);
+  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
   EXPECT_TRUE(tables.grid().empty());
   // A single cell uses the paper's table.
   for (Light& light : lights) light.point.intensity = Rgb(1);
-  tables.build(view, light_guesses(view), Vec3(0), {}, 1);
+  tables.build(view, light_summaries(view), Vec3(0), {}, 1);
   EXPECT_EQ(tables.grid().at(Vec3(39, 0, 0)).pmf(2), build_exploration(view, Vec3(0), {})[2].pmf);
 }
 

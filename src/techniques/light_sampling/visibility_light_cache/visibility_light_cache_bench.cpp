@@ -22,8 +22,8 @@ struct World {
     stream.resize(8 * 4096, 1);
     for (uint32_t i = 0; i < 8 * 4096; ++i) stream.samples()[i] = {i % 8, (hash(i) % count) | kVisibleLight, 0, 0};
     stream.group(backend, 8);
-    guesses = light_guesses(view);
-    caches.build(backend, tree, stream.groups(), view_of(guesses), {});
+    summaries = light_summaries(view);
+    caches.build(backend, tree, stream.groups(), view_of(summaries), {});
     cache.regions = caches.buckets();
     cache.entries = caches.entries();
     cache.bucket_weights = caches.bucket_weights();
@@ -39,7 +39,7 @@ struct World {
   Backend backend{1};
   OctreeTree tree;
   SampleStream stream;
-  std::vector<LightGuess> guesses;
+  std::vector<LightSummary> summaries;
   LightCaches caches;
   std::vector<AliasEntry> all;
   std::vector<float> columns;
@@ -65,7 +65,8 @@ BENCHMARK(bm_light_cache_sample)->ArgName("lights")->Arg(8)->Arg(32)->Arg(500);
 void bm_light_cache_build(benchmark::State& state) {
   const auto count = static_cast<uint32_t>(state.range(0));
   World world(count);
-  for (auto _ : state) world.caches.build(world.backend, world.tree, world.stream.groups(), view_of(world.guesses), {});
+  for (auto _ : state)
+    world.caches.build(world.backend, world.tree, world.stream.groups(), view_of(world.summaries), {});
   state.SetItemsProcessed(state.iterations() * 8 * 4096);
 }
 BENCHMARK(bm_light_cache_build)->ArgName("lights")->Arg(8)->Arg(500)->Unit(benchmark::kMicrosecond);

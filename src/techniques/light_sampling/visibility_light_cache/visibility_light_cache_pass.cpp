@@ -8,7 +8,7 @@
 namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
-  const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
+  const std::vector<LightSummary> lights = light_summaries(frame.scene.lights);
   drop_inconsistent(static_cast<uint32_t>(lights.size()));
   snapshot_.begin_frame(frame.begins_epoch, caches_);
   if (!octree_.begins_again()) {
@@ -20,7 +20,7 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
   return true;
 }
 
-void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std::vector<LightGuess>& guesses) {
+void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std::vector<LightSummary>& summaries) {
   if (!octree_.has_samples()) {
     caches_ = {};
     return;
@@ -31,7 +31,7 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std
   options.hysteresis = settings_.hysteresis;
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
-  caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(guesses), options);
+  caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(summaries), options);
   caches_.populate(frame.backend, octree_.tree());
 }
 
@@ -54,9 +54,9 @@ bool KnownLightsPass::run(const FrameContext& frame) {
   return true;
 }
 
-void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses) {
+void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std::vector<LightSummary>& summaries) {
   const LightsView& lights = frame.scene.lights;
-  all_.build(lights, guesses, frame.scene.camera.position,
+  all_.build(lights, summaries, frame.scene.camera.position,
              {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
              static_cast<uint32_t>(settings_.exploration_cells));
   infinite_ = build_infinite_lights(lights, selection_.infinity());

@@ -37,8 +37,8 @@ class VisibilityLightCachePass final : public Pass {
  private:
   /// Clears the caches that a damaged checkpoint left inconsistent.
   void drop_inconsistent(uint32_t light_count);
-  void build_caches(const FrameContext& frame, const std::vector<LightGuess>& guesses);
-  void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
+  void build_caches(const FrameContext& frame, const std::vector<LightSummary>& summaries);
+  void build_tables(const FrameContext& frame, const std::vector<LightSummary>& summaries);
 
   VisibilityLightCacheSettings settings_;
   LightSelectionSettings selection_;

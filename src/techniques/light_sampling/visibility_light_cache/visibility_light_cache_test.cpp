@@ -68,7 +68,7 @@ class Caches : public ::testing::Test {
 
   Backend backend_{2};
   OctreeTree tree_{Vec3(0), 2};
-  std::vector<LightGuess> lights_ = std::vector<LightGuess>(kLights);
+  std::vector<LightSummary> lights_ = std::vector<LightSummary>(kLights);
   std::vector<VertexSample> samples_;
   LightCaches caches_;
   CacheBuildOptions options_;
