@@ -83,7 +83,7 @@ void move_sun(const State& state, SunSky& sky) {
 void add_bookmark(State& state) { store_bookmark(state, state.bookmarks.size()); }
 
 void store_bookmark(State& state, size_t slot) {
-  if (!state.knows_camera()) return state.notify(kNoCamera, true);
+  if (!state.has_camera()) return state.notify(kNoCamera, true);
   slot = std::min(slot, state.bookmarks.size());
   const Bookmark bookmark{fmt::format("View {}", slot + 1), current_view(state)};
   if (slot == state.bookmarks.size()) {
@@ -98,7 +98,7 @@ void store_bookmark(State& state, size_t slot) {
 void go_to_bookmark(State& state, size_t slot) {
   if (slot >= state.bookmarks.size())
     return state.notify(fmt::format("no view {}; store one with Ctrl and a digit", slot + 1));
-  if (!state.knows_camera()) return state.notify(kNoCamera, true);
+  if (!state.has_camera()) return state.notify(kNoCamera, true);
   set_view(state, state.bookmarks[slot].view);
 }
 
@@ -122,7 +122,7 @@ void toggle_path(State& state) {
 }
 
 void add_path_key(State& state) {
-  if (!state.knows_camera()) return state.notify(kNoCamera, true);
+  if (!state.has_camera()) return state.notify(kNoCamera, true);
   PathTools& tools = state.path;
   const Viewpoint view = current_view(state);
   float time = tools.path.keys().empty() ? 0 : tools.path.duration_s() + tools.spacing_s;
@@ -134,7 +134,7 @@ void add_path_key(State& state) {
 void update_path(State& state) {
   PathTools& tools = state.path;
   const auto time = static_cast<float>(state.now_s - tools.since_s);
-  if (tools.recording && state.knows_camera()) {
+  if (tools.recording && state.has_camera()) {
     const bool due =
         tools.path.keys().empty() || time - tools.path.duration_s() >= static_cast<float>(kRecordInterval_s);
     const Viewpoint view = current_view(state);
@@ -165,7 +165,7 @@ void save_numbered_image(State& state, const std::string& extension) {
 }
 
 void write_view_file(State& state, const std::filesystem::path& file) {
-  if (!state.knows_camera()) throw Error(kNoCamera);
+  if (!state.has_camera()) throw Error(kNoCamera);
   const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path,
                                           state.ocio.view() != nullptr});
   state.notify("wrote " + file.string());

@@ -49,7 +49,7 @@ void Document::set_camera(const std::optional<CameraPose>& camera) { edits_.came
 
 void Document::set_time(float time_s) {
   edits_.time_s = {time_s, next_version()};
-  forget_places();
+  invalidate_transforms();
 }
 
 void Document::play(const std::string& animation) {
@@ -64,13 +64,13 @@ void Document::play(const std::string& animation) {
     return is_transform(channel.property) && edits_.nodes.contains(channel.node);
   });
   duration_s_ = animation_end(outline_);
-  forget_places();
+  invalidate_transforms();
 }
 
 void Document::choose_variant(const std::string& name) { relume::choose_variant(outline_, name); }
 
-void Document::forget_places() {
-  world_known_ = false;
+void Document::invalidate_transforms() {
+  world_valid_ = false;
   deformed_bounds_.clear();
   joints_.reset();
 }
@@ -83,7 +83,7 @@ void Document::set_transform(Index node, const Transform& transform) {
     return channel.node == node && is_transform(channel.property);
   });
   edits_.nodes[node] = {transform, next_version()};
-  forget_places();
+  invalidate_transforms();
 }
 
 void Document::set_light(Index light, const PunctualLight& value) {
@@ -155,8 +155,8 @@ bool Document::make_movable(Index node) {
 }
 
 const std::vector<Mat4>& Document::world() const {
-  if (!world_known_) world_ = world_matrices(outline_, edits_.time_s.value);
-  world_known_ = true;
+  if (!world_valid_) world_ = world_matrices(outline_, edits_.time_s.value);
+  world_valid_ = true;
   return world_;
 }
 

@@ -102,7 +102,7 @@ class Document {
   /// Calls f(box, matrix to world space) for each instance of the node's meshes.
   template <typename F>
   void for_each_box(Index node, const F& f) const;
-  void forget_places();
+  void invalidate_transforms();
   uint64_t next_version() { return ++edits_.version; }
 
   std::shared_ptr<const LoadedScene> loaded_;
@@ -117,7 +117,7 @@ class Document {
   mutable std::map<std::pair<Index, Index>, Box> deformed_bounds_;  ///< by node and mesh, at the current time
   mutable std::optional<JointMatrices> joints_;                     ///< at the current time, computed on demand
   mutable std::vector<Mat4> world_;
-  mutable bool world_known_ = false;
+  mutable bool world_valid_ = false;
 };
 
 }  // namespace relume::viewer

@@ -101,7 +101,7 @@ void navigate(State& state, const Vec3& move, bool fast, float image_height_px) 
   Navigation& n = state.navigation;
   const bool orbits = n.mode == CameraMode::orbit;
   if (!orbits && n.notches != 0) state.fly.speed = clamp(state.fly.speed * std::exp2(0.25f * n.notches), 0.001f, 1e4f);
-  if (state.knows_camera()) {
+  if (state.has_camera()) {
     const float height_px = std::max(image_height_px, 1.0f);
     CameraPose camera = current_camera(state);
     bool moved = fly(state, camera, {move, orbits ? Vec2(0) : n.turn_px, fast}, height_px);
@@ -123,7 +123,7 @@ void navigate(State& state, const Vec3& move, bool fast, float image_height_px) 
 
 void frame_selection(State& state) {
   const Box box = selected_box(state);
-  if (box.empty() || !state.knows_camera()) return;
+  if (box.empty() || !state.has_camera()) return;
   CameraPose camera = current_camera(state);
   const RenderSettings& render = state.settings[0].render;
   frame_box(camera, box, static_cast<float>(render.width) / static_cast<float>(render.height));

@@ -149,7 +149,7 @@ void FrameTimes::add(const ViewerFrame& frame) {
   }
 }
 
-bool State::knows_camera() const {
+bool State::has_camera() const {
   if (!document) return false;
   if (document->edits().camera.value) return true;
   return frame() && frame()->scene == document->loaded() && !camera_released && !awaits_camera;

@@ -140,7 +140,7 @@ struct State {
 
   const ViewerFrame* frame() const { return frames[0].get(); }
   /// Whether the present camera is known: the user's, or that of a frame with the scene's camera.
-  bool knows_camera() const;
+  bool has_camera() const;
   int sides() const { return split ? 2 : 1; }
   /// Whether the display follows that request and is final: every side has met --spp, --time or --error.
   bool reached_goals(uint64_t request_version) const;
@@ -181,7 +181,7 @@ void set_split(State& state, bool split);
 /// Sets the time of the animation.
 void set_scene_time(State& state, float time_s);
 
-/// The displayed camera: the user's, or the scene's. Valid only if State::knows_camera().
+/// The displayed camera: the user's, or the scene's. Valid only if State::has_camera().
 CameraPose current_camera(const State& state);
 
 /// Sets the user's camera.
