@@ -39,7 +39,7 @@ struct LightMediumKernel {
       if (e.infinite) return;
       if (!e.valid()) continue;  // no emission there
       const Rgb around = absorption_around(scene, emitted_ray(e));
-      if (found && !alike(around, medium[light])) {
+      if (found && !same_medium(around, medium[light])) {
         medium[light] = Rgb(kSeveralMedia);
         return;
       }
@@ -53,7 +53,7 @@ struct LightMediumKernel {
   static constexpr uint32_t kTries = 16;
 
   /// Compares up to the rounding of sums in different orders.
-  RELUME_HD static bool alike(const Rgb& a, const Rgb& b) {
+  RELUME_HD static bool same_medium(const Rgb& a, const Rgb& b) {
     return max_component(abs(a - b)) <= 1e-4f * max_component(glm::max(a, b));
   }
 };

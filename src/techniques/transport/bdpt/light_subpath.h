@@ -170,7 +170,7 @@ RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const Surface
                                              Sampler& sampler) {
   if (bent(sp)) return false;
   BsdfSample s = c.path.directions.sample(sp, sampler, TransportMode::importance);
-  if (!s.valid || !scatters_alike(sp, s.wi)) return false;
+  if (!s.valid || !same_shading_frame(sp, s.wi)) return false;
   s.weight *= adjoint_correction(sp, s.wi);
   l.turned_away = hidden_from_camera(c.scene(), sp, s.wi);
   const float cosine = std::fabs(glm::dot(sp.ng, s.wi));

@@ -11,7 +11,7 @@ RELUME_HD inline bool bent(const SurfacePoint& sp) { return glm::dot(sp.ns, sp.w
 
 /// Whether viewers along sp.wo and along `w` have the same shading frame. If one of them bends it, only camera subpaths
 /// scatter there.
-RELUME_HD inline bool scatters_alike(const SurfacePoint& sp, const Vec3& w) {
+RELUME_HD inline bool same_shading_frame(const SurfacePoint& sp, const Vec3& w) {
   if (bent(sp)) return false;
   const float cosine = glm::dot(sp.ns, w);
   return (glm::dot(sp.ng, w) < 0.0f ? -cosine : cosine) >= kMinShadingCosine;
@@ -19,7 +19,7 @@ RELUME_HD inline bool scatters_alike(const SurfacePoint& sp, const Vec3& w) {
 
 /// Density with which a subpath arriving along −w continues along sp.wo.
 RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
-  if (!scatters_alike(sp, w)) return 0.0f;
+  if (!same_shading_frame(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
   if (is_lambert(sp.bsdf)) return local.z > 0.0f ? cosine_hemisphere_pdf(sp.wo_local.z) : 0.0f;
   return reverse_pdf(sp.bsdf, sp.wo_local, local);
@@ -27,7 +27,7 @@ RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
 
 /// Density of delta scattering from w to sp.wo over that from sp.wo to w. `w` is sampled from a delta lobe.
 RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w) {
-  if (!scatters_alike(sp, w)) return 0.0f;
+  if (!same_shading_frame(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
   const bool own_normal = sp.bsdf.layered && sp.bsdf.coat_has_normal;
   // Reflection: the angles are equal, so all factors are equal.
@@ -95,7 +95,7 @@ struct AdjointEval {
 /// `sp` is seen from the light; `w` points to the camera's side.
 RELUME_HD inline AdjointEval eval_adjoint(const SurfacePoint& sp, const Vec3& w) {
   const float cos_geometric = glm::dot(sp.ng, sp.wo);
-  if (scatters_alike(sp, w)) {
+  if (same_shading_frame(sp, w)) {
     const BsdfEval e = eval_pdf<true>(sp, w, TransportMode::importance);
     return {e.f * (sp.wo_local.z / cos_geometric), e.pdf_forward, e.pdf_reverse};
   }

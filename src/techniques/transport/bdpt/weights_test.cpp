@@ -175,8 +175,8 @@ class Densities {
     if (delta(i)) {
       by_camera = static_cast<double>(delta_density_ratio(from_light, to_camera));
     } else {
-      const bool alike = scatters_alike(from_light, to_camera) && scatters_alike(from_camera, to_light);
-      by_light = alike ? static_cast<double>(eval_pdf(from_light, to_camera).pdf_forward) : 0.0;
+      const bool same_frame = same_shading_frame(from_light, to_camera) && same_shading_frame(from_camera, to_light);
+      by_light = same_frame ? static_cast<double>(eval_pdf(from_light, to_camera).pdf_forward) : 0.0;
       by_camera = static_cast<double>(eval_pdf(from_camera, to_light).pdf_forward);
     }
     if (i + 1 <= k_) light_[i + 1] = by_light * per_area(i, i + 1);
