@@ -123,7 +123,7 @@ class CompiledScene {
   /// Throws Error if a joint of the node is to be removed.
   void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;
   /// Stops updating meshes of removed nodes.
-  void forget_removed_deformations();
+  void drop_removed_deformations();
   Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();

@@ -84,7 +84,7 @@ void CompiledScene::keep_previous_positions() {
   deformed_.clear();
 }
 
-void CompiledScene::forget_removed_deformations() {
+void CompiledScene::drop_removed_deformations() {
   std::vector<bool> used(deforming_.size(), false);
   for (const MeshInstance& placed : mesh_instances_) {
     if (placed.deforming != kNoHit) used[placed.deforming] = true;

@@ -151,7 +151,7 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
   mesh_instances_.resize(kept);
   world_space_.resize(kept);
   mesh_of_instance_.resize(kept);
-  forget_removed_deformations();
+  drop_removed_deformations();
   std::vector<Index> removed;
   for (size_t i = 0; i < gone.size(); ++i) {
     if (!gone[i]) continue;
@@ -195,7 +195,7 @@ Change CompiledScene::commit_edits() {
   set_bounds();
   build_accel();
   view_.accel = accel_->view();
-  lights_.forget_textures();
+  lights_.discard_texture_tables();
   collect_lights();
   was_moved_ = true;
   return Change::any;

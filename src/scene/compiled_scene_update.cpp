@@ -124,7 +124,7 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
     if (meshes_[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   if (!emits) return Change::materials;
-  lights_.forget_textures();
+  lights_.discard_texture_tables();
   collect_lights();
   was_moved_ = true;
   return Change::materials | Change::lights;

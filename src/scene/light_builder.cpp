@@ -217,7 +217,7 @@ void LightBuilder::mark_changes() {
   if (!has_previous_ || !same_count) previous_ = lights_;
 }
 
-void LightBuilder::forget_textures() {
+void LightBuilder::discard_texture_tables() {
   textured_indices_.clear();
   textured_.clear();
   entries_.clear();

@@ -22,7 +22,7 @@ class LightBuilder {
   void set_environment(const Environment& environment);
 
   /// Discards the sampling tables of textured emitters after a change of their materials.
-  void forget_textures();
+  void discard_texture_tables();
 
   /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
   /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
