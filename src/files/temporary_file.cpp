@@ -41,7 +41,7 @@ std::array<std::atomic<char*>, 64> g_paths{};
 std::mutex g_paths_mutex;  // for all users except the handler
 std::atomic<int> g_handler_waits{0};
 
-void remember(const fs::path& path) {
+void register_path(const fs::path& path) {
   const std::scoped_lock lock(g_paths_mutex);
   char* text = strdup(path.c_str());
   for (std::atomic<char*>& place : g_paths) {
@@ -51,7 +51,7 @@ void remember(const fs::path& path) {
   std::free(text);  // all slots in use: the next writer of the target finds the file
 }
 
-void forget(const fs::path& path) {
+void unregister_path(const fs::path& path) {
   const std::scoped_lock lock(g_paths_mutex);
   for (std::atomic<char*>& place : g_paths) {
     char* text = place.load();
@@ -134,7 +134,7 @@ TemporaryFile::TemporaryFile(const fs::path& target) {
     throw Error(ErrorCode::io, fmt::format("{}: cannot be written ({}); check the permissions of {}", target.string(),
                                            std::strerror(errno), folder.string()));
   }
-  remember(path_);
+  register_path(path_);
 }
 
 /// Returns false if the file exists, or if another writer removes it as stale before it is locked.
@@ -156,7 +156,7 @@ bool TemporaryFile::create(const fs::path& path, bool lock) {
 TemporaryFile::~TemporaryFile() {
   if (!path_.empty()) {
     const HandlerWaits wait;
-    forget(path_);
+    unregister_path(path_);
     unlink(path_.c_str());
   }
   close(descriptor_);
@@ -164,7 +164,7 @@ TemporaryFile::~TemporaryFile() {
 
 void TemporaryFile::commit(const fs::path& target) {
   const HandlerWaits wait;
-  forget(path_);
+  unregister_path(path_);
   std::error_code error;
   fs::rename(path_, target, error);
   if (error)
