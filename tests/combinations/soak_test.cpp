@@ -231,13 +231,13 @@ void expect_no_drift(Session& session, const std::string& when) {
     session.set_camera(camera);  // resets the mean, which includes earlier frames
   }
   const double before = brightness_shown(session, kSettling, step_m);
-  std::vector<double> anew;
+  std::vector<double> restarted;
   for (int seed = 0; seed < 4; ++seed) {
     session.restart(seed);
-    anew.push_back(brightness_shown(session, kSettling, step_m));
+    restarted.push_back(brightness_shown(session, kSettling, step_m));
   }
-  const double noise = standard_deviation(anew);
-  EXPECT_NEAR(before, mean(anew), 0.2 * std::max(before, mean(anew)) + 3 * noise + 0.01) << when;
+  const double noise = standard_deviation(restarted);
+  EXPECT_NEAR(before, mean(restarted), 0.2 * std::max(before, mean(restarted)) + 3 * noise + 0.01) << when;
 }
 
 /// Combinations with the most state between frames.
