@@ -26,7 +26,7 @@ class Probe final : public Pass {
     return goes_on_;
   }
   uint32_t longest_epoch() const override {
-    return declaration_.name == "learns" ? 64 : declaration_.name == "forgets" ? 8 : 0;
+    return declaration_.name == "long epoch" ? 64 : declaration_.name == "short epoch" ? 8 : 0;
   }
   void abandon() override { *log_ += "-" + std::string(declaration_.name) + " "; }
   bool commits() const override { return declaration_.name == "commits"; }
@@ -238,9 +238,9 @@ TEST(Pipeline, SurfaceBuffersRequireADeclaration) {
 TEST_F(PipelineTest, LearnsIfOnePassDoes) {
   add({.name = "trace"});
   EXPECT_EQ(pipeline_.longest_epoch(), 0u);
-  add({.name = "learns"});
+  add({.name = "long epoch"});
   EXPECT_EQ(pipeline_.longest_epoch(), 64u);
-  add({.name = "forgets"});
+  add({.name = "short epoch"});
   EXPECT_EQ(pipeline_.longest_epoch(), 8u);
   EXPECT_TRUE(pipeline_.keeps_to_pixels());
   add({.name = "shares"});
