@@ -287,7 +287,7 @@ TEST(HashGrid, IsolatedCellsShareNoSamples) {
   settings.thin_cells = ThinCells::coarser;
   settings.inherited_count = 128;
   Backend backend(1);
-  const auto neighbour_knows = [&](bool alone) {
+  const auto neighbour_inherits = [&](bool alone) {
     HashGrid grid(settings, 1 << 12);
     const float edge = std::exp2(static_cast<float>(grid.view(grid_camera()).keys.level_of_detail(point(0).position)));
     CellPoint beside = point(0);
@@ -301,8 +301,8 @@ TEST(HashGrid, IsolatedCellsShareNoSamples) {
     }
     return grid.view(grid_camera()).moments(beside).mean != Rgb(0);
   };
-  EXPECT_TRUE(neighbour_knows(false));
-  EXPECT_FALSE(neighbour_knows(true));
+  EXPECT_TRUE(neighbour_inherits(false));
+  EXPECT_FALSE(neighbour_inherits(true));
 }
 
 TEST(HashGrid, UndersampledCellsReadCoarserCells) {
