@@ -111,11 +111,11 @@ bool BmfrPass::run(const FrameContext& frame) {
     if (!fit(frame, parts[i])) return false;
   }
   if (!split_) return present(frame);
-  if (!reflecting_.now()) forget_specular(frame);
+  if (!reflecting_.now()) clear_specular(frame);
   return present_parts(frame);
 }
 
-void BmfrPass::forget_specular(const FrameContext& frame) const {
+void BmfrPass::clear_specular(const FrameContext& frame) const {
   clear_buffer(frame, kBmfrSpecularSamples);
   clear_buffer(frame, kBmfrSpecularAge);
   clear_buffer(frame, kBmfrSpecularFitHistory);

@@ -31,7 +31,7 @@ class BmfrPass final : public Pass {
   /// False if a stop was requested first, also for present().
   bool fit(const FrameContext& frame, LightPart part) const;
   bool present(const FrameContext& frame) const;
-  void forget_specular(const FrameContext& frame) const;
+  void clear_specular(const FrameContext& frame) const;
   bool present_parts(const FrameContext& frame) const;
   FitHistory fit_history(const FrameContext& frame, LightPart part) const;
 

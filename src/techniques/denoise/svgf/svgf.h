@@ -84,7 +84,7 @@ struct SvgfPrepareKernel {
     return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
   }
 
-  RELUME_HD bool alike(uint32_t pixel, uint32_t other) const {
+  RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
     if (count[other] == 0 || !is_filtered(albedo[other])) return false;
     const float distance = std::fabs(glm::dot(normal[pixel], position[other] - position[pixel]));
     return distance <= footprint_at(pixel) * kReach && glm::dot(normal[pixel], normal[other]) >= 0.9f;
@@ -99,7 +99,7 @@ struct SvgfPrepareKernel {
         const int qy = static_cast<int>(y) + dy;
         if (qx < 0 || qy < 0 || qx >= static_cast<int>(width) || qy >= static_cast<int>(height)) continue;
         const uint32_t other = static_cast<uint32_t>(qy) * width + static_cast<uint32_t>(qx);
-        if (!alike(y * width + x, other)) continue;
+        if (!same_surface(y * width + x, other)) continue;
         sum += moments[other];
         s.light += light[other];
         s.count += 1.0f;

@@ -81,11 +81,11 @@ bool SvgfPass::run(const FrameContext& frame) {
     if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i]) || !filter(frame, light_[i])) return false;
   }
   if (!split_) return present(frame);
-  if (!reflecting_.now()) forget_specular(frame);
+  if (!reflecting_.now()) clear_specular(frame);
   return present_parts(frame);
 }
 
-void SvgfPass::forget_specular(const FrameContext& frame) const {
+void SvgfPass::clear_specular(const FrameContext& frame) const {
   clear_buffer(frame, kSvgfSpecularSamples);
   clear_buffer(frame, kSvgfSpecularShown);
   clear_buffer(frame, kSvgfSpecularImage);

@@ -32,7 +32,7 @@ class SvgfPass final : public Pass {
   bool prepare(const FrameContext& frame, LightPart part);
   bool filter(const FrameContext& frame, std::vector<float>& light);
   bool present(const FrameContext& frame);
-  void forget_specular(const FrameContext& frame) const;
+  void clear_specular(const FrameContext& frame) const;
   bool present_parts(const FrameContext& frame);
   /// Index of the buffers of a part: 1 for specular light, else 0.
   static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
