@@ -24,7 +24,7 @@ struct AccumulateKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     ray_sum[pixel] += rays[pixel];
-    if (!keep) film.forget(pixel);
+    if (!keep) film.reset(pixel);
     PixelMoments pixel_moments = keep ? history[pixel] : PixelMoments{};
     const Rgb film_before = film.mean_of(pixel);
     film.add(pixel);

@@ -21,7 +21,7 @@ struct LightFilm {
   RELUME_HD Rgb mean_of(uint32_t pixel) const { return empty() ? Rgb(0) : mean[pixel]; }
 
   /// Removes all splats of earlier frames.
-  RELUME_HD void forget(uint32_t pixel) const {
+  RELUME_HD void reset(uint32_t pixel) const {
     if (empty()) return;
     mean[pixel] = Rgb(0);
     m2[pixel] = weight[pixel] = 0.0f;

@@ -253,7 +253,7 @@ struct SourceKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    forget(pixel);
+    reset(pixel);
     RejectReason reason = judge(pixel);
     if (reason == RejectReason::none) {
       const auto sample = static_cast<uint32_t>(votes[pixel]);
@@ -270,7 +270,7 @@ struct SourceKernel {
 
  private:
   /// Clears the pixel's history.
-  RELUME_HD void forget(uint32_t pixel) const {
+  RELUME_HD void reset(uint32_t pixel) const {
     for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
     pixels[pixel] = StoredPixel{};
     kept[pixel] = 0;

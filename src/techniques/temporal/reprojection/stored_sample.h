@@ -96,7 +96,7 @@ struct StoreKernel {
     // A filled pixel may have a history without a stored sample.
     const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
-    if (samples <= 1) forget(pixel, samples_of_pixel);
+    if (samples <= 1) reset(pixel, samples_of_pixel);
     if (elsewhere && pixel.inherited) shorten(i);
     if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
@@ -117,7 +117,7 @@ struct StoreKernel {
   }
 
  private:
-  RELUME_HD void forget(StoredPixel& pixel, StoredSample* samples_of_pixel) const {
+  RELUME_HD void reset(StoredPixel& pixel, StoredSample* samples_of_pixel) const {
     pixel = StoredPixel{};
     for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
   }
