@@ -107,7 +107,7 @@ TEST(BsdfEnergy, SmoothInterfacesShareLightAsFresnelSays) {
   }
 }
 
-TEST(BsdfEnergy, BodiesThatDoNotRefractLetLightPass) {
+TEST(BsdfEnergy, MediaThatDoNotRefractLetLightPass) {
   for (const float r : {0.0f, 0.3f, 1.0f}) {
     MaterialCase air = white("air", 0, 1, true);
     air.ior = 1;

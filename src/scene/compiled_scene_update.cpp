@@ -246,7 +246,7 @@ void CompiledScene::refresh_view() {
        .sheen =
            std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
   if (!accel_ || edited_) return;  // lacks the added parts; commit_edits() calls this again
-  // Rays in every direction leave a closed body. A sheet of glass, or a gap in a mesh, affects one direction only.
+  // Rays in every direction leave a closed mesh. A sheet of glass, or a gap in a mesh, affects one direction only.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
   view_.camera_medium = glm::min(around(-camera_view_.axes.n), around(camera_view_.axes.n));
 }

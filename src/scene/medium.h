@@ -1,13 +1,13 @@
-// Absorption in the bodies along a ray, by Beer's law. A path tracks its medium: the absorption per metre, summed over
-// all bodies around it.
+// Absorption in the media along a ray, by Beer's law. A path tracks the absorption per metre, summed over all media
+// around it.
 #pragma once
 
 #include "scene/surface_point.h"
 
 namespace relume {
 
-/// Absorption beyond the surface in direction `w`, with `medium` on the viewer's side. A path enters a body through a
-/// front face and leaves it through a back face. Overlapping bodies add up.
+/// Absorption beyond the surface in direction `w`, with `medium` on the viewer's side. A path enters a medium through a
+/// front face and leaves it through a back face. Overlapping media add up.
 RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, const Rgb& medium) {
   if (!scene.absorbs || glm::dot(w, sp.ng) >= 0.0f) return medium;
   const MaterialData& material = scene.materials[sp.material];
@@ -24,7 +24,7 @@ RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
 RELUME_HD inline Rgb transmittance_to(const SceneView& scene, const SurfacePoint& sp, float distance, Rgb& medium) {
   if (!scene.absorbs) return Rgb(1);
   const MaterialData& material = scene.materials[sp.material];
-  // A back face implies that the ray was inside. It may have missed the entry, through a hole or where one body
+  // A back face implies that the ray was inside. It may have missed the entry, through a hole or where one medium
   // contains another.
   if (material.volume && !sp.front_face) medium = glm::max(medium, material.absorption);
   return transmittance(medium, distance);
@@ -33,12 +33,12 @@ RELUME_HD inline Rgb transmittance_to(const SceneView& scene, const SurfacePoint
 namespace medium_detail {
 
 inline constexpr uint32_t kMaxSteps = 64;  ///< surfaces along the ray
-inline constexpr uint32_t kMaxBodies = 8;  ///< nested bodies
+inline constexpr uint32_t kMaxMedia = 8;   ///< nested media
 
-/// Removes a body from the list. Returns false if the list does not contain it.
-RELUME_HD inline bool forget(uint32_t (&entered)[kMaxBodies], uint32_t& count, uint32_t body) {
+/// Removes a medium from the list. Returns false if the list does not contain it.
+RELUME_HD inline bool remove_medium(uint32_t (&entered)[kMaxMedia], uint32_t& count, uint32_t medium) {
   for (uint32_t i = count; i-- > 0;) {
-    if (entered[i] != body) continue;
+    if (entered[i] != medium) continue;
     entered[i] = entered[--count];
     return true;
   }
@@ -47,11 +47,11 @@ RELUME_HD inline bool forget(uint32_t (&entered)[kMaxBodies], uint32_t& count, u
 
 }  // namespace medium_detail
 
-/// Absorption at the origin of `ray`, per metre: the sum over all bodies around it. Follows the ray until it leaves the
-/// scene; these are the bodies left without being entered.
+/// Absorption at the origin of `ray`, per metre: the sum over all media around it. Follows the ray until it leaves the
+/// scene; these are the media left without being entered.
 RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
   using namespace medium_detail;
-  uint32_t entered[kMaxBodies];
+  uint32_t entered[kMaxMedia];
   uint32_t count = 0;
   Rgb sum(0);
   for (uint32_t step = 0; step < kMaxSteps && scene.absorbs; ++step) {
@@ -61,8 +61,8 @@ RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
     make_surface_point(scene, ray, hit, 0.0f, sp);
     if (scene.materials[sp.material].volume) {
       if (sp.front_face) {
-        if (count < kMaxBodies) entered[count++] = sp.material;
-      } else if (!forget(entered, count, sp.material)) {
+        if (count < kMaxMedia) entered[count++] = sp.material;
+      } else if (!remove_medium(entered, count, sp.material)) {
         sum += scene.materials[sp.material].absorption;
       }
     }

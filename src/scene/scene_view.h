@@ -103,7 +103,7 @@ struct SceneView {
   bool absorbs = false;           ///< whether a material has an absorbing volume
   bool culls_back_faces = false;  ///< whether a material culls back faces
   bool disperses = false;         ///< whether a material disperses light: paths then have wavelengths
-  Rgb camera_medium{0};           ///< absorption at the camera, per metre: the sum over all bodies around it
+  Rgb camera_medium{0};           ///< absorption at the camera, per metre: the sum over all media around it
 };
 
 }  // namespace relume

@@ -102,7 +102,7 @@ int add_wedge(Stage& stage, const json& material) {
   return stage.file.add_root({{"mesh", mesh}});
 }
 
-json body(double ior) {
+json transmissive(double ior) {
   json material =
       polished({{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_ior", {{"ior", ior}}}});
   material["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 1};
@@ -110,7 +110,7 @@ json body(double ior) {
 }
 
 TEST(GltfMaterial, VolumeAbsorbsByThickness) {  // attenuation colour ^ (way / attenuation distance)
-  json material = body(1);
+  json material = transmissive(1);
   material["extensions"]["KHR_materials_volume"] = {
       {"thicknessFactor", 1}, {"attenuationColor", {0.9, 0.5, 0.2}}, {"attenuationDistance", 0.8}};
   Stage stage;
@@ -140,8 +140,8 @@ TEST(GltfMaterial, VolumeRefractsByItsIor) {  // a slab shifts what lies behind 
   const double refracted = std::asin(std::sin(0.8) / 1.5);
   const float shift = static_cast<float>(std::sin(0.8 - refracted) / std::cos(refracted));
   // The slab's normal leans to the right, so rays leave it further to the left of where they would have gone.
-  const Image straight = image(edge_below_slab(body(1), shift), 16, 16);
-  const Image bent = image(edge_below_slab(body(1.5), 0), 16, 256);
+  const Image straight = image(edge_below_slab(transmissive(1), shift), 16, 16);
+  const Image bent = image(edge_below_slab(transmissive(1.5), 0), 16, 256);
   const auto column = [](const Image& image, int x) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y) sum += static_cast<double>(image.at(x, y).r) / image.height;
@@ -160,7 +160,7 @@ TEST(GltfMaterial, VolumeRefractsByItsIor) {  // a slab shifts what lies behind 
 }
 
 TEST(GltfMaterial, DispersionShiftsEachChannelByItsIndex) {
-  json glass = body(1.5);
+  json glass = transmissive(1.5);
   glass["extensions"]["KHR_materials_specular"]["specularFactor"] = 0;
   glass["extensions"]["KHR_materials_dispersion"]["dispersion"] = 2;  // an Abbe number of 10
   const Rgb mean = estimate_of(image(edge_below_slab(glass, 0), 16, 1024)).mean;

@@ -44,7 +44,7 @@ void add_walls(SceneBuilder& builder) {
     builder.add("partition", box({x, 1.6f, -kHalf}, {x + 0.05f, kHeight, kHalf - 0.3f}), red);
 }
 
-void add_bodies(SceneBuilder& builder) {
+void add_objects(SceneBuilder& builder) {
   const Mesh block = box({-0.4f, 0, -0.4f}, {0.4f, 1.1f, 0.4f});
   builder.add("rough metal", block, builder.add_material(metal("rough", {0.8f, 0.7f, 0.5f}, 0.4f)),
               at({-1.2f, 0, -0.6f}, 17));
@@ -80,7 +80,7 @@ void add_lamps(SceneBuilder& builder) {
 Scene build_busy_room() {
   SceneBuilder builder("busy room");
   add_walls(builder);
-  add_bodies(builder);
+  add_objects(builder);
   add_lamps(builder);
   Environment environment;
   environment.kind = EnvironmentKind::sun_sky;

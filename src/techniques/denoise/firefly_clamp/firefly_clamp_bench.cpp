@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 
 namespace relume {
 namespace {

@@ -9,7 +9,7 @@
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 
 namespace relume {
 namespace {

@@ -121,8 +121,8 @@ struct FeatureTracer {
     SurfacePoint sp;
     make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     // Fast path: most surfaces are seen directly, outside all media.
-    const bool in_body = !sp.front_face || !is_black(scene.camera_medium);
-    if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
+    const bool in_medium = !sp.front_face || !is_black(scene.camera_medium);
+    if (in_medium || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
     f.position = sp.position;
     f.previous = sp.previous_position;
     f.normal = sp.frame.n;

@@ -9,7 +9,7 @@
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 #include "techniques/denoise/shared/denoiser_buffers.h"
 #include "techniques/gbuffer/features/features_pass.h"
 
@@ -102,7 +102,7 @@ TEST(Features, GlassIsSeenThrough) {
 
 const Rgb kAbsorption(0.2f, 0.5f, 1.0f);
 
-/// Checks that `metres` of a body attenuate emission and albedo of a white plate as they attenuate paths.
+/// Checks that `metres` of a medium attenuate emission and albedo of a white plate as they attenuate paths.
 void expect_seen_through(const Scene& glowing, float metres, const char* what) {
   const Frame glow(glowing, 8);
   Scene reflecting = glowing;
@@ -121,23 +121,23 @@ void expect_seen_through(const Scene& glowing, float metres, const char* what) {
   }
 }
 
-TEST(Features, BodiesAbsorbLikePaths) {
+TEST(Features, MediaAbsorbLikePaths) {
   Scene behind = testing::glowing_plate(5);
-  testing::add_body(behind, testing::tint(kAbsorption), 3, 1);
-  expect_seen_through(behind, 2, "the plate behind a body");
+  testing::add_slab(behind, testing::tint(kAbsorption), 3, 1);
+  expect_seen_through(behind, 2, "the plate behind a medium");
   Scene inside = testing::glowing_plate(5);
-  testing::add_body(inside, testing::tint(kAbsorption), 3, -1);
-  expect_seen_through(inside, 3, "the plate in a body");
+  testing::add_slab(inside, testing::tint(kAbsorption), 3, -1);
+  expect_seen_through(inside, 3, "the plate in a medium");
   Scene eye_inside = testing::glowing_plate(2);
-  testing::add_body(eye_inside, testing::tint(kAbsorption), 3, 0.5f);
-  expect_seen_through(eye_inside, 1.5f, "the camera in a body");
+  testing::add_slab(eye_inside, testing::tint(kAbsorption), 3, 0.5f);
+  expect_seen_through(eye_inside, 1.5f, "the camera in a medium");
   Scene all_inside = testing::glowing_plate(2);
-  testing::add_body(all_inside, testing::tint(kAbsorption), 3, -1);
-  expect_seen_through(all_inside, 2, "camera and plate in a body");
+  testing::add_slab(all_inside, testing::tint(kAbsorption), 3, -1);
+  expect_seen_through(all_inside, 2, "camera and plate in a medium");
   Scene nested = testing::glowing_plate(5);
-  testing::add_body(nested, testing::tint(kAbsorption * 0.5f), 4, -1);
-  testing::add_body(nested, testing::tint(kAbsorption), 3, 2);
-  expect_seen_through(nested, 2 + 1, "a body in a body");
+  testing::add_slab(nested, testing::tint(kAbsorption * 0.5f), 4, -1);
+  testing::add_slab(nested, testing::tint(kAbsorption), 3, 2);
+  expect_seen_through(nested, 2 + 1, "a medium in a medium");
 }
 
 TEST(Features, DirectSurfacesAreTheFirstHits) {

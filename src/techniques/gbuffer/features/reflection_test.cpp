@@ -9,7 +9,7 @@
 #include "builtin_scenes/shapes.h"
 #include "render/session.h"
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 #include "techniques/denoise/shared/split_light.h"
 
 namespace relume {

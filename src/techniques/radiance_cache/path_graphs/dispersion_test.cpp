@@ -37,7 +37,7 @@ Scene dispersive_balls() {
 }
 
 /// The inner side of tinted frosted glass. Light that leaves it is tinted, and reflected light is not.
-Scene inside_a_body() {
+Scene inside_a_medium() {
   Scene scene;
   scene.name = "inside";
   add_mesh(scene, box({-1, -1, -1}, {1, 1, 1}), dispersive_glass(0.5f, 0.3f, 2));
@@ -76,7 +76,7 @@ void expect_mean_of_paths(const Scene& scene, CacheKind kind, double tolerance) 
 TEST_P(DispersiveCaches, KeepTheMeanOfEachChannel) { expect_mean_of_paths(dispersive_balls(), GetParam(), 0.01); }
 
 /// No path has a cell, so the frames are those of path tracing.
-TEST_P(DispersiveCaches, BypassTheInnerSideOfAnInterface) { expect_mean_of_paths(inside_a_body(), GetParam(), 1e-6); }
+TEST_P(DispersiveCaches, BypassTheInnerSideOfAnInterface) { expect_mean_of_paths(inside_a_medium(), GetParam(), 1e-6); }
 
 std::string case_name(const ::testing::TestParamInfo<CacheKind>& info) { return name_of(info.param); }
 INSTANTIATE_TEST_SUITE_P(AllCaches, DispersiveCaches, ::testing::ValuesIn(kCacheKinds), case_name);

@@ -11,7 +11,7 @@ struct BdptContext {
   PathContext path;
   PowerLights emission;          ///< distribution of the lights where subpaths start
   PowerLights connection;        ///< distribution that weights assume for connections; see weighting_pmf()
-  View<const Rgb> light_medium;  ///< output of LightMediumKernel; empty: no light is inside a tinted body
+  View<const Rgb> light_medium;  ///< output of LightMediumKernel; empty: no light is inside a tinted medium
   View<FixedPointRgb> splats;
   uint32_t width = 0;
   uint32_t max_light_vertices = 16;  ///< at most kMaxLightVertices

@@ -47,7 +47,7 @@ class BdptPass final : public Pass {
   bool film_;
   std::vector<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   std::vector<AliasEntry> connection_;  ///< by power, over the lights that connections sample
-  std::vector<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted bodies
+  std::vector<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
   bool prepared_ = false;
   uint64_t saturated_ = 0;  ///< splats clamped so far
   uint64_t nonfinite_ = 0;  ///< splats left out so far

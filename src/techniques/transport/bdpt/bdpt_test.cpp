@@ -12,8 +12,8 @@
 #include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
-#include "scene/testing/bodies.h"
 #include "scene/testing/light_scene.h"
+#include "scene/testing/media.h"
 #include "techniques/transport/bdpt/testing/bdpt_frame.h"
 #include "techniques/transport/bdpt/testing/zoo.h"
 
@@ -177,7 +177,7 @@ TEST(Bdpt, OneBounceTakesThreeRaysAndKeepsTheMean) {
   }
 }
 
-TEST(Bdpt, LightsInsideBodiesUseTheirMedium) {
+TEST(Bdpt, LightsInsideMediaUseTheirAbsorption) {
   BdptFrame frame(make_lamp_in_glass(), {});
   ASSERT_EQ(frame.light_medium.size(), 2u);
   for (const Rgb& medium : frame.light_medium) {
@@ -194,7 +194,7 @@ TEST(Bdpt, LampsInDarkGlassAreAsBrightFromBothSides) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples each
 }
 
-TEST(Bdpt, CamerasInsideBodiesUseTheirMedium) {
+TEST(Bdpt, CamerasInsideMediaUseTheirAbsorption) {
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_in_glass(true), options, 512));
   };
@@ -209,7 +209,7 @@ TEST(Bdpt, CamerasInsideBodiesUseTheirMedium) {
   EXPECT_EQ(BdptFrame(make_lamp_in_glass(), {}).compiled.view().camera_medium, Rgb(0));
 }
 
-TEST(Bdpt, LampsHalfInsideABodyKeepTheMean) {
+TEST(Bdpt, LampsHalfInsideAMediumKeepTheMean) {
   EXPECT_EQ(BdptFrame(make_lamp_half_in_glass(), {}).light_medium, std::vector<Rgb>(2, Rgb(kSeveralMedia)));
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_half_in_glass(), options, 2048));
@@ -232,10 +232,10 @@ Scene make_sheet_below_ceiling() {
   sheet.alpha_mode = AlphaMode::blend;
   sheet.alpha = 0.5f;
   sheet.double_sided = true;
-  add_body(scene, sheet, 1, 1);
+  add_slab(scene, sheet, 1, 1);
   Material ceiling = matte(Rgb(0.8f));
   ceiling.double_sided = true;
-  add_body(scene, ceiling, 2, 2);
+  add_slab(scene, ceiling, 2, 2);
   add_light_node(scene, {"up", PunctualType::spot, Rgb(50), 0.5f, 0.6f}, Vec3(0, 0.6f, 0), Vec3(0, 2, 0.01f));
   return scene;
 }
@@ -254,7 +254,7 @@ TEST(Bdpt, ShadowRaysDrawAlphaIndependently) {
 
 TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
   Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
-  add_body(scene, tint(Rgb(0.5f, 1, 2)), 2, 2);
+  add_slab(scene, tint(Rgb(0.5f, 1, 2)), 2, 2);
   Node& sheet = scene.nodes.back();
   sheet.transform.rotation = glm::angleAxis(kPi, Vec3(1, 0, 0));  // inner side up
   sheet.transform.translation.y = 4;
@@ -273,7 +273,7 @@ TEST(Bdpt, LampsBroughtFromAfarShineFromTheirSurface) {
     Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
     Material lamp = matte(Rgb(0));
     lamp.emission = Rgb(10);
-    add_body(scene, lamp, 1, 1);
+    add_slab(scene, lamp, 1, 1);
     const glm::quat turn = glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3)));
     const Vec3 shift(away, 0, 0);
     for (Vec3& p : scene.meshes.back().positions) p = glm::inverse(turn) * (Vec3(p.x, 1, -p.z)) + shift;

@@ -24,7 +24,7 @@ RELUME_HD inline Rgb medium_at_light(const SceneView& scene, const Rgb& known, c
   return known.r == kSeveralMedia ? absorption_around(scene, emitted) : known;
 }
 
-/// Finds the absorption at each light, per metre: the sum over all bodies around it. Rays from several points on the
+/// Finds the absorption at each light, per metre: the sum over all media around it. Rays from several points on the
 /// light test it; kSeveralMedia if they differ. Runs on a grid of lights × 1. Lights at infinity are in no medium.
 struct LightMediumKernel {
   SceneView scene;

@@ -1,11 +1,11 @@
-// Dispersive bodies with images known in closed form.
+// Dispersive media with images known in closed form.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "builtin_scenes/shapes.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 #include "techniques/transport/path/testing/run_kernel.h"
 
 namespace relume::testing {
@@ -59,7 +59,7 @@ Scene slab_above_scale() {
   look(scene, kAngle, {-1 - std::tan(kAngle), kGap + kThickness + 1, 0});
   Material glass = dispersive_glass(2);
   glass.specular = 0;  // no reflection between the faces
-  add_body(scene, glass, kGap + kThickness, kGap);
+  add_slab(scene, glass, kGap + kThickness, kGap);
   return scene;
 }
 
@@ -132,7 +132,7 @@ TEST(Dispersion, TotalReflectionChoosesColors) {
   look(scene, kPi - kInside, {0, 0.25f, 0});
   Material glass = dispersive_glass(2);
   glass.specular = 0;
-  add_body(scene, glass, 0.5f, -0.5f);
+  add_slab(scene, glass, 0.5f, -0.5f);
   const Rgb mean = mean_of(render(scene, 4, 1024, 4));
   const glm::dvec3 expected = seen_by_channels([](float nm) {
     const double index = index_of(nm);

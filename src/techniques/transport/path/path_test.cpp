@@ -6,13 +6,13 @@
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 #include "techniques/transport/path/testing/run_kernel.h"
 
 namespace relume {
 namespace {
 
-using testing::add_body;
+using testing::add_slab;
 using testing::glowing_plate;
 using testing::matte;
 using testing::plate;
@@ -173,35 +173,35 @@ void expect_transmitted(const Scene& scene, float metres, const char* what) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], std::exp(-kAbsorption[c] * metres), 1e-4f) << what;
 }
 
-TEST(Path, BodiesAbsorbWhereverThePathIsInside) {
+TEST(Path, MediaAbsorbAlongThePathInside) {
   Scene behind = glowing_plate(5);
-  add_body(behind, tint(kAbsorption), 3, 1);
-  expect_transmitted(behind, 2, "a body before the plate");
+  add_slab(behind, tint(kAbsorption), 3, 1);
+  expect_transmitted(behind, 2, "a medium before the plate");
   Scene inside = glowing_plate(5);
-  add_body(inside, tint(kAbsorption), 3, -1);
-  expect_transmitted(inside, 3, "the plate in a body");
+  add_slab(inside, tint(kAbsorption), 3, -1);
+  expect_transmitted(inside, 3, "the plate in a medium");
   Scene sheet = glowing_plate(5);
-  add_body(sheet, tint(kAbsorption), 2, 2);
+  add_slab(sheet, tint(kAbsorption), 2, 2);
   expect_transmitted(sheet, 2, "the plate below an open sheet");
   Scene eye_inside = glowing_plate(2);
-  add_body(eye_inside, tint(kAbsorption), 3, 0.5f);
-  expect_transmitted(eye_inside, 1.5f, "the camera in a body");
+  add_slab(eye_inside, tint(kAbsorption), 3, 0.5f);
+  expect_transmitted(eye_inside, 1.5f, "the camera in a medium");
   Scene all_inside = glowing_plate(2);
-  add_body(all_inside, tint(kAbsorption), 3, -1);
-  expect_transmitted(all_inside, 2, "camera and plate in a body");
+  add_slab(all_inside, tint(kAbsorption), 3, -1);
+  expect_transmitted(all_inside, 2, "camera and plate in a medium");
   Scene sheet_behind = glowing_plate(2);
-  add_body(sheet_behind, tint(kAbsorption), -1, -1);
+  add_slab(sheet_behind, tint(kAbsorption), -1, -1);
   expect_transmitted(sheet_behind, 0, "an open sheet beyond the plate");
   Scene nested = glowing_plate(5);
-  add_body(nested, tint(kAbsorption * 0.5f), 4, -1);
-  add_body(nested, tint(kAbsorption), 3, 2);
-  expect_transmitted(nested, 2 + 1, "a body in a body");
+  add_slab(nested, tint(kAbsorption * 0.5f), 4, -1);
+  add_slab(nested, tint(kAbsorption), 3, 2);
+  expect_transmitted(nested, 2 + 1, "a medium in a medium");
 }
 
-TEST(Path, BodiesAbsorbTheLightOfLampsInside) {
+TEST(Path, MediaAbsorbTheLightOfLampsInside) {
   Scene scene = plate(matte(Rgb(0.5f)), 3, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
-  add_body(scene, tint(kAbsorption), 4, -1);
+  add_slab(scene, tint(kAbsorption), 4, -1);
   add_light(scene, {"lamp", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
   const Rgb mean = render(scene, 4, small(4, 2)).mean;
   // 2 m from the lamp to the plate, 4 m from the plate to the surface.
@@ -229,7 +229,7 @@ double absorbed_irradiance(double x0, double x1, double half_z, double h, double
 TEST(Path, LampInsideAMediumMatchesTheClosedForm) {
   Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
-  add_body(scene, tint(kAbsorption), 4, -1);
+  add_slab(scene, tint(kAbsorption), 4, -1);
   // Wide and near enough that both strategies contribute; not above the visible point.
   Material lamp = matte(Rgb(0));
   lamp.emission = Rgb(1);

@@ -7,7 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
-#include "scene/testing/bodies.h"
+#include "scene/testing/media.h"
 #include "techniques/transport/path/testing/run_kernel.h"
 
 namespace relume {

@@ -1,4 +1,4 @@
-// Plates seen from above with absorbing bodies around them: scenes with images known in closed form.
+// Plates seen from above with absorbing media around them: scenes with images known in closed form.
 #pragma once
 
 #include <utility>
@@ -68,8 +68,8 @@ inline Material tint(const Rgb& absorption) {
   return m;
 }
 
-/// Adds the surface of a body between two heights; an open sheet if they are equal.
-inline void add_body(Scene& scene, const Material& material, float top, float bottom) {
+/// Adds the surface of a slab between two heights; an open sheet if they are equal.
+inline void add_slab(Scene& scene, const Material& material, float top, float bottom) {
   Mesh mesh;
   for (const float y : {top, bottom}) {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
