@@ -122,7 +122,7 @@ bool needs_first_vertices(const RenderSettings& settings) {
 }
 
 /// Whether light paths reach pixels without a camera sample.
-bool needs_light_film(const RenderSettings& settings) {
+bool needs_splat_image(const RenderSettings& settings) {
   return settings.estimator != EstimatorChoice::path && settings.allocation == AllocationChoice::adaptive;
 }
 
@@ -145,7 +145,7 @@ void add_paths(Builder& builder, const RenderSettings& settings, const PathSourc
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
-                                                                                           needs_light_film(settings));
+                                                                                           needs_splat_image(settings));
     return;
   }
   if (settings.cache == CacheChoice::none) {
@@ -183,8 +183,9 @@ uint32_t pixel_count(const RenderSettings& settings) {
 }
 
 void add_history(Builder& builder, const RenderSettings& settings) {
-  const AccumulatedParts parts{
-      .m2_rgb = reads_m2_rgb(settings), .film = needs_light_film(settings), .specular = history_splits(settings)};
+  const AccumulatedParts parts{.m2_rgb = reads_m2_rgb(settings),
+                               .splat_image = needs_splat_image(settings),
+                               .specular = history_splits(settings)};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), parts.m2_rgb);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr BufferKey<uint32_t> kHeatmap{"heatmap"};
 
-void add_film(PassDeclaration& declaration, Change reset) {
+void add_splat_image(PassDeclaration& declaration, Change reset) {
   const auto add = [&](const BufferId& id, const char* help) {
     declaration.owns.push_back({.id = id, .help = help, .persistent = true, .reset = reset, .follows_surface = true});
   };
@@ -33,7 +33,7 @@ void add_specular_part(PassDeclaration& declaration, Change reset) {
                            {kRadianceSpecular, kSpecularAlbedo, kInheritedSpecularMean, kInheritedSpecularSamples});
 }
 
-LightFilm film_of(const FrameContext& frame) {
+SplatImage splat_image_of(const FrameContext& frame) {
   const View<const uint32_t> allocation = frame.read(kAllocation);
   const uint64_t traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
   return {.splats = frame.read(kLightRadiance),
@@ -80,7 +80,7 @@ PassDeclaration AccumulatePass::declaration() const {
   declaration.reads_if_any.push_back(kAllocation);
   if (parts_.m2_rgb)
     declaration.owns.push_back(kept(kMoments.m2_rgb, "sum of squared deviations of all channels from mean"));
-  if (parts_.film) add_film(declaration, invalidated_by_);
+  if (parts_.splat_image) add_splat_image(declaration, invalidated_by_);
   if (parts_.specular) add_specular_part(declaration, invalidated_by_);
   return declaration;
 }
@@ -96,7 +96,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
   kernel.taken = frame.write(kSequenceSamples);
   kernel.ray_sum = frame.write(kHeatmap);
   kernel.nonfinite = frame.write(kNonfinite);
-  if (parts_.film) kernel.film = film_of(frame);
+  if (parts_.splat_image) kernel.splat_image = splat_image_of(frame);
   if (parts_.specular) kernel.specular = specular_mean(frame);
   kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
@@ -105,14 +105,14 @@ bool AccumulatePass::run(const FrameContext& frame) {
   return true;
 }
 
-double relative_error(const MomentsView& moments, const LightFilmBuffers& film) {
+double relative_error(const MomentsView& moments, const SplatImageBuffers& splats) {
   const uint32_t pixels = moments.mean.size;
   double variance = 0;
   double luminance_sum = 0;
   for (uint32_t i = 0; i < pixels; ++i) {
     if (moments.samples[i] < 2) return std::numeric_limits<double>::infinity();
     variance += variance_of_mean(moments.m2[i], moments.samples[i]);
-    if (!film.m2.empty()) variance += film_variance(film.m2[i], film.weight[i], film.frames[i]);
+    if (!splats.m2.empty()) variance += splat_variance(splats.m2[i], splats.weight[i], splats.frames[i]);
     luminance_sum += luminance(moments.mean[i]);
   }
   if (luminance_sum <= 0) return 0;

@@ -7,9 +7,9 @@ namespace relume {
 
 /// Moments accumulated besides the mean and the variance of luminance.
 struct AccumulatedParts {
-  bool m2_rgb = false;    ///< sum of squared distances of all channels from their mean
-  bool film = false;      ///< a separate film of light paths
-  bool specular = false;  ///< a separate mean of the specular part
+  bool m2_rgb = false;       ///< sum of squared distances of all channels from their mean
+  bool splat_image = false;  ///< a separate image of the splats of light paths
+  bool specular = false;     ///< a separate mean of the specular part
 };
 
 /// The only writer of kMoments.
@@ -28,8 +28,8 @@ class AccumulatePass final : public Pass {
   AccumulatedParts parts_;
 };
 
-/// Buffers of LightFilm, from the present stage.
-struct LightFilmBuffers {
+/// Buffers of SplatImage, from the present stage.
+struct SplatImageBuffers {
   View<const float> m2;
   View<const float> weight;
   View<const uint32_t> frames;
@@ -37,6 +37,6 @@ struct LightFilmBuffers {
 
 /// Root of the mean variance of the pixels' means, over the image's mean luminance. 0 for a black image, infinite if a
 /// pixel has fewer than two samples.
-double relative_error(const MomentsView& moments, const LightFilmBuffers& film = {});
+double relative_error(const MomentsView& moments, const SplatImageBuffers& splats = {});
 
 }  // namespace relume

@@ -123,9 +123,9 @@ TEST(Accumulate, CountsSequenceElementsOfEachPixel) {
   EXPECT_EQ(taken, (std::vector<uint32_t>{6, 5}));
 }
 
-/// Pixels with a film of light paths. Pixel 0 gets camera samples, pixel 1 gets none.
-struct FilmedPixels : Pixels {
-  FilmedPixels() : Pixels(2), splats(2), light_mean(2), light_m2(2), light_paths(2), light_frames(2) {
+/// Pixels with a splat image. Pixel 0 gets camera samples, pixel 1 gets none.
+struct SplatPixels : Pixels {
+  SplatPixels() : Pixels(2), splats(2), light_mean(2), light_m2(2), light_paths(2), light_frames(2) {
     allocation = {1, 0};
   }
   /// Renders a frame: the camera's sample `seen` at pixel 0, splats `brought` at both.
@@ -133,12 +133,12 @@ struct FilmedPixels : Pixels {
     splats = {Rgb(brought), Rgb(brought)};
     radiance = {Rgb(seen + brought), Rgb(brought)};
     AccumulateKernel k = kernel();
-    k.film = {view_of(splats),
-              mutable_view_of(light_mean),
-              mutable_view_of(light_m2),
-              mutable_view_of(light_paths),
-              mutable_view_of(light_frames),
-              paths};
+    k.splat_image = {view_of(splats),
+                     mutable_view_of(light_mean),
+                     mutable_view_of(light_m2),
+                     mutable_view_of(light_paths),
+                     mutable_view_of(light_frames),
+                     paths};
     k.keep = keep;
     for (const uint32_t pixel : {0u, 1u}) k(pixel, 0);
   }
@@ -151,8 +151,8 @@ struct FilmedPixels : Pixels {
   std::vector<uint32_t> light_frames;
 };
 
-TEST(LightFilm, PixelsWithoutSamplesKeepTheirSplats) {
-  FilmedPixels p;
+TEST(SplatImage, PixelsWithoutSamplesKeepTheirSplats) {
+  SplatPixels p;
   p.frame(3, 8, 0.25f);
   p.frame(5, 4, 0.75f);
   // Light paths: (0.25 · 8 + 0.75 · 4) / 1 = 5; the camera's samples: 4.
@@ -163,16 +163,16 @@ TEST(LightFilm, PixelsWithoutSamplesKeepTheirSplats) {
   EXPECT_FLOAT_EQ(p.moments.m2[0], 2.0f) << "of the camera's samples alone";
 }
 
-TEST(LightFilm, AFrameWithoutLightPathsChangesNothing) {
-  FilmedPixels p;
+TEST(SplatImage, AFrameWithoutLightPathsChangesNothing) {
+  SplatPixels p;
   p.frame(3, 8, 1);
   p.frame(3, 0, 0);
   EXPECT_EQ(p.light_mean[1], Rgb(8));
   EXPECT_EQ(p.light_frames[1], 1u);
 }
 
-TEST(LightFilm, StartsAgainWithTheMean) {
-  FilmedPixels p;
+TEST(SplatImage, StartsAgainWithTheMean) {
+  SplatPixels p;
   p.frame(3, 8, 0.25f);
   p.allocation = {1, 1};
   p.keep = false;  // as in the frame that ends a pilot
@@ -186,7 +186,7 @@ TEST(LightFilm, StartsAgainWithTheMean) {
   EXPECT_EQ(p.moments.m2_rgb[0], 0.0f);
 }
 
-TEST(LightFilm, EstimatesTheVarianceOfItsMean) {
+TEST(SplatImage, EstimatesTheVarianceOfItsMean) {
   // Frames of unequal numbers of light paths w, whose splats have the variance 1 / w.
   constexpr int kRuns = 4000;
   constexpr int kFrames = 6;
@@ -194,13 +194,13 @@ TEST(LightFilm, EstimatesTheVarianceOfItsMean) {
   double estimated = 0;
   double squares = 0;
   for (int run = 0; run < kRuns; ++run) {
-    FilmedPixels p;
+    SplatPixels p;
     for (int i = 0; i < kFrames; ++i) {
       const float paths = i % 2 == 0 ? 0.25f : 1.0f;
       const float uniform = random.next() - 0.5f;  // variance 1/12
       p.frame(0, 10 + uniform * std::sqrt(12.0f / paths), paths);
     }
-    estimated += film_variance(p.light_m2[1], p.light_paths[1], p.light_frames[1]);
+    estimated += splat_variance(p.light_m2[1], p.light_paths[1], p.light_frames[1]);
     squares += (p.moments.mean[1].x - 10) * (p.moments.mean[1].x - 10);
   }
   const double expected = 1 / (3 * 0.25 + 3 * 1.0);

@@ -86,7 +86,7 @@ TEST(DepthTest, LimitHoldsForThePixelAndForAll) {
   EXPECT_EQ(moments.samples, (std::vector<uint32_t>{7, 11, 11}));
 }
 
-TEST(DepthTest, LimitHoldsForTheFilmOfLightPaths) {
+TEST(DepthTest, LimitHoldsForTheSplatImage) {
   testing::MomentVectors moments(2, {Rgb(0), 5, 15, 3});
   std::vector<float> light_paths{20, 7};
   LimitKernel kernel{moments.mutable_view(), {}, 11, 2};

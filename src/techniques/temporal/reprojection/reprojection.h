@@ -374,7 +374,7 @@ struct LimitKernel {
   View<const uint32_t> limits;  ///< limits by pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
-  View<float> light_paths = {};  ///< weight of the film of light paths (LightFilm); empty: no film
+  View<float> light_paths = {};  ///< weight of SplatImage; empty: no splat image
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;

@@ -19,7 +19,7 @@ constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
 PassDeclaration BdptPass::declaration() const {
   std::vector<BufferDescription> owns = estimator_buffers();
   owns.push_back({.id = kSplats, .help = "radiance that light subpaths added to the pixel in the current frame"});
-  if (film_) {
+  if (separate_splats_) {
     owns.push_back(
         {.id = kLightRadiance, .help = "radiance of this frame's light paths", .display = BufferDisplay::value});
   }
@@ -69,7 +69,7 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.nonfinite = {&nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
-  if (film_) add.brought = frame.write(kLightRadiance);
+  if (separate_splats_) add.brought = frame.write(kLightRadiance);
   if (!kernel.allocation.empty()) {
     const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;

@@ -18,10 +18,10 @@ enum class BdptMode : uint8_t {
 /// Traces one light and one camera subpath for each pixel with a path in the allocation.
 class BdptPass final : public Pass {
  public:
-  /// `film`: also writes splats to a separate buffer, for a history that stores them separately.
+  /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, bool film)
-      : settings_(settings), selection_(selection), mode_(mode), source_(source), film_(film) {}
+           const PathSource& source, bool separate_splats)
+      : settings_(settings), selection_(selection), mode_(mode), source_(source), separate_splats_(separate_splats) {}
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
@@ -44,7 +44,7 @@ class BdptPass final : public Pass {
   LightSelectionSettings selection_;
   BdptMode mode_;
   PathSource source_;
-  bool film_;
+  bool separate_splats_;
   std::vector<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   std::vector<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   std::vector<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media

@@ -1,5 +1,5 @@
-// A film of light paths, separate from the mean of the camera's samples: adaptive allocation skips pixels, but light
-// paths reach them too.
+// An image of the splats of light paths, separate from the mean of the camera's samples: adaptive allocation skips
+// pixels, but light paths reach them too.
 #pragma once
 
 #include "core/vec.h"
@@ -8,8 +8,8 @@
 namespace relume {
 
 /// Mean of the frames' splats, weighted by their numbers of light paths ([West79]).
-struct LightFilm {
-  View<const Rgb> splats;  ///< splats of this frame, scaled to estimate the radiance of light paths; empty: no film
+struct SplatImage {
+  View<const Rgb> splats;  ///< splats of this frame, scaled to estimate the radiance of light paths; empty: none
   View<Rgb> mean;
   View<float> m2;         ///< Σ weight · squared distance of luminance from its mean
   View<float> weight;     ///< light paths per pixel
@@ -42,8 +42,8 @@ struct LightFilm {
   }
 };
 
-/// Variance of the film's mean at a pixel; 0 below two frames.
-RELUME_HD inline float film_variance(float m2, float weight, uint32_t frames) {
+/// Variance of the mean splat at a pixel; 0 below two frames.
+RELUME_HD inline float splat_variance(float m2, float weight, uint32_t frames) {
   return frames < 2 ? 0.0f : m2 / (static_cast<float>(frames - 1) * weight);
 }
 
