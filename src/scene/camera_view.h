@@ -1,5 +1,5 @@
-// Cameras for kernels: rays through a point on the film, and the importance used by light tracing and bidirectional
-// methods. Film coordinates are pixels, with (0, 0) at the top left corner.
+// Cameras for kernels: rays through a point on the image plane, and the importance used by light tracing and
+// bidirectional methods. Raster coordinates are pixels, with (0, 0) at the top left corner.
 #pragma once
 
 #include "core/ray.h"
@@ -39,26 +39,26 @@ RELUME_HD inline bool same_view(const CameraView& a, const CameraView& b) {
 
 namespace camera_detail {
 
-/// Maps a film position to [-1, 1]², +y up.
-RELUME_HD inline Vec2 ndc_from_film(const CameraView& c, const Vec2& film) {
-  return {2.0f * film.x / c.resolution.x - 1.0f, 1.0f - 2.0f * film.y / c.resolution.y};
+/// Maps a raster position to [-1, 1]², +y up.
+RELUME_HD inline Vec2 ndc_from_raster(const CameraView& c, const Vec2& raster) {
+  return {2.0f * raster.x / c.resolution.x - 1.0f, 1.0f - 2.0f * raster.y / c.resolution.y};
 }
-RELUME_HD inline Vec2 film_from_ndc(const CameraView& c, const Vec2& ndc) {
+RELUME_HD inline Vec2 raster_from_ndc(const CameraView& c, const Vec2& ndc) {
   return {0.5f * (ndc.x + 1.0f) * c.resolution.x, 0.5f * (1.0f - ndc.y) * c.resolution.y};
 }
 
-RELUME_HD inline Vec3 panoramic_direction(const CameraView& c, const Vec2& film) {
-  const float phi = (film.x / c.resolution.x - 0.5f) * (2.0f * kPi);
-  const float theta = film.y / c.resolution.y * kPi;
+RELUME_HD inline Vec3 panoramic_direction(const CameraView& c, const Vec2& raster) {
+  const float phi = (raster.x / c.resolution.x - 0.5f) * (2.0f * kPi);
+  const float theta = raster.y / c.resolution.y * kPi;
   return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
 }  // namespace camera_detail
 
-/// Ray through a film position and, with a lens, through a point on the lens.
-RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& film, const Vec2& u_lens) {
+/// Ray through a raster position and, with a lens, through a point on the lens.
+RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& raster, const Vec2& u_lens) {
   Ray ray;
-  const Vec2 ndc = camera_detail::ndc_from_film(c, film);
+  const Vec2 ndc = camera_detail::ndc_from_raster(c, raster);
   switch (c.projection) {
     case Projection::perspective: {
       Vec3 direction(ndc.x * c.half_extent.x, ndc.y * c.half_extent.y, -1.0f);
@@ -78,14 +78,14 @@ RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& film, const Vec2&
       break;
     case Projection::panoramic:
       ray.origin = c.position;
-      ray.direction = c.axes.to_world(camera_detail::panoramic_direction(c, film));
+      ray.direction = c.axes.to_world(camera_detail::panoramic_direction(c, raster));
       break;
   }
   return ray;
 }
 
-/// Finds the film position that sees along `ray`. Returns false outside the image.
-RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* film) {
+/// Finds the raster position that sees along `ray`. Returns false outside the image.
+RELUME_HD inline bool raster_position(const CameraView& c, const Ray& ray, Vec2* raster) {
   const Vec3 direction = c.axes.to_local(ray.direction);
   const Vec3 origin = c.axes.to_local(ray.origin - c.position);
   Vec2 ndc;
@@ -102,19 +102,19 @@ RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* f
       const float u = 0.5f + std::atan2(direction.x, -direction.z) * (0.5f * kInvPi);
       const float v = std::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi;
       // u is 1 straight back, v is 1 straight down.
-      *film = glm::min(Vec2(u, v), Vec2(kOneMinusEpsilon)) * c.resolution;
+      *raster = glm::min(Vec2(u, v), Vec2(kOneMinusEpsilon)) * c.resolution;
       return true;
     }
   }
-  *film = camera_detail::film_from_ndc(c, ndc);
-  return film->x >= 0.0f && film->x < c.resolution.x && film->y >= 0.0f && film->y < c.resolution.y;
+  *raster = camera_detail::raster_from_ndc(c, ndc);
+  return raster->x >= 0.0f && raster->x < c.resolution.x && raster->y >= 0.0f && raster->y < c.resolution.y;
 }
 
 /// Importance emitted along a ray that the camera could have generated. Its integral over the lens and the directions
 /// of the whole image is 1 ([Pharr23], §16.1 of the third edition). Equals the camera's density per unit cosine.
 RELUME_HD inline float we(const CameraView& c, const Ray& ray) {
-  Vec2 film;
-  if (!film_position(c, ray, &film)) return 0.0f;
+  Vec2 raster;
+  if (!raster_position(c, ray, &raster)) return 0.0f;
   const float lens = c.lens_radius > 0.0f ? c.lens_area() : 1.0f;
   switch (c.projection) {
     case Projection::perspective: {
@@ -149,10 +149,10 @@ RELUME_HD inline CameraPdf pdf_of_generated(const CameraView& c, const Ray& ray)
   return {};
 }
 
-/// Densities with which generate() samples this ray for a film position uniform over the image.
+/// Densities with which generate() samples this ray for a raster position uniform over the image.
 RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
-  Vec2 film;
-  if (!film_position(c, ray, &film)) return {};
+  Vec2 raster;
+  if (!raster_position(c, ray, &raster)) return {};
   return pdf_of_generated(c, ray);
 }
 
@@ -161,7 +161,7 @@ struct CameraSample {
   Vec3 wi{0};  ///< direction from the point to the camera
   float distance = 0;
   Vec3 normal{0};  ///< of the lens; zero for a panoramic camera
-  Vec2 film{0};
+  Vec2 raster{0};
   float importance = 0;  ///< We
   float pdf_w = 0;  ///< density of wi; for a point camera the squared distance alone, for orthographic 1 (both delta)
   bool delta = false;
@@ -200,7 +200,7 @@ RELUME_HD inline CameraSample sample_wi(const CameraView& c, const Vec3& p, cons
     }
   }
   s.wi = -ray.direction;
-  if (!film_position(c, ray, &s.film)) return {};
+  if (!raster_position(c, ray, &s.raster)) return {};
   s.importance = we(c, ray);
   return s;
 }

@@ -1,4 +1,4 @@
-// Contract of every projection: rays and film positions are inverse, importance and densities are normalised.
+// Contract of every projection: rays and raster positions are inverse, importance and densities are normalised.
 #include "scene/camera_view.h"
 
 #include <gtest/gtest.h>
@@ -32,22 +32,23 @@ std::vector<NamedCamera> cameras() {
   return list;
 }
 
-TEST(Camera, FilmPositionInvertsGenerate) {
+TEST(Camera, RasterPositionInvertsGenerate) {
   for (const auto& [name, c] : cameras()) {
     Random random(91);
     for (int i = 0; i < 5000; ++i) {
-      const Vec2 film = random.next_2d() * c.resolution;
-      const Ray ray = generate(c, film, random.next_2d());
+      const Vec2 raster = random.next_2d() * c.resolution;
+      const Ray ray = generate(c, raster, random.next_2d());
       ASSERT_NEAR(glm::length(ray.direction), 1.0f, 1e-5f) << name;
       Vec2 back;
-      const bool inside = film_position(c, ray, &back);
+      const bool inside = raster_position(c, ray, &back);
       // A tolerance of 10⁻⁵ of the image; at its edges rounding may leave the image.
-      const bool at_edge =
-          film.x < 0.01f || film.y < 0.01f || film.x > c.resolution.x - 0.01f || film.y > c.resolution.y - 0.01f;
+      const bool at_edge = raster.x < 0.01f || raster.y < 0.01f || raster.x > c.resolution.x - 0.01f ||
+                           raster.y > c.resolution.y - 0.01f;
       ASSERT_TRUE(inside || at_edge) << name;
-      const float scale = name == "panoramic" ? 1.0f / std::fmax(0.01f, std::sin(film.y / c.resolution.y * kPi)) : 1.0f;
-      ASSERT_NEAR(back.x, film.x, 5e-3f * scale) << name;
-      ASSERT_NEAR(back.y, film.y, 5e-3f * scale) << name;
+      const float scale =
+          name == "panoramic" ? 1.0f / std::fmax(0.01f, std::sin(raster.y / c.resolution.y * kPi)) : 1.0f;
+      ASSERT_NEAR(back.x, raster.x, 5e-3f * scale) << name;
+      ASSERT_NEAR(back.y, raster.y, 5e-3f * scale) << name;
     }
   }
 }
@@ -59,12 +60,12 @@ TEST(Camera, PanoramasEndBeforeTheirResolution) {
   const Vec3 back = c.axes.n;
   for (const Vec3& direction : {down, back, glm::normalize(down + 1e-5f * c.axes.t),
                                 glm::normalize(back + 1e-9f * c.axes.t), glm::normalize(back - 1e-9f * c.axes.t)}) {
-    Vec2 film;
-    ASSERT_TRUE(film_position(c, {c.position, direction, kInfinity}, &film));
-    EXPECT_LT(film.x, c.resolution.x);
-    EXPECT_LT(film.y, c.resolution.y);
-    EXPECT_GE(film.x, 0.0f);
-    EXPECT_GE(film.y, 0.0f);
+    Vec2 raster;
+    ASSERT_TRUE(raster_position(c, {c.position, direction, kInfinity}, &raster));
+    EXPECT_LT(raster.x, c.resolution.x);
+    EXPECT_LT(raster.y, c.resolution.y);
+    EXPECT_GE(raster.x, 0.0f);
+    EXPECT_GE(raster.y, 0.0f);
   }
 }
 
@@ -77,7 +78,7 @@ TEST(Camera, TheImageIsUprightAndNotMirrored) {
       return name == "orthographic" ? r.origin - c.position : r.direction;
     };
     EXPECT_GT(glm::dot(looks(0.7f, 0.5f), c.axes.t), 0.0f) << name;  // right
-    EXPECT_GT(glm::dot(looks(0.5f, 0.3f), c.axes.b), 0.0f) << name;  // up: film y points down
+    EXPECT_GT(glm::dot(looks(0.5f, 0.3f), c.axes.b), 0.0f) << name;  // up: raster y points down
     const Ray centre = generate(c, c.resolution * 0.5f, Vec2(0.5f));
     EXPECT_LT(glm::dot(centre.direction, c.axes.n), -0.999f) << name;
   }
@@ -85,15 +86,15 @@ TEST(Camera, TheImageIsUprightAndNotMirrored) {
 
 TEST(Camera, ThinLensIsSharpAtTheFocalPlane) {
   const CameraView c = cameras()[1].view;
-  const Vec2 film(100, 60);
-  const Ray first = generate(c, film, Vec2(0.1f, 0.9f));
+  const Vec2 raster(100, 60);
+  const Ray first = generate(c, raster, Vec2(0.1f, 0.9f));
   const auto at_focus = [&](const Ray& r) {
     return r.origin + r.direction * (c.focus_distance / -glm::dot(r.direction, c.axes.n) +
                                      glm::dot(r.origin - c.position, c.axes.n));
   };
   Random random(92);
   for (int i = 0; i < 100; ++i) {
-    const Ray ray = generate(c, film, random.next_2d());
+    const Ray ray = generate(c, raster, random.next_2d());
     EXPECT_LT(glm::length(at_focus(ray) - at_focus(first)), 1e-5f);
     EXPECT_LE(glm::length(ray.origin - c.position), c.lens_radius * 1.0001f);
   }
@@ -109,8 +110,8 @@ TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
   for (const auto& [name, c] : cameras()) {
     Random random(93);
     for (int i = 0; i < 2000; ++i) {
-      const Vec2 film = (random.next_2d() * 0.98f + 0.01f) * c.resolution;
-      const Ray ray = generate(c, film, random.next_2d());
+      const Vec2 raster = (random.next_2d() * 0.98f + 0.01f) * c.resolution;
+      const Ray ray = generate(c, raster, random.next_2d());
       const CameraPdf pdf = pdf_we(c, ray);
       ASSERT_GT(pdf.pdf_w, 0.0f) << name;
       ASSERT_NEAR(we(c, ray) * lens_cosine(c, ray) / (pdf.pdf_a * pdf.pdf_w), 1.0f, 1e-4f) << name;
@@ -118,7 +119,7 @@ TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
   }
 }
 
-/// χ²: film positions uniform over the image follow the densities of pdf_we().
+/// χ²: raster positions uniform over the image follow the densities of pdf_we().
 TEST(Camera, RaysFollowTheirDensity) {
   constexpr int kSamples = 200000;
   for (const NamedCamera& camera : cameras()) {
@@ -198,12 +199,12 @@ TEST(Camera, ConnectionsMatchTheRaysThatReachThePoint) {
       ++found;
       ASSERT_NEAR(glm::length(s.wi), 1.0f, 1e-5f) << name;
       const Ray back{p + s.wi * s.distance, -s.wi, kInfinity};
-      Vec2 film;
-      ASSERT_TRUE(film_position(c, back, &film) || s.film.x < 0.1f || s.film.y < 0.1f ||
-                  s.film.x > c.resolution.x - 0.1f || s.film.y > c.resolution.y - 0.1f)
+      Vec2 raster;
+      ASSERT_TRUE(raster_position(c, back, &raster) || s.raster.x < 0.1f || s.raster.y < 0.1f ||
+                  s.raster.x > c.resolution.x - 0.1f || s.raster.y > c.resolution.y - 0.1f)
           << name;
-      ASSERT_NEAR(film.x, s.film.x, 0.05f) << name;
-      ASSERT_NEAR(film.y, s.film.y, 0.05f) << name;
+      ASSERT_NEAR(raster.x, s.raster.x, 0.05f) << name;
+      ASSERT_NEAR(raster.y, s.raster.y, 0.05f) << name;
       ASSERT_NEAR(we(c, back), s.importance, 1e-3f * s.importance) << name;
       // Density of wi: that of the lens, seen from p.
       const float lens_pdf =

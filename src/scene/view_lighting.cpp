@@ -58,8 +58,8 @@ ViewLighting estimate_view_lighting(const SceneView& scene) {
   parallel_for(pixels.size(), [&](size_t i) {
     const auto pixel = static_cast<uint32_t>(i);
     const Vec2 cell(static_cast<float>(pixel % kColumns) + 0.5f, static_cast<float>(pixel / kColumns) + 0.5f);
-    const Vec2 film = cell / Vec2(kColumns, kRows) * scene.camera.resolution;
-    const Ray ray = generate(scene.camera, film, Vec2(0.5f));
+    const Vec2 raster = cell / Vec2(kColumns, kRows) * scene.camera.resolution;
+    const Ray ray = generate(scene.camera, raster, Vec2(0.5f));
     const Hit hit = intersect_from_camera(scene.accel, ray, pixel);
     if (!hit.valid()) return;
     SurfacePoint sp;

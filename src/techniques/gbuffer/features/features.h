@@ -310,13 +310,13 @@ struct FeatureKernel {
     } else if (!camera_moved && r.image == r.image_before) {
       to.motion[pixel] = Vec2(0);
     } else {
-      to.motion[pixel] = film_motion(scene, r.image, r.image_before);
+      to.motion[pixel] = raster_motion(scene, r.image, r.image_before);
     }
   }
 
   RELUME_HD Vec2 motion_of(const Ray& ray, const Feature& f) const {
-    return f.surface == kNoSurface ? film_motion_of_direction(scene, ray.direction)
-                                   : film_motion(scene, f.position, f.previous);
+    return f.surface == kNoSurface ? raster_motion_of_direction(scene, ray.direction)
+                                   : raster_motion(scene, f.position, f.previous);
   }
 };
 

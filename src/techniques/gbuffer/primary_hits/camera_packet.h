@@ -50,12 +50,12 @@ struct CameraPacket {
   }
   /// Computes the rays of at least one pixel.
   void generate(const CameraView& camera, const SampleIndex& index) {
-    float film_x[kPacketSize];
-    float film_y[kPacketSize];
-    draw(index, film_x, film_y);
+    float raster_x[kPacketSize];
+    float raster_y[kPacketSize];
+    draw(index, raster_x, raster_y);
     if (camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f)) {
       Directions directions;
-      directions.fill(camera, film_x, film_y);
+      directions.fill(camera, raster_x, raster_y);
       for (int k = 0; k < count; ++k)
         rays[k] = {camera.position, {directions.x[k], directions.y[k], directions.z[k]}, kInfinity};
       return;
@@ -67,14 +67,14 @@ struct CameraPacket {
   }
 
  private:
-  /// Draws film positions and ids.
-  void draw(const SampleIndex& index, float (&film_x)[kPacketSize], float (&film_y)[kPacketSize]) {
+  /// Draws raster positions and ids.
+  void draw(const SampleIndex& index, float (&raster_x)[kPacketSize], float (&raster_y)[kPacketSize]) {
     const auto draw_each = [&](int lanes, const auto& sampler_of) {
       for (int k = 0; k < lanes; ++k) {
         const Sampler sampler = sampler_of(k);
         const Vec2 u = sampler.first_2d();
-        film_x[k] = static_cast<float>(x[k]) + u.x;
-        film_y[k] = static_cast<float>(y[k]) + u.y;
+        raster_x[k] = static_cast<float>(x[k]) + u.x;
+        raster_y[k] = static_cast<float>(y[k]) + u.y;
         ids[k] = sampler.camera_ray_id();
       }
     };
@@ -97,13 +97,13 @@ struct CameraPacket {
     float y[kPacketSize];
     float z[kPacketSize];
 
-    void fill(const CameraView& camera, const float (&film_x)[kPacketSize], const float (&film_y)[kPacketSize]) {
+    void fill(const CameraView& camera, const float (&raster_x)[kPacketSize], const float (&raster_y)[kPacketSize]) {
       const Frame axes = camera.axes;
       const Vec2 resolution = camera.resolution;
       const Vec2 half = camera.half_extent;
       for (uint32_t k = 0; k < kPacketSize; ++k) {
-        const float right = (2.0f * film_x[k] / resolution.x - 1.0f) * half.x;
-        const float up = (1.0f - 2.0f * film_y[k] / resolution.y) * half.y;
+        const float right = (2.0f * raster_x[k] / resolution.x - 1.0f) * half.x;
+        const float up = (1.0f - 2.0f * raster_y[k] / resolution.y) * half.y;
         const float wx = right * axes.t.x + up * axes.b.x - axes.n.x;
         const float wy = right * axes.t.y + up * axes.b.y - axes.n.y;
         const float wz = right * axes.t.z + up * axes.b.z - axes.n.z;

@@ -62,22 +62,22 @@ struct PrimaryHitsKernel {
   RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }
 };
 
-/// Projects `p` to the film, through the centre of the lens. Returns false if it lies behind the camera.
-RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, Vec2* film) {
+/// Projects `p` to the image plane, through the centre of the lens. Returns false if it lies behind the camera.
+RELUME_HD inline bool raster_position_of(const CameraView& camera, const Vec3& p, Vec2* raster) {
   if (camera.projection == Projection::perspective) {
     const Vec3 local = camera.axes.to_local(p - camera.position);
     if (local.z >= 0.0f) return false;
     const float scale = -1.0f / local.z;
-    *film = camera_detail::film_from_ndc(camera, Vec2(local) * scale / camera.half_extent);
+    *raster = camera_detail::raster_from_ndc(camera, Vec2(local) * scale / camera.half_extent);
     return true;
   }
-  film->x = kInfinity;
+  raster->x = kInfinity;
   const bool orthographic = camera.projection == Projection::orthographic;
-  film_position(camera,
-                orthographic ? Ray{p, -camera.axes.n, kInfinity}
-                             : Ray{camera.position, glm::normalize(p - camera.position), kInfinity},
-                film);
-  return is_finite(film->x);
+  raster_position(camera,
+                  orthographic ? Ray{p, -camera.axes.n, kInfinity}
+                               : Ray{camera.position, glm::normalize(p - camera.position), kInfinity},
+                  raster);
+  return is_finite(raster->x);
 }
 
 /// Motion of points behind a camera, pixels. The largest binary16, outside every image.
@@ -85,19 +85,19 @@ inline constexpr float kFromNowhere = 65504;
 
 /// Motion in pixels from `before` in the previous frame to `now` in this one; kFromNowhere if either lies behind its
 /// camera.
-RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
+RELUME_HD inline Vec2 raster_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
   Vec2 here;
   Vec2 there;
-  if (!film_position_of(scene.camera, now, &here) || !film_position_of(scene.previous_camera, before, &there))
+  if (!raster_position_of(scene.camera, now, &here) || !raster_position_of(scene.previous_camera, before, &there))
     return Vec2(kFromNowhere);
   const Vec2 difference = here - there;
   return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(kFromNowhere);
 }
 
 /// Motion of a point at infinity in this direction.
-RELUME_HD inline Vec2 film_motion_of_direction(const SceneView& scene, const Vec3& direction) {
+RELUME_HD inline Vec2 raster_motion_of_direction(const SceneView& scene, const Vec3& direction) {
   if (scene.camera.projection == Projection::orthographic) return Vec2(0);
-  return film_motion(scene, scene.camera.position + direction, scene.previous_camera.position + direction);
+  return raster_motion(scene, scene.camera.position + direction, scene.previous_camera.position + direction);
 }
 
 /// Writes the surface properties of primary hits. Pixels without a hit get zeros, kNoSurface and the motion at
@@ -125,7 +125,7 @@ struct SurfaceKernel {
       position[pixel] = previous[pixel] = normal[pixel] = Vec3(0);
       albedo[pixel] = Rgb(0);
       depth[pixel] = 0.0f;
-      motion[pixel] = film_motion_of_direction(scene, ray.direction);
+      motion[pixel] = raster_motion_of_direction(scene, ray.direction);
       return;
     }
     SurfacePoint sp;
@@ -135,7 +135,7 @@ struct SurfaceKernel {
     normal[pixel] = sp.frame.n;
     albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
     depth[pixel] = hit.t;
-    motion[pixel] = film_motion(scene, sp.position, sp.previous_position);
+    motion[pixel] = raster_motion(scene, sp.position, sp.previous_position);
   }
 };
 

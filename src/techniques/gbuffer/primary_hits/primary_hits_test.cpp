@@ -111,10 +111,11 @@ TEST(PrimaryHits, HitsLieOnTheirRays) {
       SurfacePoint sp;
       make_surface_point(scene.view(), ray, hit, 0.0f, sp);
       ASSERT_LT(glm::length(ray.origin + ray.direction * hit.t - sp.position), 1e-4f);
-      Vec2 film;
-      ASSERT_TRUE(film_position(scene.view().camera, {scene.view().camera.position, ray.direction, kInfinity}, &film));
-      ASSERT_EQ(static_cast<uint32_t>(film.x), x);
-      ASSERT_EQ(static_cast<uint32_t>(film.y), y);
+      Vec2 raster;
+      ASSERT_TRUE(
+          raster_position(scene.view().camera, {scene.view().camera.position, ray.direction, kInfinity}, &raster));
+      ASSERT_EQ(static_cast<uint32_t>(raster.x), x);
+      ASSERT_EQ(static_cast<uint32_t>(raster.y), y);
     }
   }
 }
@@ -169,7 +170,7 @@ TEST(PrimaryHits, SurfaceBuffersShowTheFirstHit) {
   }
 }
 
-TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
+TEST(PrimaryHits, MotionPointsFromThePreviousRasterPosition) {
   // Moving the camera 0.1 m right shifts a point at depth z left by 0.1 / (z · pixel width at 1 m).
   CompiledScene scene(find_builtin_scene("cornell")->build(), CompileOptions{.width = kWidth, .height = kHeight});
   CameraPose camera = scene.camera();
@@ -201,9 +202,9 @@ TEST(PrimaryHits, SurfacesFromBehindTheCameraAreMarked) {
   const CompiledScene scene = compile("cornell");
   SceneView view = scene.view();
   const Vec3 seen(0, 2.7f, 0);
-  EXPECT_EQ(film_motion(view, seen, seen), Vec2(0));
+  EXPECT_EQ(raster_motion(view, seen, seen), Vec2(0));
   view.previous_camera.axes.n = -view.previous_camera.axes.n;
-  EXPECT_EQ(film_motion(view, seen, seen), Vec2(kFromNowhere));
+  EXPECT_EQ(raster_motion(view, seen, seen), Vec2(kFromNowhere));
 }
 
 TEST(PrimaryHits, AuxiliarySumsAndKeepsTheFirstMotion) {

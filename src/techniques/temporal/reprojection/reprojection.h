@@ -30,11 +30,11 @@ RELUME_HD inline RejectReason reason_of(uint64_t vote) {
   return vote == kNoVote ? RejectReason::empty : static_cast<RejectReason>(static_cast<uint32_t>(vote));
 }
 
-/// Index of the pixel that contains film position `film`.
-RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
+/// Index of the pixel that contains raster position `raster`.
+RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& raster) {
   const UVec2 size(camera.resolution);
-  const uint32_t x = relume::min(static_cast<uint32_t>(film.x), size.x - 1);
-  const uint32_t y = relume::min(static_cast<uint32_t>(film.y), size.y - 1);
+  const uint32_t x = relume::min(static_cast<uint32_t>(raster.x), size.x - 1);
+  const uint32_t y = relume::min(static_cast<uint32_t>(raster.y), size.y - 1);
   return y * size.x + x;
 }
 
@@ -88,10 +88,10 @@ struct DepthVoteKernel {
     const StoredSample& sample = stored[index];
     const SurfacePosition p = surface_position(scene, sample.hit);
     const Ray ray = ray_to(p.now);
-    Vec2 film;
+    Vec2 raster;
     // First validation: the point is on the screen.
-    if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return RejectReason::off_screen;
-    const uint32_t target = pixel_at(scene.camera, film);
+    if (!(ray.t_max > 0.0f) || !raster_position(scene.camera, ray, &raster)) return RejectReason::off_screen;
+    const uint32_t target = pixel_at(scene.camera, raster);
     // Another sample already moves this history to the pixel. Changes of light are tested at all samples.
     if (!lights_changed && voted.has(target)) return RejectReason::none;
 

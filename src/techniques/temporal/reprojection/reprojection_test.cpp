@@ -146,10 +146,10 @@ TEST(Reprojection, MovesToTheNewPixelOfTheSurface) {
     if (!is_vote(stage.votes[i])) continue;
     const auto source = static_cast<uint32_t>(stage.votes[i]);
     const Vec3 p = surface_position(stage.scene.view(), stage.stored[source].hit).now;
-    Vec2 film;
+    Vec2 raster;
     const CameraView& view = stage.scene.view().camera;
-    ASSERT_TRUE(film_position(view, {view.position, glm::normalize(p - view.position), kInfinity}, &film));
-    EXPECT_EQ(static_cast<uint32_t>(film.y) * kSize + static_cast<uint32_t>(film.x), i);
+    ASSERT_TRUE(raster_position(view, {view.position, glm::normalize(p - view.position), kInfinity}, &raster));
+    EXPECT_EQ(static_cast<uint32_t>(raster.y) * kSize + static_cast<uint32_t>(raster.x), i);
   }
 }
 

@@ -50,14 +50,14 @@ struct BdptCounters {
   uint32_t nonfinite = 0;  ///< splats left out as not finite
 };
 
-/// Adds radiance to the pixel at film position `film`.
-RELUME_HD inline void splat(const BdptContext& c, const Vec2& film, const Rgb& value, BdptCounters& counters) {
+/// Adds radiance to the pixel at raster position `raster`.
+RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb& value, BdptCounters& counters) {
   if (!is_finite(value)) {
     ++counters.nonfinite;
     return;
   }
   if (max_component(value) > kFixedPointMax) ++counters.saturated;
-  c.splats[static_cast<uint32_t>(film.y) * c.width + static_cast<uint32_t>(film.x)].add(value);
+  c.splats[static_cast<uint32_t>(raster.y) * c.width + static_cast<uint32_t>(raster.x)].add(value);
 }
 
 /// Selects the connections of a sample whose visibility is tested. Connections that are small relative to those tried

@@ -129,7 +129,7 @@ TEST(Bdpt, SmallCameraConnectionsAreRarelyTested) {
   const BdptContext c = frame.context();
   LightVertices light;
   light.connections = 1;
-  light.to_camera[0] = {.ray = {Vec3(0), Vec3(0, 0, 1), 1e-3f}, .contribution = Rgb(1), .film = {3.5f, 2.5f}};
+  light.to_camera[0] = {.ray = {Vec3(0), Vec3(0, 0, 1), 1e-3f}, .contribution = Rgb(1), .raster = {3.5f, 2.5f}};
   constexpr int kSamples = 40000;
   const auto rays_a_sample = [&](float tested) {
     BdptCounters counters;

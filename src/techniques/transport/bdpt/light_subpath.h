@@ -46,11 +46,11 @@ RELUME_HD inline float weight_of_camera_connection(const LightSubpath& l, const 
   return weight_from(l.weights.at().sum(pdf_a, e.pdf_camera), lens_met);
 }
 
-/// A connection to the camera, and the film position of its light.
+/// A connection to the camera, and the raster position of its light.
 struct CameraConnection {
   Ray ray;
   Rgb contribution{0};  ///< radiance if the ray is not blocked
-  Vec2 film{0};
+  Vec2 raster{0};
   uint32_t ray_id = 0;
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
@@ -81,7 +81,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
     connection.contribution *= wavelength_weight(l.path.wavelength_nm);
   connection.ray = sp.spawn_ray(s.wi);
   connection.ray.t_max = s.distance;
-  connection.film = s.film;
+  connection.raster = s.raster;
   constexpr uint32_t kSalt = 0xffffffffu;  // the continued ray has the plain identity
   connection.ray_id = hash(sampler.ray_id(), kSalt);
   return connection;
@@ -91,7 +91,7 @@ RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnectio
                                      BdptCounters& counters) {
   ++counters.rays;
   if (!occluded_to_camera(c.scene().accel, connection.ray, connection.ray_id))
-    splat(c, connection.film, contribution, counters);
+    splat(c, connection.raster, contribution, counters);
 }
 
 /// Vertices and camera connections kept until the camera subpath is traced.
@@ -116,9 +116,9 @@ RELUME_HD inline void try_camera_connections(const BdptContext& c, const LightVe
   }
 }
 
-/// Intersection of a ray with the lens from the front: film position and distance.
+/// Intersection of a ray with the lens from the front: raster position and distance.
 struct LensHit {
-  Vec2 film{0};
+  Vec2 raster{0};
   float distance = kInfinity;
   float importance = 0;
   float cosine = 0;
@@ -132,7 +132,7 @@ RELUME_HD inline LensHit meet_lens(const CameraView& c, const Ray& ray) {
   const Ray out{ray.origin + distance * ray.direction, -ray.direction, kInfinity};
   if (length_squared(out.origin - c.position) >= sqr(c.lens_radius)) return {};
   LensHit hit;
-  if (!film_position(c, out, &hit.film)) return {};
+  if (!raster_position(c, out, &hit.raster)) return {};
   hit.distance = distance;
   hit.importance = we(c, out);
   hit.cosine = cosine;
@@ -151,7 +151,7 @@ RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, con
   const float weight = weight_of_lens_hit(c.scene().camera, l, hit);
   Rgb light = l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight);
   if (l.path.dispersed) light *= wavelength_weight(l.path.wavelength_nm);
-  splat(c, hit.film, light, counters);
+  splat(c, hit.raster, light, counters);
 }
 
 /// Whether the camera sees the last vertex through the lens. `hit`: nearest hit of the ray, ignoring the lens.
