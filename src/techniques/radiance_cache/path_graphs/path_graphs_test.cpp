@@ -317,7 +317,7 @@ TEST(PathGraph, VerticesBeyondTheWaitingLimitAreCounted) {
   CachedFrameSettings settings = small(CacheKind::apg, 16);
   settings.max_bounces = 16;
   settings.russian_roulette = false;
-  settings.psf.grid.thin_cells = ThinCells::keep;  // no samples for coarser cells
+  settings.psf.grid.undersampled_cells = UndersampledCells::keep;  // no samples for coarser cells
   CachedFrames frames(testing::closed_furnace(0.9f), settings);
   frames.render();  // all cells are empty: of 16 vertices, eight have samples, which wait for the end of the path
   EXPECT_EQ(frames.grid().statistics().samples, 8u * 16u * 16u);

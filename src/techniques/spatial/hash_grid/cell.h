@@ -123,7 +123,7 @@ struct AveragingRule {
 };
 
 /// Treatment of undersampled cells, which have fewer samples than `min_count`.
-enum class ThinCells : int {
+enum class UndersampledCells : int {
   keep,       ///< the cell alone
   coarser,    ///< pooled with cells of up to three coarser levels
   neighbours  ///< pooled with the eight nearest cells

@@ -45,7 +45,7 @@ struct HashGridView {
   bool renumbered = false;            ///< whether the table was rebuilt since the paths of this frame
   CellKeys keys;
   AveragingRule rule;
-  ThinCells thin_cells = ThinCells::coarser;
+  UndersampledCells undersampled_cells = UndersampledCells::coarser;
   float inherited_count = 0;  ///< maximum number of samples that a new cell inherits; 0: none
   float clamp_factor = 0;     ///< multiple of the cell's mean to which samples are clamped; 0: no clamping
 
@@ -128,7 +128,7 @@ struct HashGridView {
     if (slot == kNoCell) slot = find_or_insert(keys.address(p));
     value = bounded(value, own_moments(slot));
     add({p, value, weight, 0, alone}, slot);
-    if (alone || thin_cells != ThinCells::coarser) return slot;
+    if (alone || undersampled_cells != UndersampledCells::coarser) return slot;
     float probability = kCoarserProbability;
     for (int k = 1; k <= kCoarserLevels && u < probability; ++k, probability *= kCoarserProbability)
       add({p, value, weight, k, alone}, find_or_insert(keys.address(p, k)));
@@ -146,15 +146,15 @@ struct HashGridView {
     if (is_first && inherits && histories[slot].empty()) choose_parent(sample.point, slot);
   }
 
-  /// Moments of the cell of `p`. Undersampled cells are pooled according to `thin_cells`. Without samples, the count is
-  /// 0.
+  /// Moments of the cell of `p`. Undersampled cells are pooled according to `undersampled_cells`. Without samples, the
+  /// count is 0.
   RELUME_HD CellMoments moments(const CellPoint& p) const { return moments(p, find(keys.address(p))); }
 
   /// The same with the known slot of the cell of `p` (kNoCell: none).
   RELUME_HD CellMoments moments(const CellPoint& p, uint32_t slot) const {
     const CellMoments own = own_moments(slot);
-    if (!undersampled(own) || thin_cells == ThinCells::keep) return own;
-    if (thin_cells == ThinCells::neighbours) return neighbourhood(p);
+    if (!undersampled(own) || undersampled_cells == UndersampledCells::keep) return own;
+    if (undersampled_cells == UndersampledCells::neighbours) return neighbourhood(p);
     CellMoments sum = own;
     for (int k = 1; k <= kCoarserLevels && undersampled(sum); ++k)
       sum = pooled(sum, own_moments(find(keys.address(p, k))), kInfinity);

@@ -12,7 +12,7 @@ namespace {
 
 HashGridSettings with_limit(int max_cells) {
   HashGridSettings s;
-  s.thin_cells = ThinCells::keep;
+  s.undersampled_cells = UndersampledCells::keep;
   s.change_detection = 0;
   s.max_cells = max_cells;
   return s;

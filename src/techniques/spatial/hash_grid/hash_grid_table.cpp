@@ -133,7 +133,7 @@ HashGridView HashGrid::view() {
   v.keys = keys_;
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
             static_cast<float>(settings_.min_count)};
-  v.thin_cells = settings_.thin_cells;
+  v.undersampled_cells = settings_.undersampled_cells;
   v.inherited_count = static_cast<float>(settings_.inherited_count);
   v.clamp_factor = settings_.clamp;
   return v;

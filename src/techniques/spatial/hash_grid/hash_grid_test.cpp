@@ -37,7 +37,7 @@ void fill(HashGrid& grid, Backend& backend, uint32_t rows, uint32_t first = 0) {
 
 HashGridSettings plain() {
   HashGridSettings s;
-  s.thin_cells = ThinCells::keep;
+  s.undersampled_cells = UndersampledCells::keep;
   s.change_detection = 0;
   return s;
 }
@@ -122,7 +122,7 @@ void expect_same_bits_with_any_number_of_threads(const HashGridSettings& setting
 
 HashGridSettings with_coarser_cells() {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::coarser;
+  settings.undersampled_cells = UndersampledCells::coarser;
   settings.change_detection = 3;
   return settings;
 }
@@ -210,7 +210,7 @@ TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
 
 TEST(HashGrid, ResumesFromCheckpoint) {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::coarser;
+  settings.undersampled_cells = UndersampledCells::coarser;
   Backend backend(2);
   HashGrid grid(settings, 1 << 12);
   fill(grid, backend, 64);
@@ -284,7 +284,7 @@ TEST(HashGrid, NewCellsInheritFromTheNeighbouringLevel) {
 
 TEST(HashGrid, IsolatedCellsShareNoSamples) {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::coarser;
+  settings.undersampled_cells = UndersampledCells::coarser;
   settings.inherited_count = 128;
   Backend backend(1);
   const auto neighbour_inherits = [&](bool alone) {
@@ -307,7 +307,7 @@ TEST(HashGrid, IsolatedCellsShareNoSamples) {
 
 TEST(HashGrid, UndersampledCellsReadCoarserCells) {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::coarser;
+  settings.undersampled_cells = UndersampledCells::coarser;
   settings.min_count = 8;
   HashGrid grid(settings, 1 << 12);
   Backend backend(1);
@@ -333,7 +333,7 @@ TEST(HashGrid, UndersampledCellsReadCoarserCells) {
 
 TEST(HashGrid, CoarserCellsGetTheirShare) {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::coarser;
+  settings.undersampled_cells = UndersampledCells::coarser;
   HashGrid grid(settings, 1 << 12);
   const HashGridView v = grid.view(grid_camera());
   constexpr int kSamples = 80000;
@@ -346,9 +346,9 @@ TEST(HashGrid, CoarserCellsGetTheirShare) {
   }
 }
 
-TEST(HashGrid, ThinCellsPoolTheirNeighbours) {
+TEST(HashGrid, UndersampledCellsPoolTheirNeighbours) {
   HashGridSettings settings = plain();
-  settings.thin_cells = ThinCells::neighbours;
+  settings.undersampled_cells = UndersampledCells::neighbours;
   HashGrid grid(settings, 1 << 12);
   Backend backend(1);
   const HashGridView v = grid.view(grid_camera());

@@ -33,16 +33,16 @@ SettingList describe(HashGridSettings& s) {
        {.min = 1, .max = 65535, .unit = "frames"}},
       {"min-samples",
        &s.min_count,
-       "Samples below which a cell is undersampled: its variance is unknown, and thin-cells chooses what replaces its "
-       "mean",
+       "Samples below which a cell is undersampled: its variance is unknown, and undersampled-cells chooses what "
+       "replaces its mean",
        {.min = 1, .max = 4096, .biases = true}},
       {"inherited-samples",
        &s.inherited_count,
        "Maximum number of samples that a new cell inherits from the next level when the camera moves closer or away; "
        "0: none",
        {.min = 0, .max = 1 << 24, .biases = true}},
-      {"thin-cells",
-       choice(s.thin_cells, {"keep", "coarser", "neighbours"}),
+      {"undersampled-cells",
+       choice(s.undersampled_cells, {"keep", "coarser", "neighbours"}),
        "Replacement for an undersampled cell: none, up to three coarser levels, or the eight nearest cells",
        {.biases = true}},
       {"clamp",

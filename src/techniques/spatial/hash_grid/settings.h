@@ -18,7 +18,7 @@ struct HashGridSettings {
   int max_age = 32;
   int min_count = 8;
   int inherited_count = 128;
-  ThinCells thin_cells = ThinCells::coarser;
+  UndersampledCells undersampled_cells = UndersampledCells::coarser;
   float clamp = 0;
   float change_detection = 4;
   int max_cells = 0;  ///< maximum number of slots kept from frame to frame; 0: from the sizes of image and memory
