@@ -181,7 +181,7 @@ ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(charts(cases));
   result.setup = {{"Size", square_text(context, kSide)},
-                  {"Time", fmt::format("5 × {} frames, in turns", context.choose(8, 4))},
+                  {"Time", fmt::format("5 × {} frames, alternately", context.choose(8, 4))},
                   {"Settings", "the defaults of each; \"all\" has neither kind of roulette"}};
   return result;
 }

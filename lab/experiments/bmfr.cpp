@@ -354,8 +354,8 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
        "one sample per frame of path tracing; the camera stands, then walks 5 cm and turns 0.5° per frame; the noise "
        "of the reference (64 samples) is known and subtracted from every MSE"},
       {"Contrast",
-       "slope of the image's luminance over the reference's, both clamped at 1; relative to that of another image with "
-       "many samples"}};
+       "slope of image against reference luminance, both clamped at 1, divided by the slope of another image with many "
+       "samples"}};
   return result;
 }
 

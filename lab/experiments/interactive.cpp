@@ -113,8 +113,8 @@ std::vector<double> distances_to_best(const std::vector<MovingErrors>& scenes) {
 TableBlock table(const std::vector<MovingErrors>& scenes) {
   TableBlock block{"Combinations",
                    "MSE of the displayed image while the camera turns, at equal time, with FLIP, the number of frames "
-                   "and their share of the time: only whole frames count, so a slow technique has up to a half more or "
-                   "less. The first column is the geometric mean of the MSE over the lowest in each scene.",
+                   "and their share of the time. Only whole frames count, so a slow technique may use up to 50 % more "
+                   "or less time. The first column is the geometric mean of the MSE over the lowest in each scene.",
                    "techniques",
                    {{"over the best", "", Better::lower}},
                    {}};
