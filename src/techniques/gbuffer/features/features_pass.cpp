@@ -15,12 +15,12 @@ std::vector<BufferDescription> reflection_buffers() {
       surface_buffer(kSpecularAlbedo,
                      "directional albedo of specular lobes; black where specular light is not separate", false),
       surface_buffer(kReflection.position,
-                     "position of the reflected image where it is sharp, else of the reflecting surface, metres", true,
+                     "position of the virtual image where it is sharp, else of the reflecting surface, metres", true,
                      "XYZ"),
       surface_buffer(kReflection.previous, "specular-position one frame ago, metres", false, "XYZ"),
       surface_buffer(kReflection.normal, "normal at specular-position", true, "XYZ"),
       surface_buffer(kReflection.depth, "distance that scales the plane tolerance of histories, metres", false, "Z"),
-      surface_buffer(kReflection.motion, "motion of the reflected image since the previous frame, pixels", false)};
+      surface_buffer(kReflection.motion, "motion of the virtual image since the previous frame, pixels", false)};
 }
 
 ReflectionViews reflection_views(const FrameContext& frame) {

@@ -13,7 +13,7 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
       {"migrations", &s.migrations, "Maximum number of leaves that a quadtree moves per frame", {.min = 1, .max = 32}},
       {"stability",
        &s.stability,
-       "Split a leaf if this fraction of its sum exceeds the sum of the node joined in exchange",
+       "A leaf is split only if this fraction of its sum exceeds the sum of the node joined to free its bits",
        {.min = 0.001, .max = 1}},
       {"memory",
        &s.memory,

@@ -13,7 +13,7 @@ SettingList describe(VisibilityLightCacheSettings& s) {
       {"exploration", &s.exploration, "Fraction of samples drawn from all lights", {.min = 0.001, .max = 1}},
       {"hysteresis",
        &s.hysteresis,
-       "Fraction of the buckets' capacity that must suffice before their number shrinks",
+       "The number of buckets shrinks only if the lights then fill at most this fraction of each bucket",
        {.min = 0, .max = 1}},
       {"max-samples", &s.max_samples, "Maximum number of samples read per region", {.min = 1, .max = 1 << 24}},
       {"memory",

@@ -36,8 +36,9 @@ SettingList describe(AdaptivePsfSettings& s) {
        {.min = 1, .max = 1 << 20, .biases = true}},
       {"blend",
        choice(s.blend, {"automatic", "zero", "one", "step", "one-over-square"}),
-       "Weight of the cell in a pixel whose path was followed: 0, 1, or 1 except between the thresholds; automatic: 1 "
-       "with apsf, 0 with apsf+apg, where the path graph weights the cells",
+       "Weight of the cell in a pixel whose path was followed: zero, one, or a curve (step, one-over-square) that "
+       "drops between the thresholds; automatic: one with apsf, zero with apsf+apg, whose path graph already weights "
+       "cells",
        {.biases = true}},
       {"blend-v0",
        &s.blend_v0,

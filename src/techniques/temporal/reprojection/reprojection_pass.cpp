@@ -62,16 +62,16 @@ PassDeclaration ReprojectionPass::declaration() const {
   std::vector<BufferDescription> owns{
       shown(kHistoryKept, "1 where the pixel continues a history, 0 where it starts one"),
       shown(kHistoryReason,
-            forward ? "origin of the pixel's history: 1 kept, 10 filled from the old position of its "
-                      "surface, 0 no history moved here; rejected because 3 occluded, 4 view dependent, 5 near "
-                      "specular, 6 several surfaces, 7 relit, 9 on another surface than this frame's sample"
-                    : "origin of the pixel's history: 1 kept, 0 no samples before; rejected because 2 off "
-                      "screen, 9 another surface at the old position")};
+            forward ? "origin of the pixel's history. 0: none moved here; 1: kept; 10: filled from the old position of "
+                      "its surface; rejected: 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 "
+                      "relit, 9 on another surface than this frame's sample"
+                    : "origin of the pixel's history. 0: no samples before; 1: kept; rejected: 2 off screen, 9 another "
+                      "surface at the old position")};
   if (forward) {
     owns.push_back(
         shown(kHistoryRejectReason,
-              "why the pixel of the previous frame lost its history, at its old position: 1 kept, 2 off screen, 3 "
-              "occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+              "outcome for the history of the previous frame's pixel, at its old position. 1: kept; rejected: 2 off "
+              "screen, 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
   if (forward) reads.push_back(kPrimaryHits);
   const auto inherited = [](const BufferId& id, const char* help) { return BufferDescription{.id = id, .help = help}; };

@@ -13,8 +13,8 @@ SettingList describe(BdptSettings& s) {
        {.min = 1, .max = kMaxLightVertices}},
       {"connection-roulette",
        &s.connection_roulette,
-       "Test connections at random if they carry less than this fraction of the light that the sample has tried to "
-       "connect so far. With one bounce, light subpaths are then left out. 0: test all",
+       "Roulette: test a connection at random if its light is below this fraction of the sum over the sample's earlier "
+       "connections. With one bounce, roulette also leaves out light subpaths. 0: test all",
        {.min = 0, .max = 1}},
   };
 }
