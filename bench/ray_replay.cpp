@@ -63,8 +63,7 @@ Recording record(const Scene& scene, RenderSettings settings) {
   const uint64_t rays = session.statistics().rays;
   if (rays != recording.log.rays()) {
     throw Error(
-        fmt::format("the frame traced {} rays, but {} passed the recorder; does it know every query of Embree "
-                    "that the renderer makes?",
+        fmt::format("the frame traced {} rays, but {} passed the recorder; make every Embree query pass the recorder",
                     rays, recording.log.rays()));
   }
   recording.tiles = static_cast<uint32_t>((settings.width + 15) / 16 * ((settings.height + 15) / 16));

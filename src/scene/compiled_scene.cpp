@@ -311,7 +311,7 @@ Index find_camera(const Scene& scene, const std::string& name) {
     known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
   }
   throw Error(ErrorCode::not_found,
-              fmt::format("{}: there is no camera '{}'; it has {}", error_place(scene), name, known));
+              fmt::format("{}: there is no camera '{}'; choose one of {}", error_place(scene), name, known));
 }
 
 void CompiledScene::choose_camera(const std::string& name) {

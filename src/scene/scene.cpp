@@ -111,7 +111,7 @@ void choose_variant(Scene& scene, const std::string& name) {
   const auto found = std::find(scene.variants.begin(), scene.variants.end(), name);
   if (found == scene.variants.end() && !name.empty()) {
     const std::string known = scene.variants.empty()
-                                  ? "it has no variants, choose none"
+                                  ? "the scene has no variants; choose none"
                                   : fmt::format("choose one of '{}'", fmt::join(scene.variants, "', '"));
     throw Error(ErrorCode::not_found, fmt::format("{}: there is no variant '{}'; {}", error_place(scene), name, known));
   }

@@ -187,8 +187,8 @@ void read_swizzle(Span bytes, Ktx2Header& header, const std::string& name) {
   const std::string swizzle = find_value(part(bytes, word_at(bytes, 56), word_at(bytes, 60), name), "KTXswizzle", name);
   if (swizzle.empty()) return;
   if (swizzle.size() != 4 || swizzle.find_first_not_of("rgba01") != std::string::npos)
-    fail_damaged_ktx2(
-        name, fmt::format("a KTXswizzle has {} characters that are not four of r, g, b, a, 0 and 1", swizzle.size()));
+    fail_damaged_ktx2(name, fmt::format("its KTXswizzle of {} characters must be exactly four of r, g, b, a, 0 and 1",
+                                        swizzle.size()));
   header.swizzle = swizzle;
 }
 

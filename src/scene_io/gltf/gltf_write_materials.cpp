@@ -241,8 +241,9 @@ void MaterialWriter::add_png(OutputJson& json, const Texture& t, Use use, const 
         "texture '{}' has floating-point texels; they are kept in {}, and other programs see a PNG limited to [0, 1]",
         t.name, exr));
   } else if (is_color(t) != (use == Use::color)) {
-    output_.warn(fmt::format("texture '{}' is converted {} sRGB, which glTF expects where it is used", t.name,
-                             use == Use::color ? "to" : "from"));
+    const bool to_srgb = use == Use::color;
+    output_.warn(fmt::format("texture '{}' has {} texels, but glTF requires {} for this use; its texels are converted",
+                             t.name, to_srgb ? "linear" : "sRGB", to_srgb ? "sRGB" : "linear ones"));
   }
 }
 
