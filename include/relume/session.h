@@ -48,9 +48,9 @@ class RELUME_API Session {
   Session& operator=(Session&&) noexcept;
 
   /// Renders one frame: one sample for each pixel that adaptive sampling selects. Returns false if `stop` was requested
-  /// first. The image, the techniques and all state that later frames depend on are then as before the frame. Buffers
-  /// of a single frame, such as depth and normal, keep what the abandoned frame wrote. Once its samples have entered a
-  /// radiance cache, a frame is completed in spite of `stop`. An exception discards histories and caches.
+  /// first: the image and all state of later frames are then as before, but buffers of a single frame, such as depth,
+  /// may contain parts of the abandoned frame. A frame whose samples have entered a radiance cache is completed in
+  /// spite of `stop`. An exception discards histories and caches.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.

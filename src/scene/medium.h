@@ -48,7 +48,7 @@ RELUME_HD inline bool remove_medium(uint32_t (&entered)[kMaxMedia], uint32_t& co
 }  // namespace medium_detail
 
 /// Absorption at the origin of `ray`, per metre: the sum over all media around it. Follows the ray until it leaves the
-/// scene; these are the media left without being entered.
+/// scene: the ray leaves these media without having entered them.
 RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
   using namespace medium_detail;
   uint32_t entered[kMaxMedia];

@@ -90,8 +90,8 @@ class Document {
   /// By skin: the joints' common ancestor, or the highest such node of a skin above it. Skins of equal values deform
   /// the same figure. kNone if the joints have no common ancestor.
   std::vector<Index> skeletons() const;
-  /// The first node of which the mover moves a mesh, a light or a camera that the figure's joints do not move; kNone if
-  /// there is none.
+  /// First node with a mesh, light or camera that `mover` moves, but the joints of the skin's figure do not; else
+  /// kNone.
   Index passenger_of(Index mover, Index skin) const;
   bool has_skinned_mesh(Index node) const;
   bool has_animated_transform(Index node) const;  ///< in any clip, unless edited

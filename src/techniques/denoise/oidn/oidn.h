@@ -27,8 +27,8 @@ struct OidnAuxiliaryKernel {
   }
 };
 
-/// Whether the image is filtered after `frames` frames without a change. True up to 15, then each time that an eighth
-/// of the power of two below has been added: a filter takes longer than a frame, and its result changes less and less.
+/// Whether the image is filtered after `frames` frames without a change. True up to 15, then every 2^k / 8 frames
+/// between frames 2^k and 2^(k+1): filtering takes longer than a frame, and its result changes less and less.
 constexpr bool oidn_filters_at(uint32_t frames) {
   uint32_t eighth = 1;
   while (eighth * 16 <= frames) eighth *= 2;

@@ -48,8 +48,8 @@ struct CompareBlocksKernel {
   }
 };
 
-/// Discounts the history of each block, whose bias b² the departures estimate. With samples of variance v, of which a
-/// filter averages the n of a block, the error is least if the history counts for v / (n b²) samples. With the block's
+/// Discounts the history of each block. Departures estimate its squared bias b². If a filter averages the block's n
+/// samples of variance v, the error is least when the history counts for v / (n b²) samples. In terms of the block's
 /// departure, that is 1 / (departure − 1).
 struct DiscountBlocksKernel {
   View<const float> departures;

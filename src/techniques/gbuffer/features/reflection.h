@@ -1,5 +1,5 @@
-// Reflections in a pixel's surface, for filters and histories: an image behind the surface, blurred by the lobe's
-// width. Reflections move like that image, not like the surface.
+// Reflections in a pixel's surface, for filters and histories: a virtual image behind the surface, blurred by the
+// lobe's width. Reflections move with that image, not with the surface.
 #pragma once
 
 #include "scene/surface_point.h"
@@ -12,11 +12,11 @@ inline constexpr float kBackgroundDistance = 1e4f;
 /// Lobes with an α above this have no reflection: their light counts as diffuse.
 inline constexpr float kWidestReflection = 0.5f;
 
-/// The image in a surface's specular lobes.
+/// The virtual image in a surface's specular lobes.
 struct Reflection {
   Rgb albedo{0};         ///< directional albedo of the specular lobes; black: light is not split
-  Vec3 image{0};         ///< position of the image, metres
-  Vec3 image_before{0};  ///< position of the image one frame ago
+  Vec3 image{0};         ///< position of the virtual image, metres
+  Vec3 image_before{0};  ///< position of the virtual image one frame ago
   /// Position for filters, metres: the image where it is sharp, the surface where the lobe blurs it.
   Vec3 position{0};
   Vec3 previous{0};  ///< `position` one frame ago

@@ -6,8 +6,8 @@
 
 namespace relume {
 
-/// A share `even` is uniform ([Dittebrandt20, §4.2]), where an empty bucket passes its turn to the next. The rest goes
-/// by power over squared distance of the bucket's lights, our extension.
+/// A fraction `even` is uniform ([Dittebrandt20, §4.2]); an empty bucket's part goes to the next non-empty one. The
+/// rest is proportional to Σ Φ/d² over the bucket's lights (extension of the paper).
 struct BucketWeightsKernel {
   OctreeView tree;
   View<const uint32_t> parents;

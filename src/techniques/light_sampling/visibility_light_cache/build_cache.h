@@ -21,7 +21,7 @@ inline constexpr uint32_t kMaxSeenLights = 1024;
 struct CacheBuildOptions {
   uint32_t bucket_size = 32;    ///< capacity in lights, at most kMaxBucketSize
   uint32_t max_samples = 4096;  ///< maximum number read per region, spread evenly over its samples
-  float hysteresis = 0.75f;     ///< fraction of the buckets' capacity that must suffice before their number shrinks
+  float hysteresis = 0.75f;     ///< maximum fill of each bucket, as a fraction, after their number shrinks
   uint32_t memory = 0;          ///< frames that a light stays listed without being seen
   float even_buckets = 0.1f;    ///< probability of choosing a bucket uniformly
 };

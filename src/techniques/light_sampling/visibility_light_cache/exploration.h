@@ -1,6 +1,6 @@
 // Exploration: light selection among all finite lights, including those that no cache lists yet. The probabilities are
-// a mixture of three distributions over the lights. There is one table for all points ([Dittebrandt20, §4.3]), or one
-// per cell of a coarse grid.
+// a mixture of three distributions: by power, over changed lights, by distance. There is one table for all points
+// ([Dittebrandt20, §4.3]), or one per cell of a coarse grid.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ struct LightSummary {
 /// Properties of all finite lights, by id.
 std::vector<LightSummary> light_summaries(const LightsView& lights);
 
-/// Relative shares of the three distributions in the mixture.
+/// Relative weights of the three distributions in the mixture.
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light can be chosen
   float change = 1;  ///< uniform over the lights that changed since the last frame
@@ -50,8 +50,8 @@ struct ExplorationGrid {
   }
 };
 
-/// Entries of an alias table over the finite lights. Lights without emission have probability 0; an empty distribution
-/// leaves its share to the others.
+/// Entries of an alias table over the finite lights. Lights without emission have probability 0. A distribution with no
+/// lights is dropped; the other weights are renormalised.
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights);
 

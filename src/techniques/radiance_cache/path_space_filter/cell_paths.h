@@ -18,7 +18,7 @@ RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uin
 /// Output of paths that fill cells. `Cache` has a path policy,
 ///   Policy
 ///   policy(index, x, y)
-/// which steers paths and adds their samples to cells in finished(). It has
+/// which modifies paths and adds their samples to cells in finished(). It has
 ///   pixel()        the FilteredPixel for the pass that reads the cells
 template <typename Cache>
 struct CellsOutput {

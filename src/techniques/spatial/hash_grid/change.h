@@ -1,6 +1,6 @@
-// Detects changes of the light in cells: compares windows of recent samples with histories. One cell with a few noisy
-// samples is no evidence. Together, the cells of a region are: after a change most of them deviate by more than their
-// noise, though not all to the same side.
+// Detects changes of the light in cells: compares windows of recent samples with histories. A few noisy samples of one
+// cell cannot show a change; the cells of a region together can. After a change, most of them deviate by more than
+// their noise, though not all to the same side.
 #pragma once
 
 #include "sampling/chi2_bound.h"

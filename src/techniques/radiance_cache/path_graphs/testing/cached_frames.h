@@ -32,7 +32,7 @@ struct CachedFrameSettings {
   uint32_t max_bounces = 8;
   uint32_t seed = 0;
   bool russian_roulette = true;
-  bool watched = false;  ///< whether two policies observe the paths that the cache steers
+  bool watched = false;  ///< whether two policies observe the paths that the cache modifies
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
