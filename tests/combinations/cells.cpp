@@ -140,7 +140,7 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
     return bias_of(a, b) > 0 ? "◐" : "●";
   };
   std::string text =
-      "# What combines with what\n\nEach cell is one pair of choices of two slots, with all other settings at their "
+      "# Combinations of techniques\n\nEach cell is one pair of choices of two slots, with all other settings at their "
       "defaults.\n`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` "
       "renders\nthe cells in an open Cornell box with three lamps under a sky, while the camera moves once. "
       "It\ncompares their means with that of path tracing, and writes this page.\n\n● unbiased · ◐ biased within the "
