@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Traces the surviving paths of the pixels that the allocation samples, and adds their radiance to the cells.
+/// Traces the surviving paths of the pixels that receive a sample, and adds their radiance to the cells.
 class AdaptivePsfPass final : public Pass {
  public:
   AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells)

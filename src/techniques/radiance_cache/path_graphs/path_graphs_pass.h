@@ -12,7 +12,7 @@ namespace relume {
 /// surfaces outside the image: a ratio of 4 dropped eight thousand samples of Sponza's first frame.
 inline constexpr uint32_t kGraphDepths = 8;
 
-/// Traces one path graph for each pixel that the allocation samples, and fills the cells.
+/// Traces one path graph for each pixel that receives a sample, and fills the cells.
 class PathGraphPass final : public Pass {
  public:
   /// `primary`: survival and blend at the first vertex, if `adapts_primary`.

@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Traces one path for each pixel that the allocation samples, and adds its radiance to the cells.
+/// Traces one path for each pixel that receives a sample, and adds its radiance to the cells.
 class PathSpaceFilterPass final : public Pass {
  public:
   PathSpaceFilterPass(const PathSource& source, const CellsPass& cells) : source_(source), cells_(cells) {}

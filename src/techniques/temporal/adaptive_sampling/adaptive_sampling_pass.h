@@ -40,8 +40,8 @@ class AdaptiveSamplingPass final : public Pass {
   bool estimates_in(const FrameContext& frame) const;
   void estimate_deviation(const FrameContext& frame);
   SampleRate rate_for(const FrameContext& frame, View<const float> deviation);
-  /// The scale s at which the limit of one sample per frame removes 5 % of a proportional allocation. There the mean of
-  /// min(s σ, 1) is 0.95 s times `average`, the mean of σ.
+  /// The scale s at which the limit of one sample per frame removes 5 % of the samples. There the mean of min(s σ, 1)
+  /// is 0.95 s times `average`, the mean of σ.
   SampleRate rate_that_cuts_little(const FrameContext& frame, View<const float> deviation, double average);
   /// The scale that gives `adaptive.rate` samples per pixel.
   SampleRate rate_of_average(const FrameContext& frame, View<const float> deviation, double average);

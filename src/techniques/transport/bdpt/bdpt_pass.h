@@ -15,7 +15,7 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
-/// Traces one light and one camera subpath for each pixel with a path in the allocation.
+/// Traces one light and one camera subpath for each pixel that receives a sample.
 class BdptPass final : public Pass {
  public:
   /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.

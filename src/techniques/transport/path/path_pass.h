@@ -27,7 +27,7 @@ struct PathRecords {
   bool specular = false;        ///< fills kRadianceSpecular
 };
 
-/// Traces one path for each pixel with a path in the allocation.
+/// Traces one path for each pixel that receives a sample.
 class PathPass final : public Pass {
  public:
   /// `recording`: destination of samples for learning; nullptr: none.

@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Traces a path for each pixel with a path in the allocation, for a pass that owns estimator_buffers(). `outputs`:
+/// Traces a path for each pixel that receives a sample, for a pass that owns estimator_buffers(). `outputs`:
 /// those of PathOutputs. Returns false if a stop was requested first.
 template <typename... Outputs>
 bool trace_paths(const PathSource& source, const FrameContext& frame, const Outputs&... outputs) {
