@@ -29,7 +29,7 @@ struct BsdfSample {
   float eta_scale = 1;  ///< factor 1/η² of refraction within `weight`, which does not change the energy
   bool delta = false;
   bool valid = false;
-  float guide_pdf_w = 0;  ///< density of the path guide alone, if a guide is part of `pdf_w`
+  float guide_pdf_w = 0;  ///< density of the guiding distribution alone, if it is part of `pdf_w`
 
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };

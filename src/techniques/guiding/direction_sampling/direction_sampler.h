@@ -1,5 +1,5 @@
-// The slot "direction sampling": chooses the direction in which a path continues from a vertex. Guides are mixed with
-// the BSDF here, so pdf() is always the density of the whole mixture.
+// The slot "direction sampling": chooses the direction in which a path continues from a vertex. Path guiding is mixed
+// with the BSDF here, so pdf() is always the density of the whole mixture.
 #pragma once
 
 #include "sampling/sampler.h"

@@ -1,4 +1,4 @@
-// Densities of the guide and of the incident light at one point: two octahedral maps, side by side.
+// Densities of path guiding and of the incident light at one point: two octahedral maps, side by side.
 #pragma once
 
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
