@@ -47,7 +47,7 @@ TEST(Session, RestartsIfAuxiliaryBuffersAreAddedOrRemoved) {
     session.render_frame();
     EXPECT_EQ(session.frames_since_change(), 1u);
     EXPECT_EQ(session.kept_samples(), 1);
-    EXPECT_NEAR(mean_luminance(session.image()), 1, 0.1) << "within the noise of one sample a pixel";
+    EXPECT_NEAR(mean_luminance(session.image()), 1, 0.1) << "within the noise of one sample per pixel";
     if (auxiliary) {
       EXPECT_NEAR(session.aov("albedo").front().values[6 * 16 + 8], 1, 0.01) << "of the sphere, in the middle";
     }

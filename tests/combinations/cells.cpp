@@ -144,7 +144,7 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "defaults.\n`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` "
       "renders\nthe cells in an open Cornell box with three lamps under a sky, while the camera moves once. "
       "It\ncompares their means with that of path tracing, and writes this page.\n\n● unbiased · ◐ biased within the "
-      "stated bound · ✗ wrong · ◌ needs a library that Debian 12 does not\nhave · – refused with an error for the "
+      "stated bound · ✗ wrong · ◌ needs a library that Debian 12 does not\nhave · – reports an error for the "
       "reasons below\n\n" +
       wrapped("Bounds of the bias (two biased choices: the sum): " + bias_list() + ".") +
       "\n\nA cell passes if the errors of luminance, red, green and blue are each below the bound plus 4.5\nstandard "

@@ -149,7 +149,7 @@ TEST_P(DenoiseSession, MovingObjectsAndLightsAreFollowed) {
 }
 
 TEST(Denoise, ErrorWithoutOidnNamesTheRemedy) {
-  if (oidn_missing().empty()) GTEST_SKIP() << "the library is there";
+  if (oidn_missing().empty()) GTEST_SKIP() << "the library is installed";
   try {
     Session session(build("cornell"), settings_of(DenoiseChoice::oidn, 1));
     session.render_frame();

@@ -199,7 +199,7 @@ void FeatureTest::check() const {
   const Image expected = seen(c.scene(Way::plain));
   expect_same(seen(std::move(scene)), expected, c.tolerance);
   EXPECT_GT(largest_difference(seen(c.scene(Way::ignored)), expected).value, 0.02 + 2 * c.tolerance)
-      << "the scene does not show whether the feature is there";
+      << "the scene looks the same without the feature";
 }
 
 }  // namespace relume::support

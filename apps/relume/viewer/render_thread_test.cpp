@@ -74,7 +74,7 @@ TEST(RenderThread, SlowChangesAreNotRest) {
     stage.post();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  EXPECT_GT(stage.thread.frame(0)->serial, enough) << "no frames came while slow edits went on";
+  EXPECT_GT(stage.thread.frame(0)->serial, enough) << "no frames came during slow edits";
 }
 
 TEST(RenderThread, AGoalThatIsMetAtASmallSizeDoesNotKeepTheImageSmall) {

@@ -46,7 +46,7 @@ TEST(SettingSearch, NarrowsWithEveryLetter) {
   EXPECT_GT(found(""), 60u);
   EXPECT_GT(found("oct"), 3u);
   EXPECT_LT(found("oct"), found("o"));
-  EXPECT_EQ(found("no setting speaks of this"), 0u);
+  EXPECT_EQ(found("no setting mentions this"), 0u);
 }
 
 TEST(SettingSearch, AFixedExposureBeginsWhereTheAutomaticOneIs) {

@@ -155,7 +155,7 @@ TEST(TrialRun, EndsWithItsParentProcess) {
   kill(process, SIGKILL);
   waitpid(process, nullptr, 0);
   pollfd end{ends[0], POLLIN, 0};
-  EXPECT_EQ(poll(&end, 1, 10'000), 1) << "the trial goes on";
+  EXPECT_EQ(poll(&end, 1, 10'000), 1) << "the trial still runs";
   EXPECT_EQ(read(ends[0], &begun, 1), 0);
   close(ends[0]);
 }

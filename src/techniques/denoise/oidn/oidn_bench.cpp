@@ -15,7 +15,7 @@ void bm_oidn(benchmark::State& state) {
   const std::vector<Vec3> normal(color.size(), Vec3(0, 0, 1));
   std::vector<Rgb> output(color.size());
   const bool missing = !oidn_missing().empty();
-  if (missing) state.SetLabel("the library is not there");
+  if (missing) state.SetLabel("the library is not installed");
   for (auto _ : state) {
     if (!missing) oidn_filter({color.data(), color.data(), normal.data(), output.data(), kWidth, kHeight}, 2);
   }

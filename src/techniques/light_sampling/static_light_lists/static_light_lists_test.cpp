@@ -154,7 +154,7 @@ TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
   Backend backend(2);
   const auto run = [&](StaticLightListsPass& p, std::stop_token hurry) {
     const FrameContext frame(scene.view(), buffers, backend, {.index = {.seed = 3}, .hurry = std::move(hurry)});
-    EXPECT_TRUE(p.run(frame)) << "the frame goes on";
+    EXPECT_TRUE(p.run(frame)) << "a hurry ended the frame";
   };
   const auto checkpoint = [&] {
     std::stringstream file;
