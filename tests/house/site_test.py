@@ -99,11 +99,11 @@ class Broken(unittest.TestCase):
 
     def test_dead_link(self):
         self.write("docs/page.md", "# Page\n\n[lost](lost.md)\n")
-        self.assert_breaks("docs/page.md:3: the link to lost.md leads nowhere")
+        self.assert_breaks("docs/page.md:3: the link to lost.md has no target")
 
     def test_dead_image(self):
         self.write("docs/page.md", "# Page\n\n![lost](lost.png)\n")
-        self.assert_breaks("docs/page.md:3: the link to lost.png leads nowhere")
+        self.assert_breaks("docs/page.md:3: the link to lost.png has no target")
 
     def test_dead_anchor(self):
         self.write("docs/page.md", "# Page\n\n## Another heading\n")

@@ -95,13 +95,13 @@ class Stage:
             parts += [text[end:match.start()], self.link(page, match["image"], text[slice(*match.span("text"))], match["target"])]
             if parts[-1] is None:
                 line = text.count("\n", 0, match.start()) + 1
-                self.problems.append(f"{page.relative_to(self.root)}:{line}: the link to {match['target']} leads nowhere")
+                self.problems.append(f"{page.relative_to(self.root)}:{line}: the link to {match['target']} has no target")
                 parts.pop()
             end = match.end()
         return "".join(parts) + text[end:]
 
     def link(self, page, image, text, target):
-        """The site's form of a link; None if it leads nowhere."""
+        """The site's form of a link; None if it has no target."""
         if re.match(r"[a-z]+:|#", target):
             return f"{image}[{text}]({target})"
         target, _, anchor = target.partition("#")
