@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files: each technique has its page, which says when to use it, test and benchmark; every test is built; nothing is
-larger than 1 MiB, nor README.md longer than 120 lines; links in the docs lead somewhere, and a page shows each of their images."""
+"""Files: each technique has a test, a benchmark and a page that says when to use it; every test is built; no file is larger
+than 1 MiB, and README.md has at most 120 lines; links in the docs have targets, and a page shows each of their images."""
 
 import re
 
@@ -33,7 +33,7 @@ def check_techniques(root):
 
 
 def check_tests(root):
-    """A test that no CMakeLists.txt names is never built, and nobody sees it fail."""
+    """Tests that no CMakeLists.txt names: they are never built and cannot fail."""
     paths = house.files(root)
     built = set()
     for listing in (p for p in paths if p.name == "CMakeLists.txt"):
@@ -55,7 +55,7 @@ def check_readme(root):
 
 
 def anchors(text):
-    """The names under which the headings of a page can be reached."""
+    """Anchors of the headings of a page."""
     names = []
     for heading in re.findall(r"^#+[ \t]+(.*?)[ \t]*$", re.sub(r"^```.*?^```[ \t]*$", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE):
         name = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
@@ -75,14 +75,14 @@ def check_links(root):
             target, _, anchor = link.partition("#")
             file = (page.parent / target) if target else page
             if not file.exists():
-                problems.append(f"{place}: the link to {link} leads nowhere")
+                problems.append(f"{place}: the link to {link} has no target")
             elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text(encoding="utf-8")):
                 problems.append(f"{place}: {target or page.name} has no heading '{anchor}'")
     return problems
 
 
 def check_images(root):
-    """Scripts make images, so those that no page shows any longer are made for nothing."""
+    """Images that no page shows: scripts would continue to generate them."""
     shown = set()
     for page in (p for p in house.files(root) if p.suffix == ".md"):
         shown.update((page.parent / (match[1] or match[2]).partition("#")[0]).resolve() for match in LINK.finditer(page.read_text(encoding="utf-8")))

@@ -85,7 +85,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', re.MULTIL
 
 def check_table(table):
     """The table itself: known names, no cycles."""
-    problems = [f"the table lets {a} include {b}, which it does not know" for a in table for b in table[a].split() if b not in table]
+    problems = [f"the table lets {a} include {b}, but has no row for {b}" for a in table for b in table[a].split() if b not in table]
     if problems:
         return problems
     layered = set()
@@ -98,7 +98,7 @@ def check_table(table):
 
 
 def check_include(folder, technique, target):
-    """What is wrong with an include of `target`, a path below src/, or None."""
+    """Problem of an include of `target`, a path below src/, or None."""
     parts = target.split("/")
     if parts[0] == INTERFACE:
         return None
@@ -109,7 +109,7 @@ def check_include(folder, technique, target):
     other = parts[2] if parts[0] == "techniques" and len(parts) > 3 else None  # techniques/GROUP/TECHNIQUE/file
     if technique and other and other != technique and not {technique, other} & set(SLOTS):
         if other not in TECHNIQUE_MAY_INCLUDE.get(technique, "").split():
-            return f"makes {technique} know another technique"
+            return f"makes {technique} include another technique"
     return None
 
 
@@ -153,7 +153,7 @@ def check_file(root, path):
 
 
 def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLUDE):
-    """What the tables of layers allow although no code does it."""
+    """Includes that the tables of layers allow, but no code has."""
     used = set()
     for path in house.code_files(root):
         parts = path.relative_to(root).parts
@@ -169,7 +169,7 @@ def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLU
         for table in (folders, techniques)
         for a in table
         for b in table[a].split()
-        if b != "core" and (a, b) not in used  # core is for everybody
+        if b != "core" and (a, b) not in used  # all folders may include core
     ]
 
 

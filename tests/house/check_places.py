@@ -6,7 +6,7 @@ import re
 
 import house
 
-# (what, what names the representative, number of places, the folder that counts as one place)
+# (kind, pattern of the representative's name, number of places, folder that counts as one place)
 REPRESENTATIVES = (
     ("the scene format PLY", re.compile(r"(?<![a-z])ply(?![a-z])", re.IGNORECASE), 2, "src/scene_io/ply/"),
     ("the material parameter specular_color", re.compile(r"\bspecular_color\b"), 4, None),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Sources: files of at most 400 lines, functions of at most 60, nothing left undone, target conditionals in their
-places, every pass kernel compiled for the device, and every paper that a comment cites in docs/bibliography.md."""
+"""Sources: files have at most 400 lines and functions at most 60; no marks of unfinished work; target conditionals only in
+TARGET_FOLDERS; every paper that a comment cites is in docs/bibliography.md."""
 
 import re
 
@@ -19,7 +19,7 @@ LONG_FUNCTIONS = {}
 TARGET_FOLDERS = ("src/core/", "src/accel/", "src/frame/")
 TARGET_CONDITIONAL = re.compile(r"__CUDACC__|__CUDA_ARCH__|RELUME_DEVICE_CODE")
 
-# Put together from halves, so that this file does not find itself.
+# Split into halves so that this file does not match itself.
 UNDONE = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X|not imple" r"mented yet)\b")
 UNDONE_SUFFIXES = house.CODE_SUFFIXES + (".cmake", ".txt", ".py", ".js", ".md", ".json", ".in")
 
@@ -29,7 +29,7 @@ CONTAINER = re.compile(r"\b(?:namespace|class|struct|union|enum|extern)\b(?!.*\)
 
 
 def without_template(head):
-    """`head` without the parameter lists of templates, whose `class` and `=` say nothing about the rest."""
+    """`head` without the parameter lists of templates, whose `class` and `=` do not belong to the declaration."""
     while True:
         match = re.search(r"\btemplate\s*<", head)
         if not match:
@@ -42,7 +42,7 @@ def without_template(head):
 
 
 def scope_kind(head, stack):
-    """What a brace opens after `head`: "container", "function", "inside" one, a "part" of the head, or "other"."""
+    """Kind of scope that a brace opens after `head`: "container", "function", "inside" one, a "part" of the head, or "other"."""
     if any(kind in ("function", "other") for kind, _, _ in stack):
         return "inside"
     if head.count("(") > head.count(")"):
@@ -66,7 +66,7 @@ def functions(text):
             head = "" if kind != "part" else head + "{"
         elif c == "}":
             if not stack:
-                raise ValueError(f"line {line}: a brace closes that none opened")
+                raise ValueError(f"line {line}: closing brace without an opening one")
             kind, opened_head, opened_line = stack.pop()
             head = opened_head + "{}" if kind == "part" else ""
             if kind == "function":
@@ -79,7 +79,7 @@ def functions(text):
             head += c
         line += c == "\n"
     if stack:
-        raise ValueError(f"line {stack[-1][2]}: a brace opens that none closes")
+        raise ValueError(f"line {stack[-1][2]}: opening brace without a closing one")
     return found
 
 
@@ -87,7 +87,7 @@ def check_length(name, text):
     count = text.count("\n")
     if count <= MAX_FILE_LINES or name in LONG_FILES:
         return []
-    return [f"{name}:{MAX_FILE_LINES}: {count} lines; at most {MAX_FILE_LINES}: is there a seam?"]
+    return [f"{name}:{MAX_FILE_LINES}: {count} lines; at most {MAX_FILE_LINES}; split the file"]
 
 
 def check_functions(name, text):
@@ -107,7 +107,7 @@ def check_code(name, text, bibliography):
         code = house.without_comments(text)
         for match in TARGET_CONDITIONAL.finditer(code):
             line = code.count("\n", 0, match.start()) + 1
-            problems.append(f"{name}:{line}: {match[0]} stands only in {', '.join(TARGET_FOLDERS)}")
+            problems.append(f"{name}:{line}: {match[0]} may be used only in {', '.join(TARGET_FOLDERS)}")
     for line, comment in house.comments(text):
         for match in CITATION.finditer(comment):
             key = match[1] or match[2]
@@ -131,7 +131,7 @@ def check(root):
             problems += check_code(name, text, bibliography)
         for number, content in enumerate(text.splitlines(), 1):
             if UNDONE.search(content):
-                problems.append(f"{name}:{number}: something is left undone: {content.strip()}")
+                problems.append(f"{name}:{number}: unfinished work: {content.strip()}")
     return problems
 
 

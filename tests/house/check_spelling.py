@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Spelling: the docs, and the comments and strings of sources, pass codespell; words of spelling_ignored.txt apart."""
+"""Spelling: the docs, and the comments and strings of sources, pass codespell, except for the words of spelling_ignored.txt."""
 
 import io
 import pathlib
@@ -23,7 +23,7 @@ def ignored_words():
 
 
 def only(text, spans):
-    """`text` with everything blanked that lies in none of the spans (begin, end); lines stay."""
+    """`text` with everything outside the spans (begin, end) blanked; line numbers stay."""
     result, at = [], 0
     for begin, end in spans:
         result.append("\n" * text.count("\n", at, begin))
@@ -47,7 +47,7 @@ def of_python(text):
 
 
 def prose(path):
-    """What a person reads of a file; None of files that hold no prose."""
+    """Comments and strings of code, the whole text of docs, scripts and CMake lists; None for other files."""
     if path.suffix in house.CODE_SUFFIXES:
         return of_cpp(path.read_text(encoding="utf-8"))
     if path.suffix == ".py":
@@ -58,7 +58,7 @@ def prose(path):
 
 
 def misspelt(texts):
-    """Sentences of codespell about texts by name, without those about ignored words."""
+    """Problems that codespell finds in texts by name, without those of ignored words."""
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         for name, text in texts.items():

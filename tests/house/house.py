@@ -1,4 +1,4 @@
-"""What the checks of the house share: which files there are, and C++ text without comments and strings."""
+"""Shared by the house checks: the files of the repository, and C++ text without comments and strings."""
 
 import pathlib
 import re
@@ -19,7 +19,7 @@ LITERAL_OR_COMMENT = re.compile(
 
 
 def top_level(root):
-    """What stands at the top of the repository; of a checkout, what git tracks: who tries the program there leaves files."""
+    """Top-level files and folders, without build folders and outputs. In a checkout, only those that git tracks: running the program may leave others."""
     present = sorted(p for p in root.iterdir() if not p.name.startswith((".", "build")) and p.name != "out")
     if not (root / ".git").exists():
         return present
@@ -29,7 +29,7 @@ def top_level(root):
 
 
 def files(root):
-    """All files of the repository, sorted, without build folders, outputs and what begins with a dot."""
+    """All files of the repository, sorted, without build folders, outputs and names that begin with a dot."""
     found = []
     for path in top_level(root):
         found += sorted(p for p in path.rglob("*") if p.is_file() and "__pycache__" not in p.parts) if path.is_dir() else [path]
@@ -78,7 +78,7 @@ def is_test_or_benchmark(path):
 
 
 def report(problems):
-    """Prints the problems, one a line, and ends the program with 1 if there are any."""
+    """Prints one problem per line and exits: with 1 if there are any, else with 0."""
     for problem in problems:
         print(problem)
     sys.exit(1 if problems else 0)

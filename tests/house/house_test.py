@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The checks of the house find what they are there to find."""
+"""Tests of the house checks: each finds the problems that it covers."""
 
 import contextlib
 import importlib.machinery
@@ -81,12 +81,12 @@ class Repository(unittest.TestCase):
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
             check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "core may include nothing", "not a path from src/ or lab/",
-            "not in the table", "render may include", "only scene_io may use", "slow to compile", "know another technique")
+            "not in the table", "render may include", "only scene_io may use", "slow to compile", "include another technique")
 
     def test_table_of_layers(self):
         self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])
         self.assertIn("cycle", check_layers.check_table({"a": "b", "b": "a"})[0])
-        self.assertIn("does not know", check_layers.check_table({"a": "b"})[0])
+        self.assertIn("has no row for b", check_layers.check_table({"a": "b"})[0])
 
     def test_unused_permissions(self):
         self.write("src/scene_io/a.h", '#include "core/a.h"\n')
@@ -109,7 +109,7 @@ class Repository(unittest.TestCase):
         self.write("docs/bibliography.md", "- [Known01]\n")
         self.write("src/scene/a.h", "// [Known01, eq. 2] [Lost02 eq. 3] [Lost03]\nint a[3];\n#ifdef __CUDACC__\n#endif\n")
         self.write("scripts/run", "# TO" "DO: more\n")
-        self.assert_finds(check_sources.check, "undone", "a.h:3: __CUDACC__", "[Lost02]", "[Lost03]")
+        self.assert_finds(check_sources.check, "unfinished work", "a.h:3: __CUDACC__", "[Lost02]", "[Lost03]")
 
     def test_files(self):
         self.write("src/techniques/transport/path/README.md", "# Path\n| When to use it | always |\n")

@@ -1,4 +1,4 @@
-"""Prose: what pages and comments say, without code, and its sentences."""
+"""Prose of pages and comments, without code, and its sentences."""
 
 import re
 
