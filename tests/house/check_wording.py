@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Wording: messages and help have no phrase that only a translation would have. With files as arguments, reads those."""
+"""Wording: string literals of C++, and comments and strings of scripts, have no phrase that only a translation would have.
+check_prose.py reads pages and the comments of C++. With files as arguments, reads those."""
 
 import pathlib
 import re
 import sys
 
+import check_spelling
 import house
 
-# Phrase -> what to write instead. Where a phrase has a legitimate use, the pattern leaves that out.
+# Phrase -> replacement. Patterns leave out legitimate uses.
 CALQUES = {
     r"but for": "except",
     r"anew": "again",
@@ -41,17 +43,26 @@ CALQUES = {
     r"nothing (?:runs )?beside": "an otherwise idle machine",
     r"a right (?:image|value|result|answer|mean)": "correct",
     r"pictures?": "image",
+    r"in the mean(?=,)": "on average",
+    r"(?:is|are|was|were) (?:not |still |already |also )?there(?= (?:and|or|but|when|while|if|until|since|because|before|after)\b|[;,.:)\"'`]|$)":
+        "exists, is missing, is installed",
+    r"refus(?:ed|es) with an? (?:sentence|error)": "reports an error",
+    r"(?:where|what|as|when)(?:ever)? (?:it|they) likes?": "the subject and its rule",
+    r"(?:is|are|was|were|be) taken for(?! granted)": "is treated as",
+    r"what ended under": "a noun",
+    r"throw(?:s|n)? (?:it|them|light|samples?|paths?) away": "discards",
+    r"stay(?:s|ed)? clear of": "avoids, is shortened to avoid",
     r"kn(?:ows?|ew) nothing of": "ignores",
     r"speaks? of": "names, refers to",
-    # Things do not think; no pattern finds them all.
+    # Things that think. The pattern covers common subjects only.
     r"(?:pass|kernel|light|lamp|path|subpath|pixel|texel|cell|region|cache|filter|denoiser|surface|image|frame)(?:e?s)? (?:knows?|knew|wants?|asks?|thinks?|believes?)":
         "the part that acts and what it does: reads, stores, requires",
 }
 # Phrases may be wrapped.
 PATTERN = re.compile("|".join(rf"(?P<c{i}>\b(?:{calque})(?!\w))".replace(" ", r"\s+") for i, calque in enumerate(CALQUES)), re.IGNORECASE | re.MULTILINE)
 
-# The pages of experiments quote stored results; they are worded with those.
-NOT_MESSAGES = ("lab/experiments/",)
+# They quote the phrases.
+QUOTES = ("tests/house/check_wording.py", "tests/house/house_test.py")
 
 
 def calques(text):
@@ -79,16 +90,31 @@ def literals(text):
     return joined
 
 
+def of_script(path):
+    """Comments and strings of Python; the text of other scripts and lists of CMake; None of other files."""
+    if path.suffix in house.CODE_SUFFIXES + (".md",):
+        return None
+    text = check_spelling.prose(path)
+    if text is None and not path.suffix:
+        content = path.read_bytes()
+        text = content.decode("utf-8") if content.startswith(b"#!") else None
+    return text
+
+
 def check(root):
+    code = set(house.code_files(root))
     problems = []
-    for path in house.code_files(root):
+    for path in house.files(root):
         name = path.relative_to(root).as_posix()
-        if not name.startswith(("src/", "lab/", "apps/")) or name.startswith(NOT_MESSAGES) or house.is_test_or_benchmark(path) or "/testing/" in name:
+        if name in QUOTES:
             continue
-        text = path.read_text(encoding="utf-8")
-        for offset, content in literals(text):
-            line = text.count("\n", 0, offset) + 1
-            problems += [f"{name}:{line}: {sentence}" for _, sentence in calques(content)]
+        if path in code:
+            text = path.read_text(encoding="utf-8")
+            for offset, content in literals(text):
+                line = text.count("\n", 0, offset) + 1
+                problems += [f"{name}:{line}: {sentence}" for _, sentence in calques(content)]
+        elif (text := of_script(path)) is not None:
+            problems += [f"{name}:{text.count(chr(10), 0, offset) + 1}: {sentence}" for offset, sentence in calques(text)]
     return problems
 
 

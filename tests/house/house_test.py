@@ -142,12 +142,27 @@ class Repository(unittest.TestCase):
         self.write("src/core/a.cpp", 'f("all but "\n  "for one");\n// anew\ng("it go" "es on;", "stands in", "is mended");\n')
         self.write("src/core/a_test.cpp", 'f("anew");\n')
         self.write("src/core/b.cpp", 'f("standard, butter, amended, it stands in the corner");\n')
-        self.assert_finds(check_wording.check, "a.cpp:1: 'but for'", "a.cpp:4: 'goes on'", "a.cpp:4: 'stands in'", "a.cpp:4: 'mended'")
+        self.assert_finds(check_wording.check, "a.cpp:1: 'but for'", "a.cpp:4: 'goes on'", "a.cpp:4: 'stands in'", "a.cpp:4: 'mended'", "a_test.cpp:1: 'anew'")
+
+    def test_wording_of_scripts(self):
+        self.write("CMakeLists.txt", "project(a)\n# built anew\n")
+        self.write("scripts/run", "#!/bin/sh\nfail \"$file is not there\"\n")
+        self.write("tests/package/use", '#!/bin/sh\n[ -e "$a" ] || fail "it was refused with a sentence"\n')
+        self.write("tests/a.py", 'anew = 1  # by itself\nprint("whoever")\n')
+        self.write("tests/house/house_test.py", '"anew"\n')
+        self.write("src/a.json", '"anew"\n')
+        self.assert_finds(
+            check_wording.check, "CMakeLists.txt:2: 'anew'", "scripts/run:2: 'is not there'", "tests/a.py:1: 'by itself'", "tests/a.py:2: 'whoever'",
+            "tests/package/use:2: 'refused with a sentence'")
 
     def test_wrapped_and_legitimate_phrases(self):
         found = [sentence.split("'")[1] for _, sentence in check_wording.calques(
             "One sample a\npixel; (who has no say). All count alike, a hair wider: nobody looks away. The cache knows what is\nleft.")]
         self.assertEqual(found, ["sample a pixel", "who", "has no say", "count alike", "a hair wider", "nobody", "looks away", "cache knows", "what is left"])
+        found = [sentence.split("'")[1] for _, sentence in check_wording.calques(
+            "In the mean, paths arrive where they like. Light is taken for noise: the lamp is there, what ended under it is still there.")]
+        self.assertEqual(found, ["In the mean", "where they like", "is taken for", "is there", "what ended under", "is still there"])
+        self.assertEqual(check_wording.calques("Is there a lamp? There is one. A sample counts as black in the mean. There are two; time taken for it."), [])
         self.assertEqual(check_wording.calques(
             "Users who look alike in the mean of a picturesque frame. A profile looks away from a hair: the samples. A pixel, the users: who is it?"), [])
 
@@ -155,7 +170,6 @@ class Repository(unittest.TestCase):
         wide = "word " * 21
         self.write("README.md", f"# {wide}\n\n{wide}\n\n    {wide}\n\n```text\n{wide} anew\n```\n\n| {wide} |\n\n- item\n  {wide}\n\n`anew` anew.\n")
         self.write("docs/long.md", "\n".join(["all the " + "odd " * 18] * 2) + "odd ones.\n\nShort here now. " + "Five words are in this. " * 3 + "\n")
-        self.write("docs/guarantees.md", "One sample a pixel.\n")
         self.assert_finds(
             check_prose.check, "README.md:1: 107 columns", "README.md:3: 105 columns", "README.md:14: 107 columns", "README.md:16: 'anew'",
             "docs/long.md:1: a sentence of 42 words")
