@@ -47,10 +47,9 @@ class RELUME_API Session {
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
 
-  /// Renders one frame: one sample for each pixel that adaptive sampling selects. Returns false if `stop` was requested
-  /// first: the image and all state of later frames are then as before, but buffers of a single frame, such as depth,
-  /// may contain parts of the abandoned frame. A frame whose samples have entered a radiance cache is completed in
-  /// spite of `stop`. An exception discards histories and caches.
+  /// Renders one frame: one sample for each pixel that adaptive sampling selects. Returns false if `stop` came first:
+  /// the image and all state of later frames are as before, but per-frame buffers (depth, …) may contain parts of the
+  /// abandoned frame. A frame that has updated a radiance cache is completed. Exceptions discard histories and caches.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.

@@ -27,16 +27,13 @@ struct ImageContender {
   std::filesystem::path file;
 };
 
-/// Parses comma-separated contenders:
+/// Parses comma-separated contenders; KEY:VALUE continues the previous one:
 ///
-///     interactive                            the preset of that name; "default": no preset
-///     psf                                    a technique: the choice of that name, if only one slot has it
-///     file.json                              settings from a file, or from an EXR that relume wrote
-///     uniform=lights:uniform                 inline settings under a custom name
-///     mine=preview,max-bounces:2,seed:3      a preset or a file with additional settings
+///     interactive, default, psf    a preset, none, or a choice that only one slot has
+///     file.json                    settings of a file, or of an EXR that relume wrote
+///     mine=preview,seed:3          a custom name for any of these, or for settings alone
 ///
-/// KEY:VALUE continues the previous contender. Throws Error that begins with `place` for invalid text, duplicate names
-/// and an empty list.
+/// Throws Error that begins with `place` for invalid text, duplicate names and an empty list.
 std::vector<Contender> parse_contenders(std::string_view text, std::string_view place);
 
 /// Parses "cycles=a.exr,mitsuba=b.exr"; without a name, the file's name is used. Throws Error.

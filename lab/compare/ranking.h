@@ -12,9 +12,8 @@ namespace relume {
 bool is_ranked(const ContenderResult& contender);
 
 /// Indices of the contenders that may have the lowest figure: the one with the lowest median, and those whose intervals
-/// overlap its interval. Below three repetitions, contenders cannot be distinguished: two values each of equal
-/// contenders are disjoint in one of three cases. Unranked contenders are excluded, as are external images, whose
-/// figures are exact, unless `with_images`.
+/// overlap its interval; all below three repetitions, where intervals mislead. Excludes unranked contenders and, unless
+/// `with_images`, external images, whose figures are exact.
 std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_images);
 
 }  // namespace relume

@@ -27,10 +27,9 @@ class Ensemble {
   /// Mean of the repetitions.
   const Image& mean() const { return mean_; }
 
-  /// Splits the error. `reference_mse`: the reference's own expected MSE against the true image, which is subtracted,
-  /// as is the noise of the mean of the repetitions. The error of bias² covers the repetitions' noise for any spatial
-  /// distribution of the bias (squared_bias()), but not the reference's noise. Throws Error below two repetitions and
-  /// if the sizes differ.
+  /// Splits the error. Subtracts `reference_mse`, the reference's expected MSE against the true image, and the noise of
+  /// the mean. The error of bias² covers the repetitions' noise (squared_bias()), but not the reference's. Throws Error
+  /// below two repetitions and if the sizes differ.
   ErrorSplit split(const Image& reference, double reference_mse = 0) const;
 
  private:

@@ -30,9 +30,9 @@ Estimate scaled(Estimate estimate, double factor);
 /// same number of repetitions.
 Estimate difference(const Estimate& a, const Estimate& b);
 
-/// Mean squared difference between the repetitions' expected image and the reference, over pixels and channels.
-/// Unbiased by noise: only products of different repetitions contribute. `reference_mse`: the reference's own expected
-/// MSE against the true image, which is subtracted. Pixels that are not finite in all images are excluded. Throws Error
+/// Mean squared difference between the repetitions' expected image and the reference, over pixels and channels. Noise
+/// does not bias it, because only products of different repetitions contribute. Subtracts `reference_mse`, the
+/// reference's expected MSE against the true image. Excludes pixels that are not finite in every image. Throws Error
 /// below three repetitions, if the sizes differ, and if no pixel remains.
 Estimate squared_bias(const std::vector<Image>& repetitions, const Image& reference, double reference_mse);
 

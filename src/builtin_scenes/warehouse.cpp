@@ -1,7 +1,6 @@
-// A hall, and beside it 16 by 16 narrow, high storage bays with one lamp each. Each position in a bay sees only the
-// bay's own lamp, and perhaps one through an opening. Lamps behind the walls are nearly as close, so light selection
-// without visibility wastes most shadow rays. So do lists for cells wider than a bay (a static list's cell is 4 m wide
-// by default).
+// A hall beside 16 by 16 narrow, high storage bays with one lamp each. A position in a bay sees that lamp, and perhaps
+// one through an opening; lamps behind the walls are nearly as close. Light selection without visibility, or by lists
+// for cells wider than a bay (static lists: 4 m by default), wastes most shadow rays.
 #include <string>
 #include <vector>
 

@@ -6,15 +6,10 @@
 
 namespace relume {
 
-/// Repairs data that validate() and kernels do not accept, with warnings:
-///
-/// - Triangles with missing, non-finite or too distant vertices are dropped.
-/// - Normals that are not finite or have zero length are recomputed from adjacent triangles.
-/// - Broken tangents are dropped.
-/// - Texture coordinates and colours that are not finite become 0 and 1.
-///
-/// Normals and tangents become unit vectors. Unused vertices are removed if triangles use less than half of them
-/// (primitives that share one vertex buffer).
+/// Repairs data that validate() and kernels reject, with warnings. Drops triangles with missing, non-finite or too
+/// distant vertices, and broken tangents. Recomputes normals that are not finite or have zero length. Non-finite
+/// texture coordinates become 0, colours 1; normals and tangents become unit vectors. If triangles use less than half
+/// of the vertices (primitives that share one buffer), the others are removed.
 void repair_mesh(Mesh& mesh, Warnings& warnings);
 
 /// Area-weighted vertex normals; vertices without a valid triangle get +Y.

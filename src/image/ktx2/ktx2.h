@@ -21,10 +21,9 @@ struct Ktx2Image {
 /// Whether the bytes begin with the KTX 2.0 identifier.
 bool is_ktx2(std::span<const std::byte> bytes);
 
-/// Decodes UASTC LDR 4×4, ETC1S with BasisLZ, and 8-bit R, RG, RGB and RGBA. All except ETC1S may have Zstandard
-/// supercompression. Missing channels are 0, missing alpha 255; greyscale UASTC and ETC1S is replicated to RGB.
-/// KTXswizzle rearranges the stored channels. KTXorientation is ignored: it does not change the mapping from texture
-/// coordinates to texels. Throws Error that names an unsupported feature.
+/// Decodes UASTC LDR 4×4, ETC1S with BasisLZ, and 8-bit R, RG, RGB and RGBA; all except ETC1S also with Zstandard.
+/// Missing channels are 0, missing alpha 255; greyscale UASTC and ETC1S is replicated to RGB. Applies KTXswizzle, not
+/// KTXorientation, which does not affect texture coordinates. Throws Error that names an unsupported feature.
 Ktx2Image decode_ktx2(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

@@ -9,9 +9,8 @@ struct aiScene;
 namespace relume {
 
 /// Appends all materials of `source` in order and requests their textures. Physically based properties are copied. In
-/// the older model (diffuse Kd, specular Ks, exponent Ns), a dark Kd under a bright Ks becomes a metal of colour Ks.
-/// All others become a dielectric over Kd. Ns gives microfacet α = √(2 / (Ns + 2)) (Walter et al. 2007, "Microfacet
-/// Models for Refraction through Rough Surfaces", §5.2).
+/// the older model (diffuse Kd, specular Ks, exponent Ns), a dark Kd under a bright Ks becomes a metal of colour Ks,
+/// all else a dielectric over Kd. Ns gives microfacet α = √(2 / (Ns + 2)) ([Walter07, §5.2]).
 void import_assimp_materials(const aiScene& source, ImportedScene& imported, Warnings& warnings);
 
 }  // namespace relume

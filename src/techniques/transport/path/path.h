@@ -169,10 +169,8 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
   path.throughput *= transmittance_to(scene, sp, distance, path.medium);
 }
 
-/// Factor of Russian roulette: a path survives with the probability kRouletteThreshold × relative throughput. Roulette
-/// acts below 1 / kRouletteThreshold and raises survivors to that value. Throughput is relative to that after the first
-/// bounce, because noise is seen against the albedo of the visible surface. Larger values reduce noise and trace more
-/// rays.
+/// Factor of Russian roulette: survival probability over the throughput relative to that after the first bounce (noise
+/// is seen against the albedo of the visible surface). Larger values reduce noise and trace more rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
 /// Applies the wavelength weight at the first vertex that scatters by wavelength, where the path continues towards `w`.
