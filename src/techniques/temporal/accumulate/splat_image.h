@@ -1,5 +1,5 @@
-// A film of light paths, separate from the mean of the camera's samples: adaptive sampling skips pixels, but light
-// paths reach them too.
+// An image of the splats of light paths, separate from the mean of the camera's samples: adaptive sampling skips
+// pixels, but light paths reach them too.
 #pragma once
 
 #include "core/vec.h"

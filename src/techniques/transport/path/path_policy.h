@@ -13,8 +13,8 @@ struct Connection;
 /// The default policy does nothing and compiles away. An observing policy takes paths and surfaces by const reference;
 /// a modifying policy takes them by reference and changes them.
 struct NoPolicy {
-  /// Called after the emission at the end of the path's ray was added. `covered_by_nee`: next event estimation could also
-  /// have sampled it.
+  /// Called after the emission at the end of the path's ray was added. `covered_by_nee`: next event estimation could
+  /// also have sampled it.
   RELUME_HD void emitted(const PathState&, bool /*covered_by_nee*/) {}
   /// Called at a surface whose own emission is already added. Returning false ends the path. A modifying policy may
   /// change the lobes and region of the surface. It may also remove radiance and throughput from the path, here and in
