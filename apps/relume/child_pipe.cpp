@@ -85,7 +85,8 @@ bool program_exists(const std::string& name) {
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {
     const std::filesystem::path file = std::filesystem::path(folder) / name;
-    if (access(file.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(file)) return true;
+    std::error_code failure;
+    if (access(file.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(file, failure)) return true;
   }
   return false;
 }

@@ -13,6 +13,7 @@
 #include "core/clock.h"
 #include "file_roles.h"
 #include "files/atomic_file.h"
+#include "files/bytes.h"
 #include "files/extension.h"
 #include "frame_sequence.h"
 #include "machine.h"
@@ -45,13 +46,7 @@ struct CompareOptions {
 /// Makes a folder, and removes it if nothing was written into it.
 class NewFolder {
  public:
-  explicit NewFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
-    std::error_code failure;
-    made_ = std::filesystem::create_directories(folder_, failure);
-    if (failure)
-      throw UsageError(fmt::format("{}: the folder cannot be created ({}); choose another with -o", folder_.string(),
-                                   failure.message()));
-  }
+  explicit NewFolder(std::filesystem::path folder) : folder_(std::move(folder)), made_(make_output_folder(folder_)) {}
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
   ~NewFolder() {
@@ -61,7 +56,7 @@ class NewFolder {
 
  private:
   std::filesystem::path folder_;
-  bool made_ = false;
+  bool made_;
 };
 
 /// The three files that a comparison writes.
@@ -114,8 +109,8 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
         throw UsageError(
             fmt::format("two contenders are called '{}'; rename the image with --image NAME=FILE", image.name));
     }
-    if (!std::filesystem::exists(image.file))
-      throw Error(fmt::format("{}: the file of --image does not exist; check its path", image.file.string()));
+    if (const std::string reason = missing_reason(image.file); !reason.empty())
+      throw Error(fmt::format("{}: the file of --image {}; check its path", image.file.string(), reason));
   }
   options.common.flags = o.flags;
   const AllSettings common = resolve(options.common);

@@ -56,15 +56,6 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
   return list;
 }
 
-std::filesystem::path make_output_folder(const std::string& output) {
-  std::error_code failure;
-  std::filesystem::create_directories(output, failure);
-  if (failure)
-    throw UsageError(
-        fmt::format("{}: the folder cannot be created ({}); choose another with -o", output, failure.message()));
-  return output;
-}
-
 /// Throws UsageError for results that cannot be written or would replace a scene.
 void check_outputs(const ExperimentOptions& o, const std::vector<const Experiment*>& list,
                    const std::filesystem::path& folder) {
@@ -102,7 +93,7 @@ void print_claims(const Experiment& experiment, const ExperimentResult& result) 
 /// The experiment's summary in the folder; std::nullopt if it was not run.
 std::optional<ExperimentSummary> summary_in(const std::filesystem::path& folder, const Experiment& experiment) {
   const std::filesystem::path file = folder / (std::string(experiment.name) + ".json");
-  if (!std::filesystem::exists(file)) return std::nullopt;
+  if (std::error_code failure; !std::filesystem::exists(file, failure)) return std::nullopt;
   const std::vector<std::byte> bytes = read_file(file);
   return read_summary({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
 }
@@ -168,7 +159,8 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
 
 int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(o);
-  const std::filesystem::path folder = make_output_folder(o.output);
+  const std::filesystem::path folder = o.output;
+  make_output_folder(folder);
   check_outputs(o, list, folder);
   summaries_in(folder);  // reports a foreign file before hours of work, not after
   const ThreadLimit limit(o.threads);

@@ -67,6 +67,15 @@ void check_output_file(const fs::path& file) {
   }
 }
 
+bool make_output_folder(const fs::path& folder) {
+  std::error_code failure;
+  const bool is_new = fs::create_directories(folder, failure);
+  if (failure)
+    throw UsageError(fmt::format("{}: the folder cannot be created ({}); choose another with -o", folder.string(),
+                                 failure.message()));
+  return is_new;
+}
+
 FileRoles::Identity FileRoles::identity_of(const fs::path& file) {
   if (const auto number = file_number(file.string())) return {*number, ""};
   const fs::path target = link_target(file);
@@ -75,7 +84,8 @@ FileRoles::Identity FileRoles::identity_of(const fs::path& file) {
     std::error_code failure;
     folder_ = folder;
     canonical_folder_ = fs::weakly_canonical(folder, failure);
-    if (failure) canonical_folder_ = fs::absolute(folder).lexically_normal();
+    if (failure) canonical_folder_ = fs::absolute(folder, failure).lexically_normal();
+    if (failure) canonical_folder_ = folder.lexically_normal();
   }
   return {{0, 0}, (canonical_folder_ / target.filename()).string()};
 }

@@ -15,6 +15,9 @@ namespace relume::cli {
 /// must not be a folder.
 void check_output_file(const std::filesystem::path& file);
 
+/// Creates the folder of -o with its parents, and returns whether it is new. Throws UsageError.
+bool make_output_folder(const std::filesystem::path& folder);
+
 /// The files of a command by role, such as "-o", "--stats" or "SCENE". An output must be neither an input nor another
 /// output, under any spelling and through symbolic and hard links. A file may have one role twice. Devices and pipes
 /// may have any.

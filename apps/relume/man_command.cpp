@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "file_roles.h"
 #include "files/atomic_file.h"
 #include "man_page.h"
 #include "settings/nearest_name.h"
@@ -24,11 +25,12 @@ std::string page_of(const std::vector<Command>& commands, const std::string& nam
 }
 
 void write_pages(const std::vector<Command>& commands, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
+  make_output_folder(folder);
   std::vector<std::pair<std::filesystem::path, std::string>> files = {{folder / "relume.1", man_overview(commands)}};
   for (const Command& command : commands) {
     files.emplace_back(folder / (man_page_name(command) + ".1"), man_page(command, commands));
   }
+  for (const auto& [file, page] : files) check_output_file(file);
   write_files(files);
 }
 

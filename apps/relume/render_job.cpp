@@ -152,7 +152,7 @@ void RenderJob::load() {
   build(std::move(scene));
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);
   if (plan_.ocio && !plan_.ocio->note().empty()) log_info(verbosity_, plan_.ocio->note());
-  if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
+  if (std::error_code failure; std::filesystem::exists(options_.checkpoint, failure)) resume();
 }
 
 void RenderJob::build(Scene scene) {
@@ -186,7 +186,7 @@ size_t RenderJob::image_of_checkpoint() const {
 /// A checkpoint of another range would omit the images before it.
 void RenderJob::check_earlier_images() const {
   for (size_t i = 0; i < first_image_; ++i) {
-    if (std::filesystem::exists(plan_.files[i])) continue;
+    if (std::error_code failure; std::filesystem::exists(plan_.files[i], failure)) continue;
     throw Error(
         fmt::format("{}: the checkpoint is of frame {}, but frame {} ({}) is missing; delete the checkpoint to render "
                     "all, or use --frames {}-{}",

@@ -35,7 +35,9 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, floa
   command.insert(command.end(), {"-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709"});
   command.insert(command.end(), {"-color_trc", "iec61966-2-1", "-color_range", "tv"});
   if (lower_extension(file_) == ".mp4") command.insert(command.end(), {"-crf", "17", "-movflags", "+faststart"});
-  command.push_back(std::filesystem::absolute(pending_.path()).string());
+  std::error_code failure;
+  const std::filesystem::path target = std::filesystem::absolute(pending_.path(), failure);
+  command.push_back((failure ? pending_.path() : target).string());
   encoder_ = std::make_unique<ChildPipe>(command);
 }
 

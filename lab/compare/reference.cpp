@@ -147,7 +147,7 @@ Session& ReferenceRenderer::session() {
 bool ReferenceRenderer::render_half(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
                                     const ReferenceProgress& progress) {
   Session& s = session();
-  if (std::filesystem::exists(checkpoint)) s.load_checkpoint(checkpoint);
+  if (std::error_code failure; std::filesystem::exists(checkpoint, failure)) s.load_checkpoint(checkpoint);
   double saved_s = now_s();
   const auto wanted = static_cast<uint32_t>(half_spp_);
   bool changed = false;
@@ -173,7 +173,7 @@ std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_
   const std::filesystem::path target = file(time_s, previous_time_s, camera);
   Reference reference;
   reference.spp = 2 * half_spp_;
-  if (std::filesystem::exists(target)) {
+  if (std::error_code failure; std::filesystem::exists(target, failure)) {
     const ExrFile exr = read_exr(target);
     if (exr.width != settings_.width || exr.height != settings_.height) {
       throw Error(fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file to render it again",

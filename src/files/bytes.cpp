@@ -40,6 +40,12 @@ Bytes read_file_bytes(const std::filesystem::path& file) {
   return read_file(file);
 }
 
+std::string missing_reason(const std::filesystem::path& file) {
+  std::error_code failure;
+  if (std::filesystem::exists(file, failure)) return {};
+  return failure ? fmt::format("cannot be reached ({})", failure.message()) : "does not exist";
+}
+
 std::optional<Bytes> decode_base64(std::string_view text) {
   static constexpr std::array<int8_t, 256> kValues = base64_values();
   for (int i = 0; i < 2 && !text.empty() && text.back() == '='; ++i) text.remove_suffix(1);

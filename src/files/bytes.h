@@ -16,6 +16,10 @@ using Bytes = std::vector<std::byte>;
 /// read.
 Bytes read_file_bytes(const std::filesystem::path& file);
 
+/// Reason why `file` cannot be found, for use after its name: "does not exist" or "cannot be reached (Permission
+/// denied)"; empty if it exists.
+std::string missing_reason(const std::filesystem::path& file);
+
 /// Decodes RFC 4648 with or without padding; std::nullopt for any other character.
 std::optional<Bytes> decode_base64(std::string_view text);
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Tests invalid input: one clear message, a nonzero exit code, and no new files."""
 
+import json
 import os
 import struct
 import subprocess
 import unittest
 
-from program import PROGRAM, SMALL, ProgramTest, run
+from program import PROGRAM, SMALL, ProgramTest, run, write_gltf
 
 FAILED, USAGE = 1, 2
 
@@ -64,6 +65,14 @@ class Errors(RefusalTest):
 
     def test_missing_file(self):
         self.refuse(FAILED, "render", "no/such.glb", "-o", "out.exr", *SMALL, says=["no/such.glb"])
+
+    def test_names_that_no_file_may_have(self):
+        long = "n" * 300
+        write_gltf(self.folder / "a.gltf", {"nodes": [{"mesh": 0}], "buffers": [{"byteLength": 36, "uri": long}]})
+        (self.folder / "a.json").write_text(json.dumps({"scene": long}))
+        self.refuse(FAILED, "info", "a.gltf", says=["a.gltf: its buffer '" + long, "cannot be reached (File name too long); put the file beside it"])
+        self.refuse(FAILED, "info", "a.json", says=["a.json: scene is " + long, "cannot be reached (File name too long); check its path"])
+        self.refuse(FAILED, "compare", "cornell", "--image", f"x={long}.exr", says=["the file of --image cannot be reached (File name too long); check its path"])
 
     def test_unknown_command(self):
         self.refuse(USAGE, "rendr", "cornell", says=["'rendr'", "did you mean 'render'"])

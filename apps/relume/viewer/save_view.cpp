@@ -8,6 +8,7 @@
 #include "builtin_scenes/builtin.h"
 #include "files/atomic_file.h"
 #include "files/extension.h"
+#include "relume/error.h"
 #include "scene_io/relume_json/write_view.h"
 #include "settings/settings_json.h"
 
@@ -17,9 +18,16 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
+/// Path of `file` relative to `folder`; absolute if there is none. Throws Error if the working folder is gone.
 fs::path from_folder(const fs::path& file, const fs::path& folder) {
-  const fs::path relative = fs::relative(fs::absolute(file), fs::absolute(folder));
-  return relative.empty() ? fs::absolute(file) : relative;
+  std::error_code failure;
+  const fs::path base = fs::absolute(folder, failure);
+  const fs::path target = fs::absolute(file, failure);
+  if (failure)
+    throw Error(fmt::format("{}: the path of the working folder is unknown ({}); start relume in an existing folder",
+                            file.string(), failure.message()));
+  fs::path relative = fs::relative(target, base, failure);
+  return failure || relative.empty() ? target : relative;
 }
 
 /// The base of the view: a reference to the scene, or the scene's own relume JSON with paths relative to `folder`.

@@ -22,7 +22,7 @@ std::filesystem::path part_file(const ExperimentContext& context, const Experime
 template <typename Parse>
 auto read_part(const std::filesystem::path& file, const Parse& parse) {
   std::optional<decltype(parse(ExrFile{}, std::string{}))> result;
-  if (file.empty() || !std::filesystem::exists(file)) return result;
+  if (std::error_code failure; !std::filesystem::exists(file, failure)) return result;
   try {
     result = parse(read_exr(file), file.string());
   } catch (const std::exception&) {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/builtin.h"
 #include "builtin_scenes/shapes.h"
 #include "experiments/setup/named.h"
+#include "files/bytes.h"
 #include "relume/error.h"
 #include "relume/scene_io.h"
 
@@ -143,9 +145,9 @@ ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounce
 std::optional<ExperimentScene> sponza(const ExperimentContext& context) {
   if (context.scene_folder.empty()) return std::nullopt;
   const std::filesystem::path file = context.scene_folder / "sponza" / "sponza.gltf";
-  if (!std::filesystem::exists(file))
-    throw Error(file.string() +
-                ": the file does not exist; use --scenes with the folder that contains sponza/sponza.gltf");
+  if (const std::string reason = missing_reason(file); !reason.empty())
+    throw Error(fmt::format("{}: the file {}; use --scenes with the folder that contains sponza/sponza.gltf",
+                            file.string(), reason));
   ExperimentScene result;
   result.name = "Sponza";
   result.scene = load_scene(file);

@@ -85,8 +85,9 @@ ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index,
       document.storage.push_back(std::move(*decoded));
     } else {
       const auto file = resolve_uri(document.base_dir, percent_decode(entry.uri), document.place);
-      if (!std::filesystem::exists(file))
-        document.fail(fmt::format("its buffer '{}' does not exist; put the file beside it", file.string()));
+      if (const std::string reason = missing_reason(file); !reason.empty())
+        document.fail(
+            fmt::format("its buffer '{}' {}; put the file beside it or correct the URI", file.string(), reason));
       document.storage.push_back(read_file_bytes(file));
     }
     bytes = document.storage.back();

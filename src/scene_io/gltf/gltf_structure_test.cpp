@@ -49,6 +49,9 @@ TEST(Gltf, LoadsBufferFileWithEscapedName) {
   doc["buffers"][0]["uri"] = "missing.bin";
   const auto broken = folder.write("b.gltf", doc.dump());
   EXPECT_NE(error_of([&] { load_gltf(broken); }).find("missing.bin' does not exist"), std::string::npos);
+  doc["buffers"][0]["uri"] = std::string(300, 'n');
+  const auto long_name = folder.write("d.gltf", doc.dump());
+  EXPECT_NE(error_of([&] { load_gltf(long_name); }).find("cannot be reached (File name too long)"), std::string::npos);
   doc["buffers"][0]["uri"] = "my buffer.bin";
   doc["buffers"][0]["byteLength"] = 40;
   const auto truncated = folder.write("c.gltf", doc.dump());

@@ -22,8 +22,8 @@ Scene load_base_scene(const JsonObject& root, const std::filesystem::path& base_
   const std::filesystem::path file = resolve_uri(base_dir, reference, place);
   if (lower_extension(file) == ".json")
     root.fail("scene must not be another JSON file; name a model or a built-in scene");
-  if (!std::filesystem::exists(file))
-    root.fail(fmt::format("scene is {}, but this file does not exist; check its path", file.string()));
+  if (const std::string reason = missing_reason(file); !reason.empty())
+    root.fail(fmt::format("scene is {}, but this file {}; check its path", file.string(), reason));
   return load_scene(file);
 }
 

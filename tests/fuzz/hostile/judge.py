@@ -9,7 +9,7 @@ import stat
 
 # Internal words of libraries and C++, which no message may contain.
 INTERNAL = [b"terminate called", b"std::", b"ssertion", b"basic_string", b"bad_alloc", b"json.exception", b"vector::", b"map::at", b"stoi", b"stof", b"what()",
-            b"Sanitizer", b"runtime error:", b"Traceback", b"CLI::", b"Segmentation"]
+            b"filesystem error", b"Sanitizer", b"runtime error:", b"Traceback", b"CLI::", b"Segmentation"]
 CONTROL = re.compile(rb"[\x00-\x08\x0b-\x1f\x7f]")
 
 

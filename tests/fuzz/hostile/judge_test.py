@@ -56,6 +56,7 @@ class Judge(unittest.TestCase):
         self.assert_problem("one line", CHATTY.replace("failed;", "failed\\n;"))
         self.assert_problem("one line", CHATTY.replace("again", "again\\nrelume: twice"))
         self.assert_problem("std::", CHATTY.replace("it failed", "std::length_error"))
+        self.assert_problem("filesystem error", CHATTY.replace("it failed", "filesystem error: status: File name too long [n]"))
         self.assert_problem("control character", CHATTY.replace("it failed", "\\x1b[2J"))
         self.assert_problem("succeeds", CHATTY.replace("(1)", "(0)"))
 

@@ -6,6 +6,8 @@ import json
 import images
 import scenes
 
+LONG = "n" * 300  # more than a file name may have
+
 
 @dataclasses.dataclass
 class Files:
@@ -21,7 +23,7 @@ def json_circle(rng):
 
 
 def json_to_odd_file(rng):
-    target = rng.choice((".", "..", "/dev/null", "/dev/zero", "builtin:", "builtin:cornel", "", "a.json", "./a.json", "a.png", "b.ply"))
+    target = rng.choice((".", "..", "/dev/null", "/dev/zero", "builtin:", "builtin:cornel", "", "a.json", "./a.json", "a.png", "b.ply", LONG))
     files = {"a.json": json.dumps({"scene": target}).encode(), "a.png": images.png()}
     return Files("a.json", files, {"b.ply": "/dev/null"})
 
@@ -52,7 +54,7 @@ def gltf_nodes(rng):
 
 
 def gltf_to_odd_file(rng):
-    target = rng.choice((".", "a.gltf", "/dev/zero", "/dev/null", "../../outside.png", "a%00b", "data:,", "data:application/octet-stream;base64," + "A" * 100, "http://127.0.0.1/a", "%", "b"))
+    target = rng.choice((".", "a.gltf", "/dev/zero", "/dev/null", "../../outside.png", "a%00b", "data:,", "data:application/octet-stream;base64," + "A" * 100, "http://127.0.0.1/a", "%", "b", LONG))
     file = scenes.gltf({"uri": target} if rng.random() < 0.5 else None)
     text = file.text(target) if rng.random() < 0.5 else file.text()
     return Files("a.gltf", {"a.gltf": text}, {"b": "b"})
