@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Sources: files have at most 400 lines and functions at most 60; no marks of unfinished work; target conditionals only in
-TARGET_FOLDERS; every paper that a comment cites is in docs/bibliography.md."""
+TARGET_FOLDERS; no function of std::filesystem that throws its own exception; every paper that a comment cites is in
+docs/bibliography.md."""
 
 import re
 
@@ -18,6 +19,14 @@ LONG_FUNCTIONS = {}
 # Where code may ask which processor it is compiled for.
 TARGET_FOLDERS = ("src/core/", "src/accel/", "src/frame/")
 TARGET_CONDITIONAL = re.compile(r"__CUDACC__|__CUDA_ARCH__|RELUME_DEVICE_CODE")
+
+# Functions of std::filesystem that use the disk: without a std::error_code they throw, with a text for programmers.
+DISK_CALL = re.compile(
+    r"\b(?:std::filesystem|fs)::(absolute|(?:weakly_)?canonical|copy(?:_file|_symlink)?|create_\w+|current_path|equivalent|exists|file_size|hard_link_count"
+    r"|is_(?:block_file|character_file|directory|empty|fifo|other|regular_file|socket|symlink)|last_write_time|permissions|proximate|read_symlink|relative"
+    r"|remove(?:_all)?|rename|resize_file|space|(?:symlink_)?status|temp_directory_path|(?:recursive_)?directory_iterator)(?:\s+\w+)?\s*[({]")
+ERROR_CODE = re.compile(r"\bstd::error_code\s*&?\s*(\w+)")
+FILE_STATUS = re.compile(r"\b(?:file_status|auto)\s+(\w+)\s*=\s*[\w:]*status\(")
 
 # Split into halves so that this file does not match itself.
 UNDONE = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X|not imple" r"mented yet)\b")
@@ -101,8 +110,33 @@ def check_functions(name, text):
     return problems
 
 
+def argument_list(code, begin):
+    """The text from `begin`, which follows an opening parenthesis, to the one that closes it."""
+    depth = 1
+    for end in range(begin, len(code)):
+        depth += {"(": 1, "{": 1, ")": -1, "}": -1}.get(code[end], 0)
+        if depth == 0:
+            return code[begin:end].strip()
+    return code[begin:]
+
+
+def check_disk_calls(name, code):
+    """Calls without an error code; a known status and the end of a folder need none."""
+    problems = []
+    codes, statuses = set(ERROR_CODE.findall(code)), set(FILE_STATUS.findall(code))
+    for match in DISK_CALL.finditer(code):
+        arguments = argument_list(code, match.end())
+        harmless = arguments in statuses or (not arguments and match[1].endswith("iterator"))
+        if not harmless and arguments.split(",")[-1].strip() not in codes:
+            line = code.count("\n", 0, match.start()) + 1
+            problems.append(f"{name}:{line}: std::filesystem::{match[1]} throws; pass a std::error_code and report what failed")
+    return problems
+
+
 def check_code(name, text, bibliography):
     problems = check_functions(name, text)
+    if name.startswith(("include/", "src/", "lab/", "apps/")) and "/testing/" not in name and not name.endswith(("_test.cpp", "_bench.cpp")):
+        problems += check_disk_calls(name, house.without_comments(text))
     if name.startswith(("src/", "lab/")) and not name.startswith(TARGET_FOLDERS):
         code = house.without_comments(text)
         for match in TARGET_CONDITIONAL.finditer(code):

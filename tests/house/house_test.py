@@ -111,6 +111,24 @@ class Repository(unittest.TestCase):
         self.write("scripts/run", "# TO" "DO: more\n")
         self.assert_finds(check_sources.check, "unfinished work", "a.h:3: __CUDACC__", "[Lost02]", "[Lost03]")
 
+    def test_disk_calls_that_throw(self):
+        self.write("src/files/a.cpp", "\n".join((
+            "bool b(const fs::path& a, std::error_code& c) { return fs::is_empty(a, c) && std::filesystem::exists(a); }",
+            "void f() {",
+            "  std::error_code failure;",
+            "  const auto status = fs::status(a(1, {2}), failure);",
+            "  if (fs::exists(status) && fs::is_directory(link_target(a))) fs::create_directories(",
+            "      a.parent_path());",
+            "  for (auto i = fs::directory_iterator(a, failure); i != fs::directory_iterator(); ++i) fs::remove(i->path(), other);",
+            "  const fs::directory_iterator first(a);",
+            "  std::remove(\"fs::exists(a)\"); fs::temp_directory_path();  // fs::exists(a)",
+            "}\n")))
+        for name in ("src/files/testing/a.h", "src/files/a_test.cpp", "tests/fuzz/a.cpp"):
+            self.write(name, "const bool is_there = fs::exists(a);\n")
+        self.assert_finds(
+            check_sources.check, "a.cpp:1: std::filesystem::exists throws", "a.cpp:5: std::filesystem::is_directory", "a.cpp:5: std::filesystem::create_directories",
+            "a.cpp:7: std::filesystem::remove", "a.cpp:8: std::filesystem::directory_iterator", "a.cpp:9: std::filesystem::temp_directory_path")
+
     def test_files(self):
         self.write("src/techniques/transport/path/README.md", "# Path\n| When to use it | always |\n")
         self.write("src/techniques/denoise/mute/README.md", "# Mute\n")
