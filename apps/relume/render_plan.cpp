@@ -90,6 +90,7 @@ RenderPlan make_plan(const RenderOptions& options) {
   plan.crop = parse_window(options.crop, "--crop");
   check_ocio_output(options);
   plan.ocio = make_ocio_view(options.ocio, options.flags);
+  if (plan.ocio) plan.roles.reads("--ocio", plan.ocio->files());
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;

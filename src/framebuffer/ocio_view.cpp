@@ -63,13 +63,20 @@ std::string one_line(std::string text) {
   return text;
 }
 
-ocio::ConstCPUProcessorRcPtr processor_for(const std::string& file, const std::string& view, std::string& note) {
+ocio::ConstProcessorRcPtr processor_for(const std::string& file, const std::string& view, std::string& note) {
   const ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(file.c_str());
   const ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
   transform->setSrc(linear_rec709(config, file, note).c_str());
   transform->setDisplay(display_of(config, view).c_str());
   transform->setView(view.c_str());
-  return config->getProcessor(transform)->getDefaultCPUProcessor();
+  return config->getProcessor(transform);
+}
+
+std::vector<std::filesystem::path> files_of(const ocio::Processor& processor) {
+  const ocio::ConstProcessorMetadataRcPtr metadata = processor.getProcessorMetadata();
+  std::vector<std::filesystem::path> files;
+  for (int i = 0; i < metadata->getNumFiles(); ++i) files.emplace_back(metadata->getFile(i));
+  return files;
 }
 
 }  // namespace
@@ -78,7 +85,9 @@ std::string ocio_missing() { return {}; }
 
 OcioView::OcioView(const std::string& file, const std::string& view) {
   try {
-    state_ = std::make_unique<const State>(State{processor_for(file, view, note_)});
+    const ocio::ConstProcessorRcPtr processor = processor_for(file, view, note_);
+    state_ = std::make_unique<const State>(State{processor->getDefaultCPUProcessor()});
+    files_ = files_of(*processor);
   } catch (const std::exception& error) {
     throw Error(fmt::format("{}: the OpenColorIO configuration cannot be used: {}", file, one_line(error.what())));
   }

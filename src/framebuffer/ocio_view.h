@@ -1,8 +1,10 @@
 // Views of OpenColorIO configurations, which replace the tone map.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "relume/image.h"
 
@@ -30,10 +32,14 @@ class OcioView {
   /// Colour space that replaces linear Rec. 709 if the configuration lacks it; otherwise empty.
   const std::string& note() const { return note_; }
 
+  /// Files that the view reads besides the configuration, such as look-up tables, as found on its search path.
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+
  private:
   struct State;
   std::unique_ptr<const State> state_;
   std::string note_;
+  std::vector<std::filesystem::path> files_;
 };
 
 }  // namespace relume

@@ -108,6 +108,21 @@ TEST_F(Ocio, NotesTheColourSpaceThatReplacesLinearRec709) {
   EXPECT_EQ(OcioView((folder_ / "named.ocio").string(), "Raw").note(), "");
 }
 
+TEST_F(Ocio, ListsTheFilesOfTheViewWhereTheyWereFound) {
+  constexpr const char* kTable = "Version 1\nFrom 0 1\nLength 2\nComponents 1\n{\n0\n0.5\n}\n";
+  std::filesystem::create_directories(folder_ / "luts");
+  write_file(folder_ / "luts" / "film.spi1d", kTable);
+  write_file(folder_ / "luts" / "unused.spi1d", kTable);
+  std::string config_with_files = kConfig;
+  config_with_files.replace(config_with_files.find("roles:"), 0, "search_path: none:luts\n");
+  const size_t at = config_with_files.find("!<MatrixTransform> {matrix: [0.5");
+  config_with_files.replace(at, config_with_files.find('\n', at) - at, "!<FileTransform> {src: film.spi1d}");
+  const std::string file = (folder_ / "files.ocio").string();
+  write_file(file, config_with_files);
+  EXPECT_EQ(OcioView(file, "Half").files(), std::vector{folder_ / "luts" / "film.spi1d"});
+  EXPECT_TRUE(OcioView(file, "Green").files().empty());
+}
+
 TEST_F(Ocio, ErrorsAreOneSentence) {
   EXPECT_NE(sentence_of(config(), "Filmic").find("it has no view 'Filmic'; it has Green, Half, Raw"),
             std::string::npos);

@@ -7,6 +7,7 @@ import os
 import unittest
 
 from errors_test import FAILED, USAGE, RefusalTest
+from ocio import FILM_TABLE, FILM_VIEW, is_missing
 from program import SMALL, run
 
 TINY = [*SMALL, "--spp", "1"]
@@ -77,6 +78,27 @@ class Roles(RefusalTest):
         self.refuse_pair("-o", "--env", "sky.exr", "render", "cornell", *TINY, "-o", "sky.exr", "--env", "sky.exr")
         (self.folder / "e.json").write_text('{"env": "sky.exr"}')
         self.refuse_pair("-o", "--env", "sky.exr", "render", "cornell", *TINY, "-o", "sky.exr", "--settings", "e.json")
+
+    def test_tables_of_a_view_stay(self):
+        (self.folder / "luts").mkdir()
+        (self.folder / "luts/film.spi1d").write_text(FILM_TABLE)
+        (self.folder / "film.ocio").write_text(FILM_VIEW)
+        film = ["--ocio", "film.ocio:Film"]
+        render = ("render", "cornell", *TINY, *film, "-o", "x.png")
+        done = run(*render, cwd=self.folder)
+        if is_missing(done):
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.refuse_pair("--stats", "which --ocio reads", "luts/film.spi1d", *render, "--stats", "luts/film.spi1d")
+        self.refuse_pair("--resume", "which --ocio reads", "luts/film.spi1d", *render, "--resume", "luts/film.spi1d")
+        (self.folder / "luts/x.png").symlink_to("film.spi1d")
+        self.refuse_pair("-o", "which --ocio reads", "luts/x.png", *render[:-1], "luts/x.png")
+        self.assertEqual((self.folder / "luts/film.spi1d").read_text(), FILM_TABLE)
+        (self.folder / "steps.txt").write_text("frames 1\nsave-view luts/film.spi1d\n")
+        view = ("view", "cornell", "--smoke", "1", "--script", "steps.txt", *film)
+        if "without its viewer" not in run(*view, cwd=self.folder).stderr:
+            self.refuse(USAGE, *view, says=["steps.txt:2: save-view would replace luts/film.spi1d, which --ocio reads"])
+        self.assertEqual((self.folder / "luts/film.spi1d").read_text(), FILM_TABLE)
 
     def test_compared_files_stay(self):
         self.succeed("render", "cornell", *TINY, "-o", "r.exr")

@@ -60,6 +60,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
   FileRoles roles = roles_of(options, steps);
   auto ocio_view = make_ocio_view(options.ocio, options.flags);
+  if (ocio_view) roles.reads("--ocio", ocio_view->files());
   viewer::Window::require_display();
   const viewer::OcioDisplay ocio(std::move(ocio_view));
   const double start_s = now_s();
