@@ -46,6 +46,12 @@ bool is_special(const fs::path& file) {
 
 }  // namespace
 
+void check_no_folder(const fs::path& file) {
+  std::error_code failure;
+  if (fs::is_directory(file, failure))
+    throw UsageError(fmt::format("{} is a folder; name a file in it, or choose another name", file.string()));
+}
+
 void check_output_file(const fs::path& file) {
   check_name_lengths(file);
   const fs::path folder = file.parent_path();
@@ -53,8 +59,7 @@ void check_output_file(const fs::path& file) {
   if (!folder.empty() && !fs::is_directory(folder, failure)) {
     throw UsageError(fmt::format("{}: the folder {} does not exist; create it first", file.string(), folder.string()));
   }
-  if (fs::is_directory(file, failure))
-    throw UsageError(fmt::format("{} is a folder; name a file in it", file.string()));
+  check_no_folder(file);
   const bool special = is_special(file);
   if (special ? !is_writable(file.string()) : !folder_is_writable(folder.string())) {
     throw UsageError(fmt::format("{}: the {} cannot be written to; choose another or change its permissions",

@@ -11,6 +11,9 @@
 
 namespace relume::cli {
 
+/// Throws UsageError if `file` is a folder.
+void check_no_folder(const std::filesystem::path& file);
+
 /// Throws UsageError if `file` cannot be written: its folder must exist and be writable, its name short enough, and it
 /// must not be a folder.
 void check_output_file(const std::filesystem::path& file);

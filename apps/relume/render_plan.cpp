@@ -37,7 +37,10 @@ FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesyst
   roles.reads("SCENE", options.scene);
   roles.reads("--settings", options.settings_file);
   roles.reads("--ocio", ocio_config(options.ocio));
-  for (const std::filesystem::path& file : files) roles.writes("-o", file);
+  for (const std::filesystem::path& file : files) {
+    check_no_folder(file);
+    roles.writes("-o", file);
+  }
   roles.writes("--stats", options.stats);
   roles.writes("--resume", options.checkpoint);
   // The name of the last frame is the longest.

@@ -159,6 +159,14 @@ class Unwritable(RefusalTest):
                     continue
                 self.refuse(USAGE, *command, says=["missing does not exist; create it first"])
 
+    def test_folders_in_the_way_of_frames(self):
+        for number in ("0000", "0001", "0002"):
+            with self.subTest(number=number):
+                folder = self.folder / f"f.{number}.exr"
+                folder.mkdir()
+                self.refuse(USAGE, "render", "cornell", *TINY, "-o", "f.####.exr", "--frames", "0-2", says=[f"f.{number}.exr is a folder; name a file in it, or choose another name"])
+                folder.rmdir()
+
     def test_folders_that_take_no_file(self):
         self.refuse_each_output("/proc/x.exr", "cannot be written|cannot be created")
 

@@ -38,8 +38,8 @@ def odd_file_of_another_kind(rng):
 
 
 def folder_in_the_way(rng):
-    file = rng.choice(("made/a.exr", "made/a.png"))
-    return Case("output", render("-o", file), folders=[file])
+    file, arguments = rng.choice((("made/a.exr", ["-o", "made/a.exr"]), ("made/a.png", ["-o", "made/a.png"]), ("made/a.0001.exr", ["-o", "made/a.####.exr", "--frames", "0-2"])))
+    return Case("output", render(*arguments), folders=[file])
 
 
 def file_in_the_way(rng):
