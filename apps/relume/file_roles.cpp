@@ -127,4 +127,6 @@ void FileRoles::writes(std::string_view role, const fs::path& file) {
                                      first.role, role, first.file.string(), file.string()));
 }
 
+bool FileRoles::has_output(const fs::path& file) { return outputs_.contains(identity_of(file)); }
+
 }  // namespace relume::cli

@@ -31,6 +31,8 @@ class FileRoles {
   void reads(std::string_view role, const std::vector<std::filesystem::path>& files);
   /// Throws UsageError if another role reads or writes it. Ignores an empty name.
   void writes(std::string_view role, const std::filesystem::path& file);
+  /// Whether a role writes the file.
+  bool has_output(const std::filesystem::path& file);
 
  private:
   struct Use {

@@ -81,6 +81,18 @@ TEST_F(FileRolesTest, ChecksInputsAddedLater) {
             std::string::npos);
 }
 
+TEST_F(FileRolesTest, FindsOutputsUnderAnyName) {
+  const fs::path view = existing("view.json");
+  roles_.writes("save-view", view);
+  roles_.writes("save", folder_ / "new.exr");
+  roles_.reads("SCENE", existing("room.gltf"));
+  fs::create_symlink(view, folder_ / "link.json");
+  EXPECT_TRUE(roles_.has_output(folder_ / "link.json"));
+  EXPECT_TRUE(roles_.has_output(folder_ / "." / "new.exr"));
+  EXPECT_FALSE(roles_.has_output(folder_ / "room.gltf"));
+  EXPECT_FALSE(roles_.has_output(""));
+}
+
 TEST_F(FileRolesTest, OneRoleMayReadAndWriteAFile) {
   const fs::path checkpoint = existing("a.ckpt");
   roles_.reads("--resume", checkpoint);

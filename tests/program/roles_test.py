@@ -183,6 +183,14 @@ class Unwritable(RefusalTest):
         (self.folder / "steps.txt").write_text(script)
         self.refuse(USAGE, "view", "cornell", "--smoke", "1", "--script", "steps.txt", says=["steps.txt:2: save-view would replace steps.txt, which --script reads"])
         self.assertEqual((self.folder / "steps.txt").read_text(), script)
+        self.succeed("export", "cornell-spheres", "-o", "room.gltf")
+        self.succeed("render", "cornell", *TINY, "-o", "sky.exr")
+        for steps, reader in (("drop room.gltf\nsave-view room.gltf", "drop"), ("set env sky.exr\nsave sky.exr", "set"), ("set-b env sky.exr\nscreenshot sky.exr", "set-b")):
+            with self.subTest(steps=steps):
+                (self.folder / "steps.txt").write_text(steps + "\n")
+                self.refuse(USAGE, "view", "cornell", "--smoke", "1", "--script", "steps.txt", says=["steps.txt:2: ", " would replace ", f"which steps.txt:1: {reader} reads"])
+        (self.folder / "steps.txt").write_text("frames 1\nsave-view sky.exr\ndrop sky.exr\n")
+        self.assertNotIn("would replace", run("view", "cornell", "--smoke", "1", "--script", "steps.txt", cwd=self.folder).stderr)
         (self.folder / "steps.txt").write_text("save a.png\nsave ./a.png\n")
         self.refuse(USAGE, "view", "cornell", "--smoke", "1", "--script", "steps.txt", says=["steps.txt:1: save and steps.txt:2: save would write the same file"])
 

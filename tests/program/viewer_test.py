@@ -321,6 +321,16 @@ class Settings(Viewer):
             self.assertEqual(done.returncode, 1, step)
             self.assertIn("missing", done.stderr)
 
+    def test_files_of_a_scene_stay(self):
+        self.succeed("export", "cornell-spheres", "-o", "room.gltf")
+        for step in ("save room.bin", "save-view room.bin", "screenshot room.bin"):
+            before = (self.folder / "room.bin").read_bytes()
+            (self.folder / "steps.txt").write_text(f"frames 1\ndrop room.gltf\nloaded\nframes 1\n{step}\n")
+            done = run("view", "cornell", "--smoke", "1", "--script", "steps.txt", *SMALL, cwd=self.folder)
+            self.assertEqual(done.returncode, 1, step)
+            self.assertIn("room.bin would be replaced, but the scene is read from it", done.stderr)
+            self.assertEqual((self.folder / "room.bin").read_bytes(), before)
+
     def test_a_bad_step_ends_with_its_line(self):
         (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")
         done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)

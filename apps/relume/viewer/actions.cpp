@@ -10,6 +10,7 @@
 
 #include "files/extension.h"
 #include "image.h"
+#include "platform.h"
 #include "relume/error.h"
 #include "render/display.h"
 #include "reports.h"
@@ -156,7 +157,21 @@ void update_animation(State& state, double seconds) {
   set_scene_time(state, std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
 }
 
+void check_not_read(const State& state, const std::filesystem::path& file) {
+  const auto target = cli::file_number(file.string());
+  if (!target) return;  // does not exist
+  std::vector<std::filesystem::path> sources = state.document->loaded()->scene.source_files;
+  for (const AllSettings& side : state.settings) sources.emplace_back(side.scene.env);
+  if (state.loading.valid()) sources.emplace_back(state.loading_name);
+  for (const std::filesystem::path& source : sources) {
+    if (cli::file_number(source.string()) == target)
+      throw Error(
+          fmt::format("{} would be replaced, but the scene is read from it; choose another name", file.string()));
+  }
+}
+
 void save_image(State& state, const std::filesystem::path& file) {
+  check_not_read(state, file);
   post_image(state, [file] { return file; });
 }
 
@@ -166,6 +181,7 @@ void save_numbered_image(State& state, const std::string& extension) {
 
 void write_view_file(State& state, const std::filesystem::path& file) {
   if (!state.has_camera()) throw Error(kNoCamera);
+  check_not_read(state, file);
   const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path,
                                           state.ocio.view() != nullptr});
   state.notify("wrote " + file.string());

@@ -22,7 +22,11 @@ void update_path(State& state);
 /// Advances the animation by `seconds`, in a loop.
 void update_animation(State& state, double seconds);
 
-/// Queues writing the image of side A between two frames; a message reports the result.
+/// Throws Error if the scene, the one that is loading or an environment of the settings is read from `file`.
+void check_not_read(const State& state, const std::filesystem::path& file);
+
+/// Queues writing the image of side A between two frames; a message reports the result. Throws Error if the scene is
+/// read from `file`.
 void save_image(State& state, const std::filesystem::path& file);
 /// The same, with an unused name in the working folder: "relume-cornell-0001.png".
 void save_numbered_image(State& state, const std::string& extension);

@@ -118,7 +118,10 @@ void App::act(const ScriptStep& step) {
   if (step.verb == "drop") open_scene(state_, w[0]);
   if (step.verb == "save") save_image(state_, w[0]);
   if (step.verb == "save-view") write_view_file(state_, w[0]);
-  if (step.verb == "screenshot") screenshot_ = w[0];
+  if (step.verb == "screenshot") {
+    check_not_read(state_, w[0]);
+    screenshot_ = w[0];
+  }
   if (step.verb == "play") toggle_path(state_);
   if (step.verb == "search") state_.setting_query = w[0];
   if (step.verb == "report") print(report());

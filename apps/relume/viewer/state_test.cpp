@@ -15,7 +15,9 @@
 #include "builtin_scenes/builtin.h"
 #include "core/clock.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 #include "relume/scene_io.h"
+#include "viewer/actions.h"
 #include "viewer/preparation_lines.h"
 #include "viewer/render_thread.h"
 
@@ -75,6 +77,32 @@ TEST_F(StateTest, OpeningASceneEndsTheReloadOfAnother) {
   open_scene(state_, file("other.ply"));
   EXPECT_TRUE(said("wait for it")) << "the user has asked for both";
   finish();
+}
+
+TEST_F(StateTest, OutputsReplaceNoFileOfTheScene) {
+  const auto refused = [&](const char* name) {
+    try {
+      check_not_read(state_, file(name));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  std::filesystem::create_symlink("scene.ply", file("link.ply"));
+  for (const char* name : {"scene.ply", "link.ply"})
+    EXPECT_EQ(refused(name), file(name) + " would be replaced, but the scene is read from it; choose another name");
+  EXPECT_THROW(save_image(state_, file("scene.ply")), Error);
+  EXPECT_EQ(refused("new.ply"), "");
+  EXPECT_EQ(refused("other.ply"), "");
+  state_.settings[1].scene.env = file("other.ply");
+  EXPECT_NE(refused("other.ply"), "");
+  state_.settings[1].scene.env = "sky";
+  open_scene(state_, file("other.ply"));
+  EXPECT_NE(refused("other.ply"), "") << "while it is loading";
+  EXPECT_NE(refused("scene.ply"), "") << "which is still shown";
+  finish();
+  EXPECT_NE(refused("other.ply"), "");
+  EXPECT_EQ(refused("scene.ply"), "");
 }
 
 TEST_F(StateTest, AReloadThatWasDroppedFollowsAfterAFailure) {

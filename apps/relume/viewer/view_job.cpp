@@ -29,6 +29,33 @@ std::vector<viewer::ScriptStep> load_script(const std::string& file) {
   return viewer::parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
 }
 
+/// The file that a step reads, or a name that is no file; empty for other steps.
+std::string input_of(const viewer::ScriptStep& step) {
+  if (step.verb == "drop") return step.words[0];
+  const bool sets = step.verb == "set" || step.verb == "set-b" || step.verb == "try";
+  return sets && step.words[0] == "env" ? step.words[1] : "";
+}
+
+std::string output_of(const viewer::ScriptStep& step) {
+  return step.verb == "save" || step.verb == "save-view" || step.verb == "screenshot" ? step.words[0] : "";
+}
+
+/// Adds the files of the steps in order: a step may read what an earlier one writes. Throws Error.
+void add_steps(const std::vector<viewer::ScriptStep>& steps, const std::string& script, FileRoles& roles) {
+  for (const viewer::ScriptStep& step : steps) {
+    const std::string role = fmt::format("{}:{}: {}", script, step.line, step.verb);
+    if (const std::string input = input_of(step); !roles.has_output(input)) roles.reads(role, input);
+    const std::string output = output_of(step);
+    if (output.empty()) continue;
+    try {
+      check_output_file(output);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", role, error.what()));
+    }
+    roles.writes(role, output);
+  }
+}
+
 /// Throws Error if a file has two roles, or an output of the script cannot be written.
 FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptStep>& steps) {
   FileRoles roles;
@@ -36,17 +63,8 @@ FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptS
   roles.reads("--settings", options.settings_file);
   roles.reads("--script", options.script);
   roles.reads("--ocio", ocio_config(options.ocio));
+  add_steps(steps, options.script, roles);
   roles.writes("--screenshot", options.screenshot);
-  for (const viewer::ScriptStep& step : steps) {
-    if (step.verb != "save" && step.verb != "save-view" && step.verb != "screenshot") continue;
-    const std::string role = fmt::format("{}:{}: {}", options.script, step.line, step.verb);
-    try {
-      check_output_file(step.words.front());
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}", role, error.what()));
-    }
-    roles.writes(role, step.words.front());
-  }
   return roles;
 }
 
