@@ -39,6 +39,16 @@ extern "C" void relume_on_interrupt(int signal_number) {
   write_byte('i');
 }
 
+/// Handles the signal by relume_on_interrupt(), unless it is ignored. `previous` receives its present action.
+void handle_interrupt(int number, struct sigaction& previous) {
+  sigaction(number, nullptr, &previous);
+  if (previous.sa_handler == SIG_IGN) return;  // ignored by `nohup` or a shell's background job
+  struct sigaction action {};
+  action.sa_handler = relume_on_interrupt;
+  action.sa_flags = SA_RESTART;
+  sigaction(number, &action, nullptr);
+}
+
 /// The program's folder below the one named by an environment variable, else below the home folder; empty without a
 /// home folder.
 std::string folder_of_user(const char* variable, const char* below_home) {
@@ -137,11 +147,8 @@ InterruptGuard::InterruptGuard(std::string notice) : notice_(std::move(notice)) 
       std::fputs(((is_terminal(stderr) ? "\n" : "") + notice_ + "\n").c_str(), stderr);
     source_.request_stop();
   });
-  struct sigaction action {};
-  action.sa_handler = relume_on_interrupt;
-  action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, &g_previous_int);
-  sigaction(SIGTERM, &action, &g_previous_term);
+  handle_interrupt(SIGINT, g_previous_int);
+  handle_interrupt(SIGTERM, g_previous_term);
 }
 
 InterruptGuard::~InterruptGuard() {

@@ -47,11 +47,12 @@ std::string state_folder();
 std::string reference_folder(const std::string& cache_folder);
 
 /// Installs the signal handling; call it first. SIGINT and SIGTERM end the process at once with kExitInterrupted and
-/// leave no temporary file. Exceeding a file-size limit fails the write instead of killing the process.
+/// leave no temporary file, unless the process was started with them ignored. Exceeding a file-size limit fails the
+/// write instead of killing the process.
 void prepare_signals();
 
 /// During its lifetime, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
-/// kExitInterrupted. At most one may exist.
+/// kExitInterrupted. Ignored signals stay ignored. At most one may exist.
 class InterruptGuard {
  public:
   /// `notice`: printed on standard error at the first interrupt, unless empty.

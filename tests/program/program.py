@@ -4,6 +4,7 @@ import base64
 import json
 import os
 import pathlib
+import signal
 import struct
 import subprocess
 import tempfile
@@ -18,8 +19,13 @@ def run(*arguments, cwd=None, timeout=120, env=None):
     return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
 
 
-def start(*arguments, cwd=None, env=None):
-    return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+def start(*arguments, cwd=None, env=None, ignored=()):
+    """Starts the program with these signals ignored. Others have their default action, which a background job of a shell does not inherit."""
+    def set_signals():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN if number in ignored else signal.SIG_DFL)
+
+    return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, preexec_fn=set_signals, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
 
 
 def exr_header(file):

@@ -84,6 +84,16 @@ class Stopping(ProgramTest):
         resumed, whole = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("resumed", "whole"))
         self.assertEqual((resumed["samples"], resumed["rays"]), (whole["samples"], whole["rays"]))
 
+    def test_ignored_interrupts_stay_ignored(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = start("render", *ROOM, "-o", "out.exr", "--time", "3s", "--resume", f"{number}.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder, ignored=[number])
+            self.addCleanup(process.kill)
+            self.wait_for(self.folder / f"{number}.ckpt", process)
+            process.send_signal(number)
+            _, errors = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0, errors)
+            self.assertNotIn("interrupted", errors)
+
     def test_interrupt_ends_a_sequence_of_single_samples(self):
         process = start("render", *ROOM, "-o", "out.####.png", "--frames", "0-99999", "--spp", "1", "--resume", "a.ckpt", cwd=self.folder)
         self.addCleanup(process.kill)
