@@ -43,6 +43,7 @@ class Limits(ProgramTest):
             ["export", "door", "-o", "a.gltf"],
             ["compare", "cornell", *SIZE, "--techniques", "default,u=lights:uniform", "--spp", "1", "--reference-spp", "2", "-o", "page"],
             ["experiment", "run", "guide-cost", "--quick", "-o", "pages"],
+            ["man", "-o", "man1"],
         ]
         for command in commands:
             with self.subTest(command=command[:2]):
@@ -50,6 +51,21 @@ class Limits(ProgramTest):
                 self.assertIn("free space", last)
                 self.assertIn("20000 bytes", last)
                 self.assertEqual(self.written(), [])
+
+    def test_statistics_that_do_not_fit_leave_the_image(self):
+        command = ["render", "cornell", "--width", "8", "--height", "6", "--spp", "1", "--stats", "s.json", "-o", "a.png"]
+        last = self.complaint(self.run_limited(resource.RLIMIT_FSIZE, 500, *command))
+        self.assertIn("s.json: writing failed", last)
+        self.assertIn("free space", last)
+        self.assertEqual(self.written(), ["a.png"])
+
+    def test_a_map_that_does_not_fit(self):
+        for name, samples in (("a.png", "1"), ("b.png", "2")):
+            self.succeed("render", "cornell", *SIZE, "--spp", samples, "-o", name)
+        last = self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, "metrics", "a.png", "b.png", "--flip-map", "map.png"))
+        self.assertIn("map.png: writing failed", last)
+        self.assertIn("free space", last)
+        self.assertEqual(self.written(), ["a.png", "b.png"])
 
     def test_a_checkpoint_that_does_not_fit_leaves_the_image(self):
         command = ["render", "cornell", "--width", "60", "--height", "40", "--spp", "3", "--resume", "a.ckpt", "--checkpoint-interval", "0", "-o", "a.png"]
