@@ -81,6 +81,8 @@ void read_masks(Span bytes, Header& header, const std::string& name) {
 }
 
 Header read_header(Span bytes, const std::string& name) {
+  constexpr uint64_t kArray = 0x4142;  // "BA"
+  if (bytes.size() >= 2 && number_at(bytes, 0, 2) == kArray) unsupported(name, "an OS/2 array of bitmaps");
   if (bytes.size() < kFileHeader + kCoreHeader) cut_off(name);
   Header header;
   header.pixels_at = number_at(bytes, 10, 4);
@@ -139,7 +141,7 @@ class RunLengths {
     constexpr uint32_t kEndOfRow = 0;
     constexpr uint32_t kEnd = 1;
     constexpr uint32_t kMove = 2;
-    while (y_ < header_.height) {
+    while (y_ < header_.height && !ends_complete()) {
       const uint32_t count = next();
       const uint32_t value = next();
       if (count > 0) {
@@ -160,6 +162,9 @@ class RunLengths {
   }
 
  private:
+  /// Whether the data end after the last pixel, without the end marker.
+  bool ends_complete() const { return y_ + 1 == header_.height && x_ >= header_.width && at_ + 2 > bytes_.size(); }
+
   static uint32_t nibble(uint32_t byte, uint32_t i) { return i % 2 == 0 ? byte >> 4 : byte & 15; }
 
   uint32_t next() {

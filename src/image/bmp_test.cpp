@@ -103,6 +103,27 @@ TEST(Bmp, ExpandsRunLengths) {
   }
 }
 
+TEST(Bmp, AcceptsRunLengthsThatEndAfterTheLastPixel) {
+  Bmp bmp;
+  bmp.width = 3;
+  bmp.height = 2;
+  bmp.depth = 8;
+  bmp.compression = 1;
+  bmp.palette = reds(20, 4);
+  const Reds expected = {8, 8, 8, 7, 7, 7};
+  bmp.pixels = {3, 7, 0, 0, 3, 8};
+  EXPECT_EQ(red_of(decode(bmp)), expected);
+  bmp.pixels = {3, 7, 0, 0, 3, 8, 0};
+  EXPECT_EQ(red_of(decode(bmp)), expected) << "half of a marker";
+  bmp.pixels = {3, 7, 0, 0, 0, 3, 8, 8, 8, 0};
+  EXPECT_EQ(red_of(decode(bmp)), expected) << "literals";
+  const std::vector<std::vector<uint8_t>> incomplete = {{3, 7}, {3, 7, 0, 0}, {3, 7, 0, 0, 2, 8}};
+  for (const std::vector<uint8_t>& pixels : incomplete) {
+    bmp.pixels = pixels;
+    EXPECT_NE(problem_of([&] { decode(bmp); }).find("cut off"), std::string::npos) << pixels.size();
+  }
+}
+
 TEST(Bmp, ReadsMasksOfEveryHeader) {
   Bmp bmp;
   bmp.width = 1;
@@ -175,6 +196,18 @@ TEST(Bmp, ErrorsNameUnsupportedFeatures) {
   EXPECT_NE(problem(40, 0, 2).find("2 bits per pixel"), std::string::npos);
   EXPECT_NE(problem(128, 0, 24).find("a header of 128 bytes"), std::string::npos);
   EXPECT_NE(problem(40, 1, 24).find("damaged"), std::string::npos);
+}
+
+TEST(Bmp, ArraysOfOs2AreNotSupported) {
+  const std::vector<std::byte> bitmap = Bmp().bytes();
+  std::vector<std::byte> bytes(14);
+  bytes[0] = std::byte{'B'};
+  bytes[1] = std::byte{'A'};
+  bytes.insert(bytes.end(), bitmap.begin(), bitmap.end());
+  EXPECT_EQ(detect_image_format(bytes, "a.bmp"), ImageFormat::bmp);
+  const std::string sentence = "a.bmp: BMP images with an OS/2 array of bitmaps are not supported; save it as PNG";
+  EXPECT_EQ(problem_of([&] { decode_bmp(bytes, "a.bmp"); }), sentence);
+  EXPECT_EQ(problem_of([&] { bmp_size(bytes, "a.bmp"); }), sentence);
 }
 
 TEST(Bmp, RandomBytesGiveAnImageOrAnError) {

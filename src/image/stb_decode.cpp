@@ -71,7 +71,8 @@ ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::str
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) return ImageFormat::png;
   if (starts_with(bytes, "\xff\xd8\xff")) return ImageFormat::jpeg;
   if (starts_with(bytes, "#?RADIANCE") || starts_with(bytes, "#?RGBE")) return ImageFormat::hdr;
-  if (starts_with(bytes, "BM")) return ImageFormat::bmp;
+  const bool is_bitmap_array = starts_with(bytes, "BA") && starts_with(bytes, "BM", 14);
+  if (starts_with(bytes, "BM") || is_bitmap_array) return ImageFormat::bmp;
   if (is_ktx2(bytes)) return ImageFormat::ktx2;
   if (is_webp(bytes)) return ImageFormat::webp;
   struct Known {
