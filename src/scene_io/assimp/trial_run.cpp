@@ -136,10 +136,11 @@ void silence_output() {
 }
 
 [[noreturn]] void run_child(const std::function<Bytes()>& task, const TrialLimits& limits, uint64_t address_space,
-                            Pipe& result) {
+                            pid_t parent, Pipe& result) {
   constexpr uint64_t kGrace_s = 5;  // SIGXCPU comes first and distinguishes this limit from others
   reset_signals();
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends the child if the parent is killed
+  prctl(PR_SET_PDEATHSIG, SIGKILL);        // ends the child if the parent is killed
+  if (getppid() != parent) _exit(kThrew);  // it was killed before
   silence_output();
   result.close_reader();
   limit(RLIMIT_CORE, 0, 0);
@@ -226,11 +227,12 @@ std::string problem_of(const ChildEnd& end, const TrialLimits& limits) {
 Bytes run_trial(const std::function<Bytes()>& task, const TrialLimits& limits, const std::string& place) {
   const PagesInUse own = pages_in_use("self");
   Pipe pipe;
+  const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0)
     throw Error(fmt::format(
         "{}: no process can be started to read the file; free some memory or raise the limit on processes", place));
-  if (child == 0) run_child(task, limits, own.address_space + limits.memory_bytes, pipe);
+  if (child == 0) run_child(task, limits, own.address_space + limits.memory_bytes, parent, pipe);
   pipe.close_writer();
   Bytes result;
   const ChildEnd end = wait_for(child, limits.wall_s, own.resident + limits.memory_bytes, pipe, result);

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -157,6 +158,36 @@ TEST(TrialRun, EndsWithItsParentProcess) {
   pollfd end{ends[0], POLLIN, 0};
   EXPECT_EQ(poll(&end, 1, 10'000), 1) << "the trial still runs";
   EXPECT_EQ(read(ends[0], &begun, 1), 0);
+  close(ends[0]);
+}
+
+bool g_kills_parent = false;
+
+/// Runs first in children of fork().
+void kill_parent() {
+  if (!g_kills_parent) return;
+  const pid_t parent = getppid();
+  kill(parent, SIGKILL);
+  while (getppid() == parent) usleep(1000);
+}
+
+TEST(TrialRun, DoesNotBeginOnceItsParentProcessIsGone) {
+  ASSERT_EQ(pthread_atfork(nullptr, nullptr, kill_parent), 0);
+  int ends[2];  // every living process holds the second one open
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t process = fork();
+  ASSERT_GE(process, 0);
+  if (process == 0) {
+    g_kills_parent = true;
+    problem_of([&] { [[maybe_unused]] const auto written = write(ends[1], "!", 1); });
+    _exit(0);
+  }
+  close(ends[1]);
+  waitpid(process, nullptr, 0);
+  pollfd end{ends[0], POLLIN, 0};
+  EXPECT_EQ(poll(&end, 1, 10'000), 1);
+  char begun = 0;
+  EXPECT_EQ(read(ends[0], &begun, 1), 0) << "the trial has begun";
   close(ends[0]);
 }
 
