@@ -42,6 +42,8 @@ def judge_files(case, succeeded, before, after):
             continue
         elif not succeeded and not is_allowed(name, case.may_stay):
             problems.append(f"failed, but {'changed' if name in before else 'left'} {name!r}")
+        elif succeeded and name in case.files and name not in case.may_change:
+            problems.append(f"replaced the input {name!r}")
         elif succeeded and not name.startswith("made/") and not is_allowed(name, case.may_change):
             problems.append(f"wrote {name!r}, which is not a declared output")
         elif after[name] == b"":
@@ -89,6 +91,8 @@ def judge(case, run, before, after):
         problems.append(f"ends by signal {-run.exit_code}")
     elif run.exit_code not in (0, 1, 2) and not run.too_large:
         problems.append(f"ends with exit code {run.exit_code}")
+    if case.refused and run.exit_code == 0:
+        problems.append("accepts arguments that it must refuse")
     if run.left_behind:
         problems.append("leaves a process behind")
     if not run.too_large and run.exit_code >= 0:

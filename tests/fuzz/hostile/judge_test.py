@@ -40,6 +40,8 @@ class Judge(unittest.TestCase):
     def test_ends(self):
         self.assert_problem("signal 11", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
         self.assert_problem("exit code 3", CHATTY.replace("(1)", "(3)"))
+        self.assert_problem("must refuse", "pass", refused=True)
+        self.assertEqual(self.problems(CHATTY, refused=True), [])
         self.assert_problem("hangs", "import time; time.sleep(60)", wall_s=0.3)
 
     def test_memory(self):
@@ -64,6 +66,8 @@ class Judge(unittest.TestCase):
         write = "open({!r}, 'w').write('x'); "
         self.assert_problem("left 'made/a'", write.format("made/a") + CHATTY)
         self.assert_problem("changed 'in'", write.format("in") + CHATTY, files={"in": b"input"})
+        self.assert_problem("replaced the input 'in'", write.format("in"), files={"in": b"input"}, may_change=["i*"])
+        self.assertEqual(self.problems(write.format("in"), files={"in": b"input"}, may_change=["in"]), [])
         self.assert_problem("deleted 'in'", "import os; os.remove('in')", files={"in": b"input"})
         self.assert_problem("temporary file", write.format("made/.a.1.tmp.exr"))
         self.assert_problem("not a declared output", write.format("elsewhere"))

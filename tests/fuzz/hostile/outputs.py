@@ -75,33 +75,42 @@ def locked_folder(rng):
 
 
 def same_name_twice(rng):
-    arguments = rng.choice((
-        render("-o", "made/a.exr", "-o", "made/a.exr"), render("-o", "made/a.exr", "--stats", "made/a.exr"), render("-o", "made/a.exr", "--resume", "made/a.exr"),
-        render("-o", "made/a.exr", "--resume", "made/a", "--stats", "made/a"), render("-o", "made/a.exr", "--stats", "made/../made/a.exr"),
-        render("-o", "made/a.exr", "--frames", "0-1"), ["export", "cornell", "-q", "-o", "made/a.glb", "-o", "made/a.gltf"],
-    ))
-    return Case("output", arguments)
+    """One name for two outputs, which must be refused. A flag that is given twice, or numbered frames, are no such pair."""
+    refused = [
+        render("-o", "made/a.exr", "--stats", "made/a.exr"), render("-o", "made/a.exr", "--resume", "made/a.exr"), render("-o", "made/a.exr", "--resume", "made/a", "--stats", "made/a"),
+        render("-o", "made/a.exr", "--stats", "made/../made/a.exr"), render("-o", "made/a.####.exr", "--frames", "0-2", "--stats", "made/a.0001.exr"),
+    ]
+    accepted = [render("-o", "made/a.exr", "-o", "made/a.exr"), render("-o", "made/a.exr", "--frames", "0-1"), ["export", "cornell", "-q", "-o", "made/a.glb", "-o", "made/a.gltf"]]
+    arguments = rng.choice(refused + accepted)
+    return Case("output", arguments, refused=arguments in refused)
 
 
 def over_input(rng):
-    """Writes over an input: the program may reject it, or replace the input by a complete file."""
+    """An output that would replace an input, under its name or through a link, which must be refused."""
     rich = scenes.gltf()
     image = scenes.images.exr(texts={"relume.settings": '{"max-bounces": 2}'})
     cases = [
         (["export", "a.gltf", "-q", "-o", "a.gltf"], {"a.gltf": rich.text("a.bin"), "a.bin": rich.data}),
         (["export", "a.glb", "-q", "-o", "a.glb"], {"a.glb": rich.glb()}),
-        (["export", "a.obj", "-q", "-o", "a.gltf"], scenes.obj("a.png", scenes.images.png())),
         (render("--settings", "a.exr", "-o", "a.exr"), {"a.exr": image}),
+        (render("--settings", "a.exr", "-o", "link.exr"), {"a.exr": image}),
         (render("--env", "a.exr", "-o", "a.exr"), {"a.exr": image}),
         (["render", "a.glb", *SMALL, "-q", "--stats", "a.glb", "-o", "made/a.exr"], {"a.glb": rich.glb()}),
+        (["render", "a.gltf", *SMALL, "-q", "--stats", "a.bin", "-o", "made/a.exr"], {"a.gltf": rich.text("a.bin"), "a.bin": rich.data}),
         (["metrics", "a.png", "a.png", "--flip-map", "a.png"], {"a.png": scenes.images.png()}),
         (render("--settings", "a.json", "--stats", "a.json", "-o", "made/a.exr"), {"a.json": b'{"max-bounces": 2}'}),
     ]
     arguments, files = rng.choice(cases)
-    return Case("output", arguments, files, may_change=[*files, "a.gltf", "a.bin", "a.texture*.png"])
+    return Case("output", arguments, files, links={"link.exr": "a.exr"} if "link.exr" in arguments else {}, refused=True)
 
 
-MAKERS = [odd_name, odd_name, odd_frames, odd_file_of_another_kind, folder_in_the_way, file_in_the_way, full_device, link, locked_folder, same_name_twice, over_input]
+def beside_input(rng):
+    """Files of an exported scene beside those that it is read from."""
+    texture = rng.choice(("a.png", "a.texture0.png"))
+    return Case("output", ["export", "a.obj", "-q", "-o", "a.gltf"], scenes.obj(texture, scenes.images.png()), may_change=["a.gltf", "a.bin", "a.texture*.png"])
+
+
+MAKERS = [odd_name, odd_name, odd_frames, odd_file_of_another_kind, folder_in_the_way, file_in_the_way, full_device, link, locked_folder, same_name_twice, over_input, beside_input]
 
 
 def make(rng):
