@@ -1,6 +1,5 @@
 #include "files/read_record.h"
 
-#include <algorithm>
 #include <mutex>
 
 namespace relume {
@@ -30,8 +29,7 @@ std::vector<std::filesystem::path> ReadRecord::files() const {
 void record_read(const std::filesystem::path& file) {
   const std::scoped_lock lock(g_mutex);
   for (ReadRecord* record : g_records) {
-    if (std::find(record->files_.begin(), record->files_.end(), file) == record->files_.end())
-      record->files_.push_back(file);
+    if (record->known_.insert(file).second) record->files_.push_back(file);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <vector>
 
 namespace relume {
@@ -20,6 +21,7 @@ class ReadRecord {
  private:
   friend void record_read(const std::filesystem::path& file);
   std::vector<std::filesystem::path> files_;
+  std::set<std::filesystem::path> known_;  ///< the same files, for fast lookup
 };
 
 /// Adds a file to every ReadRecord.

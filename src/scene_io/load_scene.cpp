@@ -23,7 +23,7 @@ void check_file(const std::filesystem::path& file) {
 Scene load_scene(const std::filesystem::path& file) {
   const Activity activity("loading " + file.filename().string());
   const ReadRecord record;
-  record_read(file);  // assimp opens it without record_read()
+  record_read(file);  // comes first in Scene::source_files
   const SceneFormat& format = scene_format_of(file);
   check_file(file);
   Scene scene = format.load(file);

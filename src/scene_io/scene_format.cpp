@@ -86,7 +86,7 @@ const std::vector<SceneFormat>& scene_formats() {
       {"glTF", {"gltf", "glb"}, "glTF", load_gltf, gltf_contents()},
       {"relume JSON", {"json"}, "", load_relume_json, kJsonContents},
       {"PLY", {"ply"}, "", load_ply, kPlyContents},
-      {"OBJ", {"obj"}, "", load_obj, kAssimpContents},
+      {"OBJ", {"obj"}, "", load_assimp, kAssimpContents},
       {"FBX", {"fbx"}, "", load_assimp, kAssimpMetricContents},
       {"DAE", {"dae"}, "", load_assimp, kAssimpMetricContents},
       {"STL", {"stl"}, "", load_assimp, kAssimpContents},

@@ -64,6 +64,12 @@ class Roles(RefusalTest):
         self.refuse_pair("--stats", "SCENE", "card.obj", "render", "card.obj", *TINY, "-o", "out.png", "--stats", "card.obj")
         self.refuse_pair("--stats", "SCENE", "card.mtl", "render", "card.obj", *TINY, "-o", "out.png", "--stats", "card.mtl")
 
+    def test_replacements_of_missing_files_stay(self):
+        self.write_textured_obj()
+        scene = self.folder / "card.obj"
+        scene.write_text(scene.read_text().replace("card.mtl", "nowhere.mtl"))  # card.mtl is read instead
+        self.refuse_pair("--stats", "SCENE", "card.mtl", "render", "card.obj", *TINY, "-o", "out.png", "--stats", "card.mtl")
+
     def test_files_beside_an_exported_scene_replace_none_of_its_sources(self):
         self.succeed("export", "cornell", "-o", "b.gltf")
         (self.folder / "b.gltf").rename(self.folder / "a.gltf")

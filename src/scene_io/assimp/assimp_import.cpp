@@ -1,7 +1,10 @@
 #include "scene_io/assimp/assimp_import.h"
 
+#include <algorithm>
 #include <exception>
+#include <memory>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/mesh.h>
 #include <assimp/postprocess.h>
@@ -22,6 +25,22 @@ constexpr float kCreaseAngleDeg = 60;
 constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
 constexpr unsigned kRemoved = ~0u;
 
+/// Lists the files that assimp opens. It looks for material libraries in several places, and picks others for missing
+/// ones.
+class RecordingFiles : public Assimp::DefaultIOSystem {
+ public:
+  /// `names` must outlive this object.
+  explicit RecordingFiles(std::vector<std::string>& names) : names_(names) {}
+
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    if (std::find(names_.begin(), names_.end(), file) == names_.end()) names_.emplace_back(file);
+    return DefaultIOSystem::Open(file, mode);
+  }
+
+ private:
+  std::vector<std::string>& names_;
+};
+
 unsigned post_processing(std::string_view extension) {
   unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
                    aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices | aiProcess_TransformUVCoords |
@@ -30,7 +49,9 @@ unsigned post_processing(std::string_view extension) {
   return steps;
 }
 
-void configure(Assimp::Importer& importer) {
+/// `files` receives the names of opened files, and must outlive the importer.
+void configure(Assimp::Importer& importer, std::vector<std::string>& files) {
+  importer.SetIOHandler(std::make_unique<RecordingFiles>(files).release());  // owned by the importer
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseAngleDeg);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -124,7 +145,7 @@ ImportedScene import_with_assimp(const AssimpSource& source) {
   ImportedScene imported;
   try {
     Assimp::Importer importer;
-    configure(importer);
+    configure(importer, imported.files);
     Warnings warnings(source.place);
     if (const aiScene* scene = read(importer, source, warnings)) {
       convert(*scene, source.place, warnings, imported);

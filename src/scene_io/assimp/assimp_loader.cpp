@@ -6,10 +6,10 @@
 
 #include "files/bytes.h"
 #include "files/extension.h"
+#include "files/read_record.h"
 #include "relume/error.h"
 #include "scene_io/assimp/assimp_import.h"
 #include "scene_io/assimp/assimp_textures.h"
-#include "scene_io/assimp/obj_libraries.h"
 #include "scene_io/assimp/trial_run.h"
 
 namespace relume {
@@ -33,6 +33,7 @@ Scene load(const AssimpSource& source, uintmax_t file_size) {
   ImportedScene imported =
       deserialise(run_trial([&] { return serialise(import_with_assimp(source)); }, limits_for(file_size), source.place),
                   source.place);
+  for (const std::string& file : imported.files) record_read(file);
   if (!imported.problem.empty()) throw Error(imported.problem);
   Warnings warnings(source.place);
   AssimpTextures textures(imported, source.file.parent_path(), warnings);
@@ -61,11 +62,6 @@ Scene load_assimp(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
   const std::string extension = lower_extension(file);
   return load({extension.substr(std::min<size_t>(extension.size(), 1)), file.string(), file, {}}, size);
-}
-
-Scene load_obj(const std::filesystem::path& file) {
-  record_material_libraries(file);
-  return load_assimp(file);
 }
 
 }  // namespace relume

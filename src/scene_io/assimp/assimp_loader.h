@@ -10,12 +10,9 @@
 
 namespace relume {
 
-/// Loads an FBX, DAE, STL, 3DS or OFF file. Other importers of assimp are disabled because they do not check their
+/// Loads an OBJ, FBX, DAE, STL, 3DS or OFF file. Other importers of assimp are disabled because they do not check their
 /// input. Throws Error.
 Scene load_assimp(const std::filesystem::path& file);
-
-/// Loads an OBJ file with its material libraries. Throws Error.
-Scene load_obj(const std::filesystem::path& file);
 
 /// Loads the bytes of a file with `extension`, as load_assimp() does. External materials and textures are not found.
 /// Throws Error.

@@ -48,21 +48,27 @@ Vec3 world_position(const Scene& scene, size_t vertex) {
   return Vec3(kInfinity);
 }
 
-TEST(Assimp, ListsMaterialLibrariesOfObjFiles) {
+TEST(Assimp, RecordsTheFilesThatItReads) {
+  const std::string triangle = "\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
+  const std::string far_down = "v 9 9 9" + std::string(size_t{2} << 20, '\n') + "mtllib a.mtl";
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
       {"mtllib a.mtl", {"a.mtl"}},
-      {"mtllib a.mtl b.mtl", {"a.mtl", "b.mtl"}},
-      {"mtllib a.mtl  \r", {"a.mtl"}},
-      {" mtllib\ta.mtl\tb.mtl", {"a.mtl", "b.mtl"}},
+      {far_down, {"a.mtl"}},
       {"mtllib of my room.mtl", {"of my room.mtl"}},
+      {R"(mtllib C:\art\a.mtl)", {"a.mtl"}},
+      {"mtllib nowhere.mtl", {"nowhere.mtl", "room.mtl"}},  // assimp's replacement of a missing library
   };
+  const SceneFolder folder;
+  for (const char* name : {"a.mtl", "of my room.mtl", "room.mtl"}) folder.write(name, "newmtl m\nKd 0.1 0.2 0.3\n");
   for (const auto& [line, names] : cases) {
-    SCOPED_TRACE(line);
-    const SceneFolder folder;
-    const auto obj = folder.write("room.obj", line + "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
-    const auto files = load_scene(obj).source_files;
+    SCOPED_TRACE(line.substr(line.rfind('\n') + 1));
+    const auto obj = folder.write("room.obj", line + triangle);
+    const Scene scene = load_scene(obj);
+    EXPECT_EQ(scene.materials[material_of(scene)].base_color, Rgb(0.1f, 0.2f, 0.3f));
+    const auto& files = scene.source_files;
+    EXPECT_EQ(files.front(), obj);
     for (const std::string& name : names)
-      EXPECT_EQ(std::count(files.begin(), files.end(), obj.parent_path() / name), 1) << name;
+      EXPECT_EQ(std::count(files.begin(), files.end(), folder.path() / name), 1) << name;
   }
 }
 

@@ -64,7 +64,7 @@ void fields(Archive& archive, Is<EmbeddedImage> auto& image) {
 template <typename Archive>
 void fields(Archive& archive, Is<ImportedScene> auto& i) {
   archive(i.problem, i.scene.name, i.scene.materials, i.scene.meshes, i.scene.lights, i.scene.cameras, i.scene.nodes,
-          i.scene.warnings, i.textures, i.embedded, i.texture_lamps);
+          i.scene.warnings, i.textures, i.embedded, i.texture_lamps, i.files);
 }
 
 AlphaMode last_of(AlphaMode) { return AlphaMode::blend; }

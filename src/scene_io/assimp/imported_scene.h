@@ -42,6 +42,7 @@ struct ImportedScene {
   std::vector<TextureRequest> textures;           ///< future Scene::textures
   std::map<std::string, EmbeddedImage> embedded;  ///< keyed by the paths in `textures`
   std::vector<Index> texture_lamps;               ///< materials that emit only from their texture
+  std::vector<std::string> files;                 ///< paths that assimp opened or looked for
 };
 
 Bytes serialise(const ImportedScene& imported);

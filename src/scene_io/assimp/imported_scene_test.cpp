@@ -48,6 +48,7 @@ ImportedScene rich() {
   imported.textures = {{TextureRecipe::normal, WrapMode::mirror, WrapMode::clamp, "*0", "b.png"}};
   imported.embedded["*0"] = {1, 1, Bytes(4, std::byte{7})};
   imported.texture_lamps = {0};
+  imported.files = {"a.obj", "b.mtl"};
   return imported;
 }
 
@@ -62,10 +63,13 @@ TEST(ImportedScene, RoundTripsThroughBytes) {
   EXPECT_EQ(after.scene.materials.at(0).microfacet_model, MicrofacetModel::beckmann);
   EXPECT_EQ(after.textures.at(0).second, "b.png");
   EXPECT_EQ(after.embedded.at("*0").bytes, Bytes(4, std::byte{7}));
+  EXPECT_EQ(after.files, before.files);
   EXPECT_EQ(serialise(after), bytes);
   EXPECT_EQ(
       deserialise(
-          serialise({.problem = "a: damaged", .scene = {}, .textures = {}, .embedded = {}, .texture_lamps = {}}), "a")
+          serialise(
+              {.problem = "a: damaged", .scene = {}, .textures = {}, .embedded = {}, .texture_lamps = {}, .files = {}}),
+          "a")
           .problem,
       "a: damaged");
 }
