@@ -35,7 +35,7 @@ const std::byte* checked_data(const Document& document, int view, size_t offset,
                               size_t element_size, int accessor) {
   if (view < 0 || static_cast<size_t>(view) >= document.views.size())
     document.damaged(fmt::format("accessor {} refers to missing buffer view {}", accessor, view));
-  const ByteSpan bytes = document.views[static_cast<size_t>(view)];
+  const ByteSpan bytes = view_bytes(document, static_cast<size_t>(view));
   const bool fits = offset <= bytes.size() && element_size <= bytes.size() - offset &&
                     (count - 1) <= (bytes.size() - offset - element_size) / stride;
   if (count > 0 && !fits)

@@ -109,9 +109,7 @@ void slice_views(Document& document) {
     if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= document.buffers.size())
       document.damaged(fmt::format("bufferViews[{}] refers to missing buffer {}", i, view.buffer));
     const ByteSpan buffer = document.buffers[static_cast<size_t>(view.buffer)];
-    if (buffer.empty())
-      document.damaged(fmt::format("buffers[{}] has neither a URI nor a binary chunk, but bufferViews[{}] needs it",
-                                   view.buffer, i));
+    if (buffer.empty()) continue;  // maybe nothing uses the view: see view_problem()
     if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
       document.damaged(fmt::format("bufferViews[{}] ({} bytes at {}) goes beyond its buffer of {} bytes", i,
                                    view.byteLength, view.byteOffset, buffer.size()));
@@ -154,6 +152,19 @@ void warn_of_extensions(Document& document) {
 }
 
 }  // namespace
+
+std::string view_problem(const Document& document, size_t view) {
+  const tinygltf::BufferView& source = document.model.bufferViews[view];
+  const bool has_own_bytes = is_meshopt_view(source) || static_cast<int>(view) == document.no_buffer_view;
+  if (has_own_bytes || !document.buffers[static_cast<size_t>(source.buffer)].empty()) return {};
+  return fmt::format("buffers[{}] has neither a URI nor a binary chunk, but bufferViews[{}] needs it", source.buffer,
+                     view);
+}
+
+ByteSpan view_bytes(const Document& document, size_t view) {
+  if (const std::string problem = view_problem(document, view); !problem.empty()) document.damaged(problem);
+  return document.views[view];
+}
 
 void read_document(ByteSpan file, const std::filesystem::path& base_dir, Document& document) {
   document.base_dir = base_dir;

@@ -35,7 +35,7 @@ struct Document {
   Warnings warnings;
   tinygltf::Model model;          ///< without buffers and images
   std::vector<ByteSpan> buffers;  ///< empty without bytes, as for a fallback buffer
-  std::vector<ByteSpan> views;    ///< per buffer view, decompressed; in range
+  std::vector<ByteSpan> views;    ///< per buffer view, decompressed; in range; empty if the buffer is
   std::vector<ImageEntry> images;
   std::string scene_extras;    ///< see PreparedJson
   int no_buffer_view = 0;      ///< buffer view index of accessors without one
@@ -44,6 +44,12 @@ struct Document {
 
 /// Fills `document` from the bytes of a .gltf or .glb file, which must outlive it. Throws Error.
 void read_document(ByteSpan file, const std::filesystem::path& base_dir, Document& document);
+
+/// Reason why a view of Document::views cannot be used: its buffer has no bytes. Empty if it can. Such views are valid
+/// if nothing uses them, or only an extension that relume ignores.
+std::string view_problem(const Document& document, size_t view);
+/// Bytes of a view of Document::views. Throws Error with view_problem().
+ByteSpan view_bytes(const Document& document, size_t view);
 
 /// Decompresses a view with EXT_meshopt_compression. Defined in gltf_meshopt.cpp.
 Bytes decode_meshopt_view(const Document& document, size_t view);

@@ -33,7 +33,7 @@ ByteSpan compressed_bytes(const Document& document, const tinygltf::Value& exten
   const int view = integer_member(extension, "bufferView", -1);
   if (view < 0 || static_cast<size_t>(view) >= document.views.size())
     document.damaged(fmt::format("Draco data refer to missing buffer view {}", view));
-  return document.views[static_cast<size_t>(view)];
+  return view_bytes(document, static_cast<size_t>(view));
 }
 
 std::unique_ptr<draco::Mesh> decode(const Document& document, ByteSpan bytes) {

@@ -101,12 +101,28 @@ TEST(Gltf, KeepsLargeNumbersOfExtensionsAndNegativeZeros) {
 TEST(Gltf, BuffersWithoutBytesMayBeUnused) {
   json doc = json::parse(triangle_file().text());
   doc["buffers"].push_back({{"byteLength", 100}});
+  doc["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 100}});
   EXPECT_EQ(testing::load_text(doc.dump()).meshes.size(), 1u);
-  doc["bufferViews"][0]["buffer"] = 1;
-  EXPECT_NE(error_of([&] {
-              testing::load_text(doc.dump());
-            }).find("buffers[1] has neither a URI nor a binary chunk, but bufferViews[0] needs it"),
-            std::string::npos);
+
+  const std::string problem = "buffers[1] has neither a URI nor a binary chunk, but bufferViews[1] needs it; ";
+  const auto error = [](const json& document) { return error_of([&] { testing::load_text(document.dump()); }); };
+  json attribute = doc;
+  attribute["accessors"][0]["bufferView"] = 1;
+  EXPECT_EQ(error(attribute), "test.gltf: " + problem + "the file is damaged, export or copy it again");
+  json sparse = doc;
+  sparse["accessors"][0]["sparse"] = {
+      {"count", 1}, {"indices", {{"bufferView", 1}, {"componentType", 5125}}}, {"values", {{"bufferView", 1}}}};
+  EXPECT_NE(error(sparse).find(problem), std::string::npos);
+  json draco = doc;
+  draco["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 1},
+                                                                                     {"attributes", {{"POSITION", 0}}}};
+  EXPECT_NE(error(draco).find(problem), std::string::npos);
+  json image = doc;
+  image["images"][0] = {{"bufferView", 1}, {"mimeType", "image/png"}};
+  image["textures"][0]["source"] = 0;
+  image["materials"][0]["normalTexture"]["index"] = 0;
+  image["meshes"][0]["primitives"][0]["material"] = 0;
+  EXPECT_TRUE(mentions(testing::load_text(image.dump()).warnings, "image 0: " + problem + "export or copy the file"));
 }
 
 TEST(Gltf, WarnsAboutLaterVersions) {

@@ -120,8 +120,10 @@ Bytes read_image_file(const Document& document, int image) {
     return read_file_bytes(resolve_uri(document.base_dir, percent_decode(entry.uri), document.place));
   if (entry.buffer_view < 0 || static_cast<size_t>(entry.buffer_view) >= document.views.size())
     throw Error(fmt::format("image {} has neither a URI nor a buffer view", image));
-  const ByteSpan view = document.views[static_cast<size_t>(entry.buffer_view)];
-  return {view.begin(), view.end()};
+  const auto view = static_cast<size_t>(entry.buffer_view);
+  if (const std::string problem = view_problem(document, view); !problem.empty())
+    throw Error(fmt::format("{}: {}; export or copy the file again", image_name(document, image), problem));
+  return {document.views[view].begin(), document.views[view].end()};
 }
 
 TextureImporter::ImageFile TextureImporter::read(const Request& request, int image) const {
