@@ -11,6 +11,7 @@
 #include "core/srgb.h"
 #include "files/bytes.h"
 #include "relume/error.h"
+#include "scene_io/image_search.h"
 #include "scene_io/texture_decode.h"
 
 namespace relume {
@@ -85,23 +86,10 @@ Texture texture_from_texels(const EmbeddedImage& source) {
 
 }  // namespace
 
-/// Tries a path as written, then its file name beside the scene and in "textures": files may come from another machine.
-std::filesystem::path AssimpTextures::find_file(const std::string& path) const {
-  std::string slashes = path;
-  std::replace(slashes.begin(), slashes.end(), '\\', '/');
-  const std::filesystem::path written(slashes);
-  const std::filesystem::path candidates[] = {base_dir_ / written, base_dir_ / written.filename(),
-                                              base_dir_ / "textures" / written.filename()};
-  std::error_code error;
-  for (const auto& candidate : candidates) {
-    if (std::filesystem::is_regular_file(candidate, error)) return candidate;
-  }
-  return candidates[0];
-}
-
 Texture AssimpTextures::decode(const std::string& path, PixelFormat format) const {
   const auto embedded = imported_.embedded.find(path);
-  if (embedded == imported_.embedded.end()) return decode_texture(read_file_bytes(find_file(path)), path, format);
+  if (embedded == imported_.embedded.end())
+    return decode_texture(read_file_bytes(find_image(base_dir_, path, path)), path, format);
   if (embedded->second.height != 0) return texture_from_texels(embedded->second);
   return decode_texture(embedded->second.bytes, path, format);
 }

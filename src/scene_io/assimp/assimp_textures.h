@@ -34,7 +34,6 @@ class AssimpTextures {
 
   void decode_images();
   Texture decode(const std::string& path, PixelFormat format) const;
-  std::filesystem::path find_file(const std::string& path) const;
   const Texture* image(const std::string& path, PixelFormat format) const;
   void compose(const TextureRequest& request, Texture& texture, Warnings& warnings) const;
   bool has_transparency(Index texture) const;

@@ -5,6 +5,8 @@
 
 #include "image/ktx2/testing/ktx2_file.h"
 #include "image/testing/webp.h"
+#include "relume/image_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {
@@ -14,6 +16,7 @@ using testing::data_uri;
 using testing::GltfBuilder;
 using testing::json;
 using testing::mentions;
+using testing::SceneFolder;
 using testing::solid_png;
 
 Bytes solid_webp(int width, int height, const std::vector<uint8_t>& rgba) {
@@ -88,6 +91,56 @@ TEST(GltfTexture, ManySmallFilesOfLargeImagesExceedABudget) {
   EXPECT_EQ(count("damaged WebP image"), 32);
   EXPECT_EQ(count("exceed the limit for the images of a scene"), kCount - 32);
   for (const Texture& texture : scene.textures) EXPECT_EQ(texture.width, 1);
+}
+
+/// Loads a file in `folder` of one texture with the image at `uri`.
+Scene load_image(const SceneFolder& folder, const std::string& uri, const json& extras = json::object()) {
+  GltfBuilder file;
+  file.add("images", {{"uri", uri}});
+  file.add("textures", {{"source", 0}, {"extras", extras}});
+  file.add_triangle_with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  return load_scene(folder.write("a.gltf", file.text()));
+}
+
+TEST(GltfTexture, ImagesAreFoundByNameIfTheirPathIsFromAnotherMachine) {
+  const char* const kUris[] = {R"(C:\art\wood.png)",  "C:/art/wood.png",         R"(\\srv\x\wood.png)",
+                               R"(..\art\wood.png)",  "file:///C:/art/wood.png", "file://srv/x/wood.png",
+                               "C:%5Cart%5Cwood.png", "/nowhere/wood.png",       "art/wood.png"};
+  for (const char* const place : {"wood.png", "textures/wood.png"}) {
+    const SceneFolder folder;
+    std::filesystem::create_directory(folder.path() / "textures");
+    const auto wood = folder.write(place, solid_png(2, 2, 90, 20, 30, 255));
+    for (const char* const uri : kUris) {
+      const Scene scene = load_image(folder, uri);
+      EXPECT_TRUE(scene.warnings.empty()) << uri;
+      EXPECT_EQ(scene.textures.at(0).texels.at(0), std::byte{90}) << uri;
+      EXPECT_EQ(scene.source_files, (std::vector{folder.path() / "a.gltf", wood})) << uri;
+    }
+  }
+}
+
+TEST(GltfTexture, FloatImagesAreFoundByName) {
+  const SceneFolder folder;
+  folder.write("wood.png", solid_png(1, 1, 90, 20, 30, 255));
+  write_image(folder.path() / "bright.exr", Image(1, 1));
+  const Scene scene = load_image(folder, "wood.png", {{"relume", {{"image", R"(C:\art\bright.exr)"}}}});
+  EXPECT_EQ(scene.textures.at(0).format, PixelFormat::rgba32_float);
+}
+
+TEST(GltfTexture, ThePathAsWrittenComesFirst) {
+  const SceneFolder folder;
+  std::filesystem::create_directory(folder.path() / "art");
+  folder.write("wood.png", solid_png(1, 1, 10, 0, 0, 255));
+  const auto wood = folder.write("art/wood.png", solid_png(1, 1, 20, 0, 0, 255));
+  const auto red = [&](const std::string& uri) { return load_image(folder, uri).textures.at(0).texels.at(0); };
+  EXPECT_EQ(red("art/wood.png"), std::byte{20});
+  EXPECT_EQ(red("file://" + wood.string()), std::byte{20});
+  EXPECT_EQ(red(R"(art\wood.png)"), std::byte{20});
+  folder.write(R"(art\wood.png)", solid_png(1, 1, 30, 0, 0, 255));  // a backslash in its name
+  EXPECT_EQ(red(R"(art\wood.png)"), std::byte{30});
+  EXPECT_TRUE(mentions(load_image(folder, R"(C:\art\oak.png)").warnings, R"(C:\art\oak.png: the file does not exist)"));
+  EXPECT_TRUE(mentions(load_image(folder, "https://a.b/oak.png").warnings, "not a local file"));
+  EXPECT_TRUE(mentions(load_image(folder, "wood.png%00").warnings, "zero byte"));
 }
 
 TEST(GltfTexture, KeepsTheImageFile) {

@@ -14,6 +14,7 @@
 #include "relume/image_io.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
+#include "scene_io/image_search.h"
 #include "scene_io/texture_decode.h"
 
 namespace relume::gltf {
@@ -117,7 +118,7 @@ Bytes read_image_file(const Document& document, int image) {
     return std::move(*decoded);
   }
   if (!entry.uri.empty())
-    return read_file_bytes(resolve_uri(document.base_dir, percent_decode(entry.uri), document.place));
+    return read_file_bytes(find_image(document.base_dir, percent_decode(entry.uri), document.place));
   if (entry.buffer_view < 0 || static_cast<size_t>(entry.buffer_view) >= document.views.size())
     throw Error(fmt::format("image {} has neither a URI nor a buffer view", image));
   const auto view = static_cast<size_t>(entry.buffer_view);
@@ -132,7 +133,7 @@ TextureImporter::ImageFile TextureImporter::read(const Request& request, int ima
     file.bytes = std::make_shared<const Bytes>(
         request.float_image.empty()
             ? read_image_file(document_, image)
-            : read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place)));
+            : read_file_bytes(find_image(document_.base_dir, percent_decode(request.float_image), document_.place)));
   } catch (const std::exception& error) {
     file.problem = error.what();
     return file;

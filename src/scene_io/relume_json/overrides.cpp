@@ -6,11 +6,11 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "files/bytes.h"
 #include "relume/scene_io.h"
 #include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "scene_io/decompose.h"
+#include "scene_io/image_search.h"
 #include "scene_io/look_rotation.h"
 
 namespace relume {
@@ -279,7 +279,7 @@ void apply_environment(const JsonObject& root, const std::filesystem::path& base
   Environment environment;
   if (object.has("map")) {
     const std::string name = object.string("map", "");
-    load_environment_map(resolve_uri(base_dir, name, object.path_of("map")), environment);
+    load_environment_map(find_image(base_dir, name, object.path_of("map")), environment);
   } else if (object.has("sun_sky")) {
     environment.kind = EnvironmentKind::sun_sky;
     environment.sun_sky =

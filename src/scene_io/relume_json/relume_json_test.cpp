@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "relume/scene_io.h"
@@ -115,11 +117,12 @@ TEST_F(RelumeJson, SetsTheEnvironment) {
   EXPECT_EQ(sky.environment.sun_sky.ground_albedo, Rgb(0.1f));
 }
 
+/// Radiance file of 2 × 1 texels without run lengths: (1, 0.5, 0.25) has mantissas 128, 64, 32 and exponent 129 - 128.
+const std::string kSky =
+    std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") + "\x80\x40\x20\x81\x80\x80\x80\x82";
+
 TEST_F(RelumeJson, ReadsEnvironmentMaps) {
-  // Radiance file of 2 × 1 texels without run lengths: (1, 0.5, 0.25) has mantissas 128, 64, 32 and exponent 129 - 128.
-  const std::string hdr =
-      std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") + "\x80\x40\x20\x81\x80\x80\x80\x82";
-  folder_.write("sky.hdr", hdr);
+  folder_.write("sky.hdr", kSky);
   const Scene scene = load({{"environment", {{"map", "sky.hdr"}, {"rotation_deg", 180}, {"scale", 3}}}});
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::map);
   EXPECT_FLOAT_EQ(scene.environment.rotation_rad, kPi);
@@ -128,6 +131,19 @@ TEST_F(RelumeJson, ReadsEnvironmentMaps) {
   // Readers differ in adding half a step (2^-8) to the mantissa.
   EXPECT_NEAR(glm::distance(scene.environment.map[0], Rgb(1, 0.5f, 0.25f)), 0, 0.008);
   EXPECT_NE(error({{"environment", {{"map", "missing.hdr"}}}}).find("missing.hdr"), std::string::npos);
+}
+
+TEST_F(RelumeJson, FindsEnvironmentMapsByNameIfTheirPathIsFromAnotherMachine) {
+  std::filesystem::create_directory(folder_.path() / "textures");
+  for (const char* const place : {"textures/sky.hdr", "sky.hdr"}) {
+    const auto sky = folder_.write(place, kSky);
+    for (const char* const path : {R"(C:\art\sky.hdr)", "C:/art/sky.hdr", R"(\\srv\x\sky.hdr)", R"(..\art\sky.hdr)",
+                                   "file:///C:/art/sky.hdr", "/nowhere/sky.hdr"}) {
+      const Scene scene = load({{"environment", {{"map", path}}}});
+      EXPECT_EQ(scene.environment.map.size(), 2u) << path;
+      EXPECT_EQ(std::count(scene.source_files.begin(), scene.source_files.end(), sky), 1) << path;
+    }
+  }
 }
 
 TEST_F(RelumeJson, OverridesMaterials) {
