@@ -50,8 +50,8 @@ void claim_monotone(const SceneAverages& scene, std::vector<Claim>& claims) {
     claims.push_back({id + scene.name, kPaper,
                       fmt::format("{}: the larger the variance constant of apg, the {}.", scene.name, text),
                       "by constant: " + measured,
-                      "every step from one constant to the next goes this way by more than its 95 % noise; fails if a "
-                      "step goes the other way by more than its noise",
+                      "every step from one constant to the next is in this direction by more than its noise (95 %); "
+                      "fails if a step is in the other direction by more than its noise",
                       verdict_on_steps(scene.graphs, figure, falls)});
   };
   add("monotone-bias-", "less bias", &FrameAverages::bias2, true);
