@@ -1,6 +1,6 @@
-// A hall beside 16 by 16 narrow, high storage bays with one lamp each. A position in a bay sees that lamp, and perhaps
-// one through an opening; lamps behind the walls are nearly as close. Light selection without visibility, or by lists
-// for cells wider than a bay (static lists: 4 m by default), wastes most shadow rays.
+// A hall beside 16 by 16 narrow, high storage bays with one lamp each. A position in a bay sees only the bay's own
+// lamp, and perhaps one through an opening; lamps behind the walls are nearly as close. Light selection without
+// visibility, or by lists for cells wider than a bay (static lists: 4 m by default), wastes most shadow rays.
 #include <string>
 #include <vector>
 

@@ -17,8 +17,8 @@ struct Ratio {
 
 /// Mean of a over mean of b for independent values: the factor by which b's error is lower. Delta method in logarithms,
 /// and Student's t with Welch's degrees of freedom. Means may be negative after subtraction of the reference's noise:
-/// if a's is not positive, the value is 0, up to a's upper over b's lower bound; if b's is not, the interval is
-/// unbounded.
+/// if a's is not positive, the value is 0 and the interval ends at a's upper over b's lower bound; if b's is not, the
+/// interval is unbounded.
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
 /// Same for paired values, such as repetitions with the same random numbers: their common deviations do not widen the

@@ -22,9 +22,9 @@ struct SpecularImages {
 };
 
 /// Averages this frame's filtered image with earlier ones. While nothing changes, filtered images improve and get
-/// growing weights. Lamps and sky, and the part of a pixel they cover, are averaged with equal weights: unequal ones
-/// would add noise at edges. Where something moves, the previous image is looked up along
-/// the motion and clamped to the range of this frame's surrounding pixels.
+/// growing weights. Unfiltered pixels, such as lamps and sky, and the part of a pixel that these cover, are averaged
+/// with equal weights: unequal ones would add noise at edges. Where something moves, the previous image is looked up
+/// along the motion and clamped to the range of this frame's surrounding pixels.
 struct ImageHistoryKernel {
   View<const Rgb> shown;  ///< filtered image of this frame
   View<const Rgb> before;

@@ -21,7 +21,7 @@ struct Reflection {
   Vec3 position{0};
   Vec3 previous{0};  ///< `position` one frame ago
   Vec3 normal{0};
-  /// Depth, metres, that scales the plane distance of validations; increased for blurred images.
+  /// Depth, metres, that scales the plane distance of validations; larger where `position` is between the two.
   float depth = 0;
 };
 

@@ -37,7 +37,7 @@ SettingList describe(AdaptivePsfSettings& s) {
       {"blend",
        choice(s.blend, {"automatic", "zero", "one", "step", "one-over-square"}),
        "Weight of the cell in a pixel whose path was followed: zero, one, or a curve (step, one-over-square) that "
-       "drops between the thresholds; automatic: one with apsf, zero with apsf+apg, whose path graph already weights "
+       "dips between the thresholds; automatic: one with apsf, zero with apsf+apg, whose path graph already weights "
        "cells",
        {.biases = true}},
       {"blend-v0",
