@@ -122,10 +122,14 @@ void limit(__rlimit_resource resource, uint64_t soft, uint64_t hard) {
   setrlimit(resource, &both);
 }
 
-/// Restores default handlers, so that the parent's crash reporters do not run in the child.
+/// Restores default handlers, so that the parent's crash reporters do not run in the child. Interrupts that the parent
+/// ignores (as under `nohup`) stay ignored.
 void reset_signals() {
-  for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGINT, SIGTERM})
+  for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
     std::signal(signal_number, SIG_DFL);
+  for (const int signal_number : {SIGINT, SIGTERM}) {
+    if (std::signal(signal_number, SIG_DFL) == SIG_IGN) std::signal(signal_number, SIG_IGN);
+  }
 }
 
 void silence_output() {

@@ -138,6 +138,14 @@ TEST(TrialRun, LimitsElapsedTime) {
   EXPECT_LT(now_s() - start_s, 5);
 }
 
+TEST(TrialRun, KeepsIgnoredInterrupts) {
+  const auto interrupted = [] { return problem_of([] { raise(SIGINT); }); };
+  EXPECT_NE(interrupted(), "");
+  const auto handler = std::signal(SIGINT, SIG_IGN);
+  EXPECT_EQ(interrupted(), "");
+  std::signal(SIGINT, handler);
+}
+
 TEST(TrialRun, EndsWithItsParentProcess) {
   int ends[2];  // every living process holds the second one open
   ASSERT_EQ(pipe(ends), 0);
