@@ -323,13 +323,16 @@ class Settings(Viewer):
 
     def test_files_of_a_scene_stay(self):
         self.succeed("export", "cornell-spheres", "-o", "room.gltf")
-        for step in ("save room.bin", "save-view room.bin", "screenshot room.bin"):
-            before = (self.folder / "room.bin").read_bytes()
-            (self.folder / "steps.txt").write_text(f"frames 1\ndrop room.gltf\nloaded\nframes 1\n{step}\n")
+        self.succeed("render", "furnace", "--width", "16", "--height", "8", "--spp", "1", "-o", "sky.exr")
+        (self.folder / "room.json").write_text('{"scene": "room.gltf", "environment": {"map": "sky.exr"}}')
+        for step in ("save sky.exr", "save-view room.bin", "screenshot room.bin"):
+            file = step.split()[1]
+            before = (self.folder / file).read_bytes()
+            (self.folder / "steps.txt").write_text(f"frames 1\ndrop room.json\nloaded\nframes 1\n{step}\n")
             done = run("view", "cornell", "--smoke", "1", "--script", "steps.txt", *SMALL, cwd=self.folder)
             self.assertEqual(done.returncode, 1, step)
-            self.assertIn("room.bin would be replaced, but the scene is read from it", done.stderr)
-            self.assertEqual((self.folder / "room.bin").read_bytes(), before)
+            self.assertIn(f"{file} would be replaced, but the scene is read from it", done.stderr)
+            self.assertEqual((self.folder / file).read_bytes(), before)
 
     def test_a_bad_step_ends_with_its_line(self):
         (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")
