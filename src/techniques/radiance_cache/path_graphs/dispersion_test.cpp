@@ -24,7 +24,7 @@ Material dispersive_glass(float color, float roughness, float dispersion) {
 void add_ball(Scene& scene, const Vec3& center, float roughness) {
   Mesh ball = flat_shaded(icosphere(0.45f, 3));
   for (Vec3& p : ball.positions) p += center;
-  add_mesh(scene, std::move(ball), dispersive_glass(1, roughness, 3));
+  add_mesh(scene, dispersive_glass(1, roughness, 3), std::move(ball));
 }
 
 /// Balls of smooth and of frosted glass above a plate.
@@ -40,7 +40,7 @@ Scene dispersive_balls() {
 Scene inside_a_medium() {
   Scene scene;
   scene.name = "inside";
-  add_mesh(scene, box({-1, -1, -1}, {1, 1, 1}), dispersive_glass(0.5f, 0.3f, 2));
+  add_mesh(scene, dispersive_glass(0.5f, 0.3f, 2), box({-1, -1, -1}, {1, 1, 1}));
   Camera camera;
   camera.fov_y_rad = 1.2f;
   add_camera(scene, camera, {0.1f, 0.2f, 0.5f}, glm::quat(1, 0, 0, 0));

@@ -173,7 +173,7 @@ TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
   Mesh right;
   right.positions = {{0, 1e-4f, -5}, {0, 1e-4f, 5}, {5, 1e-4f, 5}, {5, 1e-4f, -5}};
   right.triangles = {{0, 1, 2}, {0, 2, 3}};
-  testing::add_mesh(scene, right, testing::matte(Rgb(0.9f)));
+  testing::add_mesh(scene, testing::matte(Rgb(0.9f)), right);
   CachedFrameSettings settings = small(16);
   settings.psf.grid.cell_size = 8;
   CachedFrames frames(scene, settings);

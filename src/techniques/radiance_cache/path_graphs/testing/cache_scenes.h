@@ -2,26 +2,9 @@
 #pragma once
 
 #include "builtin_scenes/shapes.h"
-#include "scene/scene.h"
+#include "scene/testing/media.h"
 
 namespace relume::testing {
-
-inline Material matte(const Rgb& albedo) {
-  Material m;
-  m.base_color = albedo;
-  m.metallic = 0;
-  m.specular = 0;
-  return m;
-}
-
-inline void add_mesh(Scene& scene, Mesh mesh, const Material& material) {
-  scene.materials.push_back(material);
-  mesh.material = static_cast<Index>(scene.materials.size()) - 1;
-  scene.meshes.push_back(std::move(mesh));
-  Node node;
-  node.meshes = {static_cast<Index>(scene.meshes.size()) - 1};
-  scene.add_node(node);
-}
 
 inline void add_camera(Scene& scene, const Camera& camera, const Vec3& position, const glm::quat& rotation) {
   scene.cameras.push_back(camera);
@@ -39,7 +22,7 @@ inline Scene closed_furnace(float albedo) {
   scene.name = "closed furnace";
   Material wall = matte(Rgb(albedo));
   wall.emission = Rgb(1);
-  add_mesh(scene, flipped(box({-1, -1, -1}, {1, 1, 1})), wall);
+  add_mesh(scene, wall, flipped(box({-1, -1, -1}, {1, 1, 1})));
   Camera camera;
   camera.fov_y_rad = 1.2f;
   add_camera(scene, camera, {0.1f, 0.2f, 0.5f}, glm::quat(1, 0, 0, 0));
@@ -61,7 +44,7 @@ inline Scene plate_under_sky(const Material& material) {
   Mesh mesh;
   mesh.positions = {{-5, 0, -5}, {-5, 0, 5}, {5, 0, 5}, {5, 0, -5}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  add_mesh(scene, mesh, material);
+  add_mesh(scene, material, mesh);
   Camera camera;
   camera.projection = Projection::orthographic;
   camera.half_height = 1;
