@@ -35,11 +35,12 @@ void add(const Json& json, TechniqueChecks& checks) {
     checks.determinism.push_back({name, check.at("settings").dump(), check.value("frames_of_an_image", 3)});
   }
   const Json settings = json.value("settings", Json::object());
-  for (const auto& [setting, check] : settings.items()) {
+  for (const auto& item : settings.items()) {
+    const Json& check = item.value();
     expect_keys(check, {"with", "others", "motion", "buffer", "why"});
     const auto text = [&](const char* name) { return check.value(name, std::string()); };
     checks.settings.push_back(
-        {setting, text("with"), text("others"), motion_of(check.value("motion", "none")), text("buffer")});
+        {item.key(), text("with"), text("others"), motion_of(check.value("motion", "none")), text("buffer")});
   }
 }
 
