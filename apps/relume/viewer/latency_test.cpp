@@ -78,23 +78,36 @@ class Latency : public ::testing::TestWithParam<std::string> {
     return processor_time_s() - start_s;
   }
 
+  /// Longest processor time of three changes after rests: two moves of the camera and a setting.
+  double longest_answer() {
+    double longest_s = 0;
+    const auto change = [&](double into_s, const auto& edit) {
+      rest(into_s);
+      if (HasFatalFailure()) return;
+      edit();
+      longest_s = std::max(longest_s, answer());
+    };
+    change(0.2, [&] { move_camera(); });
+    change(0.9, [&] { move_camera(); });
+    change(0.5, [&] { ++stage_.settings[0].render.path.max_bounces; });
+    return longest_s;
+  }
+
   Stage stage_;
 };
 
 TEST_P(Latency, MovesAndSettingsAfterARestShowAtOnce) {
   stage_.post();
   ASSERT_TRUE(stage_.next());
+  // Virtual machines also count time that others take as processor time. Outside quiet machines, one of three
+  // attempts must keep the limit.
+  const int attempts = is_quiet() ? 1 : 3;
   double longest_s = 0;
-  for (const double into_s : {0.2, 0.9}) {
-    rest(into_s);
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    longest_s = longest_answer();
     ASSERT_FALSE(HasFatalFailure());
-    move_camera();
-    longest_s = std::max(longest_s, answer());
+    if (longest_s < soon_s()) break;
   }
-  rest(0.5);
-  ASSERT_FALSE(HasFatalFailure());
-  ++stage_.settings[0].render.path.max_bounces;
-  longest_s = std::max(longest_s, answer());
   RecordProperty("longest_ms", static_cast<int>(1000 * longest_s));
   EXPECT_LT(longest_s, soon_s());
 }
