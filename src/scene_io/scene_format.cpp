@@ -11,6 +11,7 @@
 #include "scene_io/assimp/assimp_loader.h"
 #include "scene_io/gltf/gltf_json.h"
 #include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/pbrt/pbrt_loader.h"
 #include "scene_io/ply/ply_loader.h"
 #include "scene_io/relume_json/relume_json.h"
 
@@ -28,6 +29,9 @@ constexpr const char* kJsonContents =
     "relume's format for a scene of another format, with changes ([reference](scene-json.md))";
 constexpr const char* kPlyContents =
     "one mesh with normals, texture coordinates and colours; integer colours are sRGB, floats are linear";
+constexpr const char* kPbrtContents =
+    "shapes, objects with instances, textures, materials, lights, environment, camera, film, motion of transforms of "
+    "pbrt-v4; turned to +Y up, and mirrored where pbrt's camera is left-handed ([details](formats.md#pbrt))";
 constexpr const char* kAssimpContents =
     "nodes, meshes, materials, textures, lights and cameras, through assimp; lengths and axes are unchanged";
 constexpr const char* kAssimpMetricContents =
@@ -72,6 +76,14 @@ const ForeignFormat* foreign_format(std::string_view extension) {
   return nullptr;
 }
 
+/// Extension in lower case without its dot; the last two of compressed files.
+std::string extension_of(const std::filesystem::path& file) {
+  std::string extension = lower_extension(file);
+  if (extension == ".gz") extension = lower_extension(file.stem()) + extension;
+  if (!extension.empty()) extension.erase(0, 1);
+  return extension;
+}
+
 std::vector<std::string_view> all_extensions() {
   std::vector<std::string_view> all;
   for (const SceneFormat& format : scene_formats())
@@ -85,6 +97,7 @@ const std::vector<SceneFormat>& scene_formats() {
   static const std::vector<SceneFormat> kFormats = {
       {"glTF", {"gltf", "glb"}, "glTF", load_gltf, gltf_contents()},
       {"relume JSON", {"json"}, "", load_relume_json, kJsonContents},
+      {"pbrt", {"pbrt", "pbrt.gz"}, "", load_pbrt, kPbrtContents},
       {"PLY", {"ply"}, "", load_ply, kPlyContents},
       {"OBJ", {"obj"}, "", load_assimp, kAssimpContents},
       {"FBX", {"fbx"}, "", load_assimp, kAssimpMetricContents},
@@ -102,8 +115,7 @@ const SceneFormat& scene_format_of(const std::filesystem::path& file) {
   for (const SceneFormat& format : scene_formats()) {
     if (!format.signature.empty() && start.starts_with(format.signature)) return format;
   }
-  std::string extension = lower_extension(file);
-  if (!extension.empty()) extension.erase(0, 1);
+  const std::string extension = extension_of(file);
   for (const SceneFormat& format : scene_formats()) {
     if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
       return format;

@@ -72,6 +72,7 @@ LIBRARY_USERS = {
     "OpenEXR/": "image",
     "Imf": "image",
     "zstd": "image",
+    "zlib": "scene_io",
     "webp/": "image",
     "OpenColorIO/": "framebuffer",
     "CLI/": "apps",

@@ -196,12 +196,11 @@ Scene scene_of(Mesh mesh, Warnings warnings, const std::string& place) {
 
 }  // namespace
 
-Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& place) {
+Mesh read_ply_mesh(std::span<const std::byte> file, const std::string& place, Warnings& warnings) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   const ply::Header header = ply::parse_header(text, place);
   NumberReader reader(text.substr(header.size), header.encoding, place);
   Mesh mesh;
-  Warnings warnings(place);
   for (const ply::Element& element : header.elements) {
     if (element.properties.empty()) continue;
     check_count(reader, element);
@@ -221,6 +220,12 @@ Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& p
   const auto is_strip = [](const ply::Element& element) { return element.name == "tristrips"; };
   if (mesh.triangles.empty() && std::any_of(header.elements.begin(), header.elements.end(), is_strip))
     throw Error(fmt::format("{}: triangle strips are not supported; save the mesh with faces", place));
+  return mesh;
+}
+
+Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& place) {
+  Warnings warnings(place);
+  Mesh mesh = read_ply_mesh(file, place, warnings);
   return scene_of(std::move(mesh), std::move(warnings), place);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scene/scene.h"
+#include "scene_io/warnings.h"
 
 namespace relume {
 
@@ -17,5 +18,8 @@ Scene load_ply(const std::filesystem::path& file);
 
 /// Loads the bytes of a file, as load_ply() does; `place` names it in messages. Throws Error.
 Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& place);
+
+/// Mesh of the file as it is stored, before repair_mesh(). Throws Error.
+Mesh read_ply_mesh(std::span<const std::byte> file, const std::string& place, Warnings& warnings);
 
 }  // namespace relume

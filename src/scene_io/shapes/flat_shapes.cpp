@@ -46,10 +46,10 @@ bool is_parallelogram(const std::array<Vec3, 4>& p) {
   return glm::length(excess) <= 1e-5f * (glm::length(p[3] - p[0]) + glm::length(p[2] - p[1]));
 }
 
-void add_patch(Mesh& mesh, const BilinearPatches& patches, const std::array<uint32_t, 4>& patch) {
+void add_patch(Mesh& mesh, const BilinearPatches& patches, const std::array<uint32_t, 4>& patch, int most_cells) {
   const std::array<Vec3, 4> positions = corners(patches.positions, patch);
   const bool has_normals = !patches.normals.empty();
-  const int cells = is_parallelogram(positions) ? 1 : kPatchCells;
+  const int cells = is_parallelogram(positions) ? 1 : most_cells;
   const auto first = static_cast<uint32_t>(mesh.positions.size());
   for (int j = 0; j <= cells; ++j) {
     for (int i = 0; i <= cells; ++i) {
@@ -95,9 +95,9 @@ Mesh cube_mesh() {
   return mesh;
 }
 
-Mesh bilinear_mesh(const BilinearPatches& patches) {
+Mesh bilinear_mesh(const BilinearPatches& patches, int cells) {
   Mesh mesh;
-  for (const auto& patch : patches.patches) add_patch(mesh, patches, patch);
+  for (const auto& patch : patches.patches) add_patch(mesh, patches, patch, cells);
   return mesh;
 }
 

@@ -26,7 +26,7 @@ struct BilinearPatches {
 inline constexpr int kPatchCells = 16;
 
 /// One mesh of all patches, whose front faces ∂u × ∂v. A patch whose corners form a parallelogram becomes two
-/// triangles. Indices must be in range.
-Mesh bilinear_mesh(const BilinearPatches& patches);
+/// triangles, others `cells`² times two. Indices must be in range.
+Mesh bilinear_mesh(const BilinearPatches& patches, int cells = kPatchCells);
 
 }  // namespace relume

@@ -79,13 +79,15 @@ Rgb rgb_of_unit_light(const Spectrum& spectrum) {
   return xyz.y > 0 ? not_negative(rec709_from_xyz(xyz / xyz.y)) : Rgb(0);
 }
 
-Rgb rgb_of_reflectance(const Spectrum& spectrum) {
+Rgb rgb_of_coefficient(const Spectrum& spectrum) {
   const CieTables& cie = cie_tables();
   float white = 0;
   for (size_t i = 0; i < kCieSamples; ++i) white += cie.d65[i] * cie.y[i];
   const Vec3 xyz = weighted_sum(spectrum, [&](size_t i) { return cie.d65[i]; }) / white;
-  return glm::clamp(rec709_from_xyz(xyz), Rgb(0), Rgb(1));
+  return not_negative(rec709_from_xyz(xyz));
 }
+
+Rgb rgb_of_reflectance(const Spectrum& spectrum) { return glm::min(rgb_of_coefficient(spectrum), Rgb(1)); }
 
 Rgb rec709_from_xyz(const Vec3& xyz) {
   static const Mat3 kFromXyz = glm::inverse(xyz_from(ColorSpace::srgb));

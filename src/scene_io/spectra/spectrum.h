@@ -36,6 +36,9 @@ Rgb rgb_of_light(const Spectrum& spectrum);
 /// black spectrum.
 Rgb rgb_of_unit_light(const Spectrum& spectrum);
 
+/// Linear Rec. 709 of a spectral coefficient (absorption, index) under D65, clamped at 0: a constant 1 is (1, 1, 1).
+Rgb rgb_of_coefficient(const Spectrum& spectrum);
+
 /// Linear Rec. 709 of a reflectance under D65, clamped to [0, 1]: a reflectance of 1 is white. Renderers of spectra
 /// show this colour under their white light.
 Rgb rgb_of_reflectance(const Spectrum& spectrum);

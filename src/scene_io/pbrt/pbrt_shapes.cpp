@@ -1,0 +1,213 @@
+#include "scene_io/pbrt/pbrt_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+
+#include "builtin_scenes/shapes.h"
+#include "core/vec.h"
+#include "files/bytes.h"
+#include "relume/error.h"
+#include "scene_io/image_search.h"
+#include "scene_io/mesh_repair.h"
+#include "scene_io/pbrt/gzip.h"
+#include "scene_io/ply/ply_loader.h"
+#include "scene_io/shapes/flat_shapes.h"
+#include "scene_io/shapes/loop_subdivision.h"
+#include "scene_io/shapes/quadrics.h"
+
+namespace relume::pbrt {
+namespace {
+
+/// Triangles of all tessellated shapes of a scene beyond which the tessellation becomes coarse.
+constexpr size_t kManyTriangles = size_t{1} << 23;
+constexpr int kCoarseSegments = 12;
+
+/// Indices of a list in groups; a group with one outside of [0, count) throws Error.
+template <size_t N>
+std::vector<std::array<uint32_t, N>> index_groups(const Parameters& parameters, size_t count) {
+  const std::vector<double> numbers = parameters.numbers("indices");
+  if (numbers.size() % N != 0)
+    fail(parameters.where(), fmt::format("{} indices are no groups of {}; add the missing ones", numbers.size(), N));
+  std::vector<std::array<uint32_t, N>> groups(numbers.size() / N);
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    if (!(numbers[i] >= 0 && numbers[i] < static_cast<double>(count)))
+      fail(parameters.where(),
+           fmt::format("index {} is out of range; the shape has {} vertices in 'P'", numbers[i], count));
+    groups[i / N][i % N] = static_cast<uint32_t>(numbers[i]);
+  }
+  return groups;
+}
+
+std::vector<UVec3> triangle_indices(const Parameters& parameters, size_t count) {
+  std::vector<UVec3> triangles;
+  for (const auto& t : index_groups<3>(parameters, count)) triangles.emplace_back(t[0], t[1], t[2]);
+  if (triangles.empty() && count == 3) triangles.emplace_back(0, 1, 2);
+  return triangles;
+}
+
+/// Clears values that are not one per vertex, with a warning.
+template <typename V>
+void check_size(std::vector<V>& values, size_t count, const char* name, Warnings& warnings) {
+  if (values.empty() || values.size() == count) return;
+  warnings.add(fmt::format("'{}' of a shape does not have one value per vertex and is ignored", name));
+  values.clear();
+}
+
+/// Makes triangles face as their normals, which determine the front of pbrt's meshes.
+void face_normals(Mesh& mesh) {
+  if (mesh.normals.size() != mesh.positions.size()) return;
+  for (UVec3& t : mesh.triangles) {
+    const Vec3& a = mesh.positions[t.x];
+    const Vec3 face = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+    if (glm::dot(face, mesh.normals[t.x] + mesh.normals[t.y] + mesh.normals[t.z]) < 0) std::swap(t.y, t.z);
+  }
+}
+
+float positive(const Parameters& parameters, std::string_view name, float otherwise) {
+  const float value = parameters.number(name, otherwise);
+  if (!(value > 0 && value <= 1e9f))
+    fail(parameters.where(), fmt::format("'{}' is {}; give it a value above 0 and at most 1e9", name, value));
+  return value;
+}
+
+float phi_max(const Parameters& parameters) { return glm::radians(parameters.number("phimax", 360)); }
+
+float finite(float value, float otherwise) { return is_finite(value) ? value : otherwise; }
+
+}  // namespace
+
+int ShapeReader::segments() const { return made_ < kManyTriangles ? kQuadricSegments : kCoarseSegments; }
+
+Mesh ShapeReader::triangles(const Parameters& parameters) const {
+  Mesh mesh;
+  mesh.positions = parameters.vectors3("P");
+  if (mesh.positions.empty()) fail(parameters.where(), "the shape has no vertices; give it 'point3 P'");
+  const size_t count = mesh.positions.size();
+  mesh.triangles = triangle_indices(parameters, count);
+  mesh.normals = parameters.vectors3("N");
+  mesh.uv0 = parameters.vectors2("uv");
+  std::vector<Vec3> tangents = parameters.vectors3("S");
+  check_size(mesh.normals, count, "N", warnings_);
+  check_size(mesh.uv0, count, "uv", warnings_);
+  check_size(tangents, count, "S", warnings_);
+  for (Vec2& uv : mesh.uv0) uv.y = 1 - uv.y;
+  for (const Vec3& s : tangents) mesh.tangents.emplace_back(s, 1.0f);
+  return mesh;
+}
+
+Mesh ShapeReader::ply(const Parameters& parameters) {
+  const std::string name = parameters.string("filename");
+  if (name.empty()) fail(parameters.where(), "a plymesh has no file; give it 'string filename'");
+  if (parameters.find("displacement", {"texture"}))
+    warnings_.add("displacement is not supported; meshes keep their shape");
+  parameters.number("edgelength", 1);
+  const std::filesystem::path file = find_image(base_dir_, name, text_of(parameters.where()));
+  Warnings warnings(name);
+  Mesh mesh = read_ply_mesh(gunzipped(read_file_bytes(file), file.string()), file.string(), warnings);
+  mesh.name = file.stem().string();
+  mesh.colors.clear();  // pbrt does not read them
+  for (const std::string& warning : warnings.take()) warnings_.add(warning);
+  return mesh;
+}
+
+Mesh ShapeReader::patches(const Parameters& parameters) {
+  const std::vector<Vec3> positions = parameters.vectors3("P");
+  if (positions.empty()) fail(parameters.where(), "the shape has no vertices; give it 'point3 P'");
+  auto patches = index_groups<4>(parameters, positions.size());
+  if (patches.empty() && positions.size() == 4) patches.push_back({0, 1, 2, 3});
+  std::vector<Vec3> normals = parameters.vectors3("N");
+  std::vector<Vec2> uv = parameters.vectors2("uv");
+  check_size(normals, positions.size(), "N", warnings_);
+  check_size(uv, positions.size(), "uv", warnings_);
+  const bool is_much = made_ + patches.size() * 2 * kPatchCells * kPatchCells > kManyTriangles;
+  Mesh mesh = bilinear_mesh({positions, normals, uv, patches}, is_much ? 1 : kPatchCells);
+  return mesh;
+}
+
+Mesh ShapeReader::subdivision(const Parameters& parameters) const {
+  const std::vector<Vec3> positions = parameters.vectors3("P");
+  if (positions.empty()) fail(parameters.where(), "the shape has no vertices; give it 'point3 P'");
+  const std::vector<UVec3> triangles = triangle_indices(parameters, positions.size());
+  parameters.string("scheme");
+  const int levels = std::clamp(parameters.integer("levels", 3), 0, 16);
+  const Mesh mesh = loop_subdivided(positions, triangles, made_ < kManyTriangles ? levels : 0);
+  if (mesh.triangles.size() < triangles.size() << (2 * std::min(levels, 10)))
+    warnings_.add(fmt::format("a subdivision surface keeps to {} triangles and has fewer than {} levels",
+                              kMaxSubdivided, levels));
+  return mesh;
+}
+
+Mesh ShapeReader::quadric(const std::string& kind, const Parameters& parameters) const {
+  const float radius = positive(parameters, "radius", 1);
+  if (kind == "disk") {
+    return disk_mesh({.height = finite(parameters.number("height", 0), 0),
+                      .radius = radius,
+                      .inner_radius = finite(parameters.number("innerradius", 0), 0),
+                      .phi_max_rad = phi_max(parameters)},
+                     segments());
+  }
+  const bool is_sphere = kind == "sphere";
+  const float z_min = finite(parameters.number("zmin", is_sphere ? -radius : -1), is_sphere ? -radius : -1);
+  const float z_max = finite(parameters.number("zmax", is_sphere ? radius : 1), is_sphere ? radius : 1);
+  if (is_sphere) return sphere_mesh({radius, z_min, z_max, phi_max(parameters)}, segments());
+  return cylinder_mesh({radius, std::min(z_min, z_max), std::max(z_min, z_max), phi_max(parameters)}, segments());
+}
+
+Index ShapeReader::add(Mesh mesh, bool reversed, const Mat4* baked) {
+  repair_mesh(mesh, warnings_);
+  if (mesh.triangles.empty()) return kNone;
+  if (reversed) mesh = flipped(std::move(mesh));
+  face_normals(mesh);
+  if (baked) {
+    mesh.tangents.clear();
+    mesh = transformed(std::move(mesh), *baked);
+    repair_mesh(mesh, warnings_);
+  }
+  scene_.meshes.push_back(std::move(mesh));
+  return static_cast<Index>(scene_.meshes.size()) - 1;
+}
+
+ShapeEntity ShapeReader::read(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
+                              const std::string& look_key) {
+  ShapeEntity shape;
+  Mesh mesh;
+  std::string key;
+  if (kind == "sphere" || kind == "disk" || kind == "cylinder") {
+    const float missing = -kInfinity;
+    const auto value = [&](std::string_view name) { return parameters.number(name, missing); };
+    key = fmt::format("{} {} {} {} {} {} {} {} {} {}", kind, value("radius"), value("zmin"), value("zmax"),
+                      value("phimax"), value("height"), value("innerradius"), reversed, segments(), look_key);
+    if (const auto known = quadrics_.find(key); !baked && known != quadrics_.end()) {
+      shape.mesh = known->second;
+      return shape;
+    }
+    mesh = quadric(kind, parameters);
+  } else if (kind == "trianglemesh") {
+    mesh = triangles(parameters);
+  } else if (kind == "plymesh") {
+    mesh = ply(parameters);
+  } else if (kind == "bilinearmesh") {
+    mesh = patches(parameters);
+  } else if (kind == "loopsubdiv") {
+    mesh = subdivision(parameters);
+  } else if (kind == "curve") {
+    warnings_.add("curves are not supported; they are left out");
+    return shape;
+  } else {
+    fail(parameters.where(), fmt::format("there is no shape '{}'; use sphere, disk, cylinder, trianglemesh, plymesh, "
+                                         "bilinearmesh or loopsubdiv",
+                                         kind));
+  }
+  const bool is_mesh = kind == "trianglemesh" || kind == "plymesh";
+  if (!is_mesh) made_ += mesh.triangles.size();
+  if (key.empty()) shape.faces = std::max<size_t>(mesh.triangles.size(), 1);
+  if (mesh.name.empty()) mesh.name = fmt::format("{} {}", kind, scene_.meshes.size());
+  shape.mesh = add(std::move(mesh), reversed, baked);
+  if (!key.empty() && !baked && shape.mesh != kNone) quadrics_[key] = shape.mesh;
+  return shape;
+}
+
+}  // namespace relume::pbrt

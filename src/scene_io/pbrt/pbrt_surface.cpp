@@ -1,0 +1,94 @@
+#include "scene_io/pbrt/pbrt_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+
+#include "core/vec.h"
+
+namespace relume::pbrt {
+namespace {
+
+/// Fresnel's reflectance of unpolarised light at a dielectric from outside.
+double fresnel(double cosine, double ior) {
+  const double inside = std::sqrt(1 - (1 - cosine * cosine) / (ior * ior));
+  const double parallel = (ior * cosine - inside) / (ior * cosine + inside);
+  const double perpendicular = (cosine - ior * inside) / (cosine + ior * inside);
+  return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
+Rgb blend(const Rgb& a, const Rgb& b, float t) { return a + (b - a) * t; }
+
+}  // namespace
+
+float perceptual_roughness(float pbrt_roughness, bool remap) {
+  const float alpha = remap ? std::sqrt(std::max(pbrt_roughness, 0.0f)) : std::max(pbrt_roughness, 0.0f);
+  return std::sqrt(std::min(alpha, 1.0f));
+}
+
+float inner_reflectance(float ior) {
+  if (!(ior > 1.0001f)) return 0;
+  constexpr int kSteps = 256;
+  double outer = 0;  // ∫ 2 F(μ) μ dμ
+  for (int i = 0; i < kSteps; ++i) {
+    const double cosine = (i + 0.5) / kSteps;
+    outer += 2 * fresnel(cosine, static_cast<double>(ior)) * cosine / kSteps;
+  }
+  return static_cast<float>(1 - (1 - outer) / static_cast<double>(ior * ior));
+}
+
+Rgb albedo_below_coat(const Rgb& albedo, float inner) { return albedo * (1 - inner) / (Rgb(1) - albedo * inner); }
+
+Rgb albedo_without_coat(const Rgb& color, float inner) { return color / (Rgb(1 - inner) + color * inner); }
+
+float thin_wall_index(float ior) {
+  const float r = sqr((ior - 1) / (ior + 1));
+  const float root = std::sqrt(2 * r / (1 + r));
+  return (1 + root) / (1 - root);
+}
+
+float index_of_thin_wall(float wall_ior) {
+  const float wall = sqr((wall_ior - 1) / (wall_ior + 1));
+  const float root = std::sqrt(wall / (2 - wall));
+  return (1 + root) / (1 - root);
+}
+
+float set_anisotropy(float alpha_u, float alpha_v, Material& material) {
+  const float narrow = std::min(alpha_u, alpha_v);
+  const float wide = std::max(alpha_u, alpha_v);
+  if (wide - narrow > 1e-4f && narrow < 1) {
+    material.anisotropy = std::sqrt((std::min(wide, 1.0f) - narrow) / (1 - narrow));
+    material.anisotropy_rotation_rad = alpha_u < alpha_v ? kPi / 2 : 0.0f;
+  }
+  return std::sqrt(std::min(narrow, 1.0f));
+}
+
+Surface mixed(const Surface& a, const Surface& b, float amount) {
+  const float t = saturate(amount);
+  Surface result;
+  const bool is_layered = a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0;
+  if (is_layered && t > 0 && t < 1) {
+    const Surface& metal = a.metallic > b.metallic ? a : b;
+    const Surface& other = a.metallic > b.metallic ? b : a;
+    const float share = a.metallic > b.metallic ? 1 - t : t;
+    result = other;
+    result.roughness = metal.roughness;
+    result.specular = share;
+    result.specular_color = metal.base_color;
+    // The layer transmits 1 - share · F0, of which the base should receive 1 - share.
+    result.base_color = other.base_color * (1 - share) / (Rgb(1) - metal.base_color * share + Rgb(1e-6f));
+    return result;
+  }
+  const auto lerp_to = [&](float Surface::*member) { result.*member = lerp(a.*member, b.*member, t); };
+  for (float Surface::*member :
+       {&Surface::alpha, &Surface::metallic, &Surface::roughness, &Surface::specular, &Surface::transmission,
+        &Surface::clearcoat, &Surface::clearcoat_roughness, &Surface::diffuse_transmission})
+    lerp_to(member);
+  result.base_color = blend(a.base_color, b.base_color, t);
+  result.specular_color = blend(a.specular_color, b.specular_color, t);
+  result.diffuse_transmission_color = blend(a.diffuse_transmission_color, b.diffuse_transmission_color, t);
+  return result;
+}
+
+}  // namespace relume::pbrt

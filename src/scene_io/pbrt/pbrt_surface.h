@@ -1,0 +1,88 @@
+// Appearance of a point of a surface, in relume's terms.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene_io/pbrt/pbrt_textures.h"
+
+namespace relume::pbrt {
+
+/// The members of Material that textures can vary.
+struct Surface {
+  Rgb base_color{1};
+  float alpha = 1;
+  float metallic = 0;
+  float roughness = 0;
+  float specular = 1;
+  Rgb specular_color{1};
+  float transmission = 0;
+  float clearcoat = 0;
+  float clearcoat_roughness = 0;
+  float diffuse_transmission = 0;
+  Rgb diffuse_transmission_color{1};
+};
+
+/// A material as a function of texture coordinates.
+struct SurfaceModel {
+  Material uniform;  ///< name, and the members that textures do not vary
+  std::function<Surface(const Vec2& uv)> at;
+  std::vector<const TextureNode*> nodes;     ///< on which `at` depends
+  const TextureNode* plain_color = nullptr;  ///< node whose value is the base colour, if nothing else varies
+  std::string normal_map;                    ///< image file; empty: none
+  Location where;                            ///< of `normal_map`
+};
+
+/// Perceptual roughness of pbrt's roughness, which is squared first unless `remap`.
+float perceptual_roughness(float pbrt_roughness, bool remap);
+
+/// Share of the diffuse light inside a dielectric that its surface reflects back: F_dr = 1 - (1 - F_avg) / η².
+float inner_reflectance(float ior);
+
+/// Albedo that relume's diffuse base needs below a coat of index `ior` for the colour that pbrt's random walk between
+/// a base of `albedo` and the coat gives: ρ (1 - F_dr) / (1 - ρ F_dr). relume's base receives what the coat transmits,
+/// without the light that the coat reflects back.
+Rgb albedo_below_coat(const Rgb& albedo, float inner_reflectance);
+/// The inverse.
+Rgb albedo_without_coat(const Rgb& color, float inner_reflectance);
+
+/// Index whose reflectance at normal incidence is that of both sides of a thin wall of index `ior`: 2 R / (1 + R).
+float thin_wall_index(float ior);
+/// The inverse.
+float index_of_thin_wall(float wall_ior);
+
+/// Sets the anisotropy for the widths along u and v. Returns the perceptual roughness of the base width.
+float set_anisotropy(float alpha_u, float alpha_v, Material& material);
+
+/// Surface of pbrt's mix of two surfaces, a share `amount` of which is `b`. A metal over other surfaces becomes a
+/// reflection layer of index kMixedIndex.
+Surface mixed(const Surface& a, const Surface& b, float amount);
+inline constexpr float kMixedIndex = 1000;
+
+/// Makes materials of models: constants, or textures that it bakes.
+class SurfaceBaker {
+ public:
+  SurfaceBaker(Scene& scene, ImageFiles& images, Warnings& warnings)
+      : scene_(scene), images_(images), warnings_(warnings) {}
+
+  Material bake(const SurfaceModel& model);
+
+ private:
+  struct Domain;
+
+  Domain domain_of(const SurfaceModel& model);
+  void add_textures(const SurfaceModel& model, const Domain& domain, Material& material);
+  TextureRef add(Texture texture, const SurfaceModel& model, const Domain& domain, bool is_color);
+  bool keeps_image(const SurfaceModel& model) const;
+  void add_normal_map(const SurfaceModel& model, Material& material);
+
+  Scene& scene_;
+  ImageFiles& images_;
+  Warnings& warnings_;
+  uint64_t texels_ = 0;   ///< of all baked textures
+  uint64_t allowed_ = 0;  ///< texels of baked textures, because of the sizes of images
+  std::map<std::string, Index> normal_maps_;
+};
+
+}  // namespace relume::pbrt
