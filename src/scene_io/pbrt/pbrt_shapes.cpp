@@ -134,7 +134,7 @@ Mesh ShapeReader::subdivision(const Parameters& parameters) const {
   parameters.string("scheme");
   const int levels = std::clamp(parameters.integer("levels", 3), 0, 16);
   const Mesh mesh = loop_subdivided(positions, triangles, made_ < kManyTriangles ? levels : 0);
-  if (mesh.triangles.size() < triangles.size() << (2 * std::min(levels, 10)))
+  if (static_cast<double>(mesh.triangles.size()) < static_cast<double>(triangles.size()) * std::pow(4.0, levels))
     warnings_.add(fmt::format("a subdivision surface keeps to {} triangles and has fewer than {} levels",
                               kMaxSubdivided, levels));
   return mesh;
