@@ -86,7 +86,7 @@ OutputJson numbers(std::span<const float> values) {
 }
 
 Output::Output(const std::filesystem::path& file, std::vector<std::filesystem::path> sources)
-    : file_(file), sources_(std::move(sources)), binary_(is_binary(file)) {
+    : file_(file), staged_(std::move(sources)), binary_(is_binary(file)) {
   root["asset"] = {{"version", "2.0"}, {"generator", "relume"}};
 }
 
@@ -171,33 +171,10 @@ void Output::use_extension(const std::string& name, bool required) {
   if (required) required_.insert(name);
 }
 
-void Output::write_staged(const std::filesystem::path& target,
-                          const std::function<void(const std::filesystem::path&)>& write) {
-  for (const std::filesystem::path& source : sources_) {
-    std::error_code missing;
-    if (std::filesystem::equivalent(source, target, missing)) {
-      throw Error(
-          fmt::format("{}: the scene was read from this file, which would be replaced; choose another name or "
-                      "folder for the output",
-                      target.string()));
-    }
-  }
-  const PendingFile& staged = staged_.emplace_back(target);
-  try {
-    write(staged.path());
-  } catch (const Error& error) {
-    std::string sentence = error.what();  // names the temporary file
-    const std::string name = staged.path().string();
-    if (const size_t at = sentence.find(name); at != std::string::npos)
-      sentence.replace(at, name.size(), target.string());
-    throw Error(sentence);
-  }
-}
-
 std::string Output::add_file(const std::string& suffix,
                              const std::function<void(const std::filesystem::path&)>& write) {
   const std::filesystem::path target = file_.parent_path() / (file_.stem().string() + "." + suffix);
-  write_staged(target, write);
+  staged_.write(target, write);
   return target.filename().string();
 }
 
@@ -215,12 +192,12 @@ std::vector<std::string> Output::finish() {
       }));
     }
   }
-  write_staged(file_, [&](const std::filesystem::path& file) {
+  staged_.write(file_, [&](const std::filesystem::path& file) {
     if (binary_) return write_glb(file, text_of(root));
     print(root, 0, text);
     write_file(file, text + "\n");
   });
-  for (PendingFile& staged : staged_) staged.commit();
+  staged_.commit();
   return std::move(warnings_);
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <list>
 #include <set>
 #include <span>
 #include <string>
@@ -13,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/vec.h"
-#include "files/atomic_file.h"
+#include "scene_io/staged_files.h"
 
 namespace relume::gltf {
 
@@ -76,13 +75,10 @@ class Output {
   std::vector<std::string> finish();
 
  private:
-  void write_staged(const std::filesystem::path& target,
-                    const std::function<void(const std::filesystem::path&)>& write);
   void write_glb(const std::filesystem::path& file, const std::string& text) const;
 
   std::filesystem::path file_;
-  std::vector<std::filesystem::path> sources_;
-  std::list<PendingFile> staged_;
+  StagedFiles staged_;
   bool binary_;
   std::vector<std::byte> bytes_;
   std::set<std::string> used_;

@@ -13,13 +13,6 @@
 namespace relume::pbrt {
 namespace {
 
-/// From relume's camera space, which looks along -Z, to pbrt's. The centre of pbrt's spherical images is the direction
-/// -X, and their right side is to the left of it.
-Mat4 from_relume_camera(const std::string& kind) {
-  if (kind == "spherical") return Mat4(Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(1, 0, 0, 0), Vec4(0, 0, 0, 1));
-  return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 0, 0, 1));
-}
-
 /// Width and height of pbrt's film.
 IVec2 film_size(const Parameters& film) {
   return {std::clamp(film.integer("xresolution", 1280), 1, 32768),
@@ -126,6 +119,11 @@ void add_settings(const Description& d, Scene& scene, Warnings& warnings) {
 }
 
 }  // namespace
+
+Mat4 from_relume_camera(const std::string& kind) {
+  if (kind == "spherical") return Mat4(Vec4(0, 0, -1, 0), Vec4(0, 1, 0, 0), Vec4(1, 0, 0, 0), Vec4(0, 0, 0, 1));
+  return Mat4(Vec4(1, 0, 0, 0), Vec4(0, 1, 0, 0), Vec4(0, 0, -1, 0), Vec4(0, 0, 0, 1));
+}
 
 Mat3 world_orientation(const Description& d) {
   const Matrix to_world = inverse_or_identity(d.camera.from_world.at[0]) * Matrix(from_relume_camera(d.camera.kind));

@@ -6,6 +6,11 @@
 
 namespace relume::pbrt {
 
+/// From relume's camera space, which looks along -Z, to that of a camera of type `kind` in pbrt, which is left-handed
+/// and looks along +Z. The centre of pbrt's spherical images is the direction -X, and their right side is to the left
+/// of it.
+Mat4 from_relume_camera(const std::string& kind);
+
 /// From pbrt's world to relume's, orthogonal. Mirrors if the camera does not: pbrt's camera space is left-handed, and
 /// images must not be mirrored. Turns the main axis of the camera's up direction to +Y.
 Mat3 world_orientation(const Description& description);

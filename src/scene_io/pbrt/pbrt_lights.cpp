@@ -212,11 +212,14 @@ void Lights::finish() {
   if (!environment.map.empty()) {
     environment.kind = EnvironmentKind::map;
     for (Rgb& pixel : environment.map) pixel = usable(pixel + constant_);
-  } else if (has_infinite_) {
+  } else if (!is_black(usable(constant_))) {
     environment.kind = EnvironmentKind::constant;
     environment.color = usable(constant_);
   } else {
-    environment.kind = EnvironmentKind::automatic;
+    const bool emits = std::any_of(scene_.materials.begin(), scene_.materials.end(),
+                                   [](const Material& m) { return !is_black(m.emission); });
+    const bool is_lit = emits || has_infinite_ || !scene_.lights.empty();
+    environment.kind = is_lit ? EnvironmentKind::none : EnvironmentKind::automatic;
   }
 }
 

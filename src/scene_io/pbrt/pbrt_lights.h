@@ -15,7 +15,8 @@ class Lights {
 
   /// Adds a light with its node, or adds to the environment. Throws Error for unknown types.
   void add(const LightEntity& light);
-  /// Sets the scene's environment after the last light.
+  /// Sets the scene's environment after the last light and material: none if anything else emits, as in pbrt, which
+  /// renders scenes without lights black.
   void finish();
 
  private:

@@ -42,7 +42,7 @@ class Placer {
     if (orientation == Mat3(1)) return;
     Node world;
     world.name = "world";
-    world.transform = decompose(Mat4(orientation));
+    world.matrix = Mat4(orientation);
     root_ = scene_.add_node(std::move(world));
   }
 

@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/vec.h"
+#include "scene/placement.h"
+#include "scene_io/pbrt/pbrt_camera.h"
+#include "scene_io/pbrt/pbrt_write_scene.h"
+
+namespace relume::pbrt {
+namespace {
+
+using nlohmann::json;
+
+json settings_of(const Scene& scene) {
+  const json settings = json::parse(scene.settings_json, nullptr, false);
+  return settings.is_object() ? settings : json::object();
+}
+
+int integer(const json& settings, const char* key, int otherwise) {
+  const auto value = settings.find(key);
+  return value != settings.end() && value->is_number() ? value->get<int>() : otherwise;
+}
+
+IVec2 image_size(const json& settings, const Camera& camera) {
+  const int height = integer(settings, "height", 720);
+  const float aspect = camera.aspect_ratio > 0 ? camera.aspect_ratio : 16.0f / 9;
+  const int width = static_cast<int>(std::lround(static_cast<float>(height) * aspect));
+  return {std::max(1, integer(settings, "width", width)), std::max(1, height)};
+}
+
+std::string camera_text(const Camera& camera, const IVec2& size) {
+  const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
+  if (camera.projection == Projection::panoramic) return "Camera \"spherical\" \"string mapping\" \"equirectangular\"";
+  std::string lens;
+  if (camera.lens_radius > 0)
+    lens = fmt::format(" \"float lensradius\" {} \"float focaldistance\" {}", number(camera.lens_radius),
+                       number(camera.focus_distance));
+  if (camera.projection == Projection::orthographic) {
+    const float h = camera.half_height;
+    const float w = h * aspect;
+    return fmt::format("Camera \"orthographic\" \"float screenwindow\" [ {} {} {} {} ]", number(-w), number(w),
+                       number(-h), number(h));
+  }
+  const float half = std::tan(camera.fov_y_rad / 2) * std::min(aspect, 1.0f);  // of the lower side
+  return fmt::format("Camera \"perspective\" \"float fov\" {}", number(glm::degrees(2 * std::atan(half)))) + lens;
+}
+
+}  // namespace
+
+void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& output) {
+  Camera camera;
+  Mat4 to_world(1);
+  const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                                 [](const Node& candidate) { return candidate.camera != kNone; });
+  if (node != scene.nodes.end()) {
+    camera = scene.cameras[static_cast<size_t>(node->camera)];
+    const Mat4& found = world[static_cast<size_t>(node - scene.nodes.begin())];
+    if (const std::optional<Mat3> axes = orientation(found)) {
+      to_world = Mat4(*axes);
+      to_world[3] = found[3];
+    }
+    const auto cameras = std::count_if(scene.nodes.begin(), scene.nodes.end(),
+                                       [](const Node& candidate) { return candidate.camera != kNone; });
+    if (cameras > 1) output.note("the first camera is written; a file of pbrt has one");
+  } else {
+    output.note("the scene has no camera; one at the origin along -Z is written");
+  }
+  const json settings = settings_of(scene);
+  const IVec2 size = image_size(settings, camera);
+  output.line(fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"string filename\" {}",
+                          size.x, size.y, in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")));
+  output.line("Sampler \"zsobol\" \"integer pixelsamples\" " +
+              std::to_string(std::max(1, integer(settings, "spp", 64))));
+  output.line("Integrator \"volpath\" \"integer maxdepth\" " + std::to_string(integer(settings, "max-bounces", 8)));
+  const char* kind = camera.projection == Projection::panoramic ? "spherical" : "perspective";
+  output.line("Transform " + numbers(glm::inverse(to_world * glm::inverse(from_relume_camera(kind)))));
+  output.line(camera_text(camera, size));
+}
+
+}  // namespace relume::pbrt
