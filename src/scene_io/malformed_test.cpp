@@ -10,6 +10,7 @@
 #include "render/session.h"
 #include "scene_io/assimp/assimp_loader.h"
 #include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/pbrt/pbrt_loader.h"
 #include "scene_io/ply/ply_loader.h"
 #include "scene_io/relume_json/relume_json.h"
 #include "scene_io/testing/example_files.h"
@@ -39,6 +40,7 @@ Scene load(const std::string& name, const Bytes& bytes) {
   const std::string extension = name.substr(name.rfind('.') + 1);
   if (extension == "gltf" || extension == "glb") return load_gltf_from_memory(bytes, folder().path(), name);
   if (extension == "json") return load_relume_json_from_memory(bytes, folder().path(), name);
+  if (extension == "pbrt") return load_pbrt_from_memory(bytes, folder().path(), name);
   if (extension == "ply") return load_ply_from_memory(bytes, name);
   return load_assimp_from_memory(bytes, extension, name);
 }
@@ -273,6 +275,51 @@ TEST(Malformed, TransformsThatCollapseOrReachTooFar) {
         is_refused("a.gltf", to_bytes(file.text()), transform.dump() + " of " + content.dump());
       }
     }
+  }
+}
+
+/// Replaces numbers of a text, and replaces, removes or repeats some of its words.
+std::string reworded(const std::string& text, uint32_t seed) {
+  static const char* const kNumbers[] = {"0 ", "-1 ", "2 ", "1e30 ", "1e-30 ", "-1e300 ", "4294967296 ", "0.5 "};
+  static const char* const kWords[] = {"-1",      "0",     "1e30",       "1e-30",        "nan",      "99999999999999",
+                                       "\"\"",    "[",     "]",          "\"float x\"",  "true",     "[ 1 2 3 ]",
+                                       "Include", "Shape", "WorldBegin", "AttributeEnd", "\"half\"", "ObjectEnd"};
+  std::vector<std::string> words;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find_first_of(" \n", at), text.size() - 1) + 1;
+    words.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  std::mt19937 random(seed);
+  for (uint32_t i = 0; i < 1 + seed % 8; ++i) {
+    std::string& word = words[random() % words.size()];
+    const bool is_number = word.find_first_not_of("0123456789.- \n") == std::string::npos;
+    if (is_number || random() % 4 != 0) {
+      if (is_number && word.size() > 1) word = kNumbers[random() % std::size(kNumbers)];
+      continue;
+    }
+    switch (random() % 4) {
+      case 0: word.clear(); break;
+      case 1: word += word; break;
+      case 2: word = words[random() % words.size()]; break;
+      default: word = std::string(kWords[random() % std::size(kWords)]) + " "; break;
+    }
+  }
+  std::string result;
+  for (const std::string& word : words) result += word;
+  return result;
+}
+
+TEST(Malformed, PbrtWithOtherWords) {
+  constexpr uint32_t kVariants = 500;
+  for (const ExampleFile& file : example_files()) {
+    if (!file.name.ends_with(".pbrt")) continue;
+    const std::string text(reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size());
+    int refused = 0;
+    for (uint32_t i = 0; i < kVariants; ++i)
+      refused += is_refused(file.name, to_bytes(reworded(text, i)), "words " + std::to_string(i));
+    EXPECT_GE(refused, 100);
+    EXPECT_LE(refused, 400);
   }
 }
 

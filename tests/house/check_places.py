@@ -14,13 +14,17 @@ REPRESENTATIVES = (
 )
 FOLDERS = ("include", "src", "apps")
 
+# Formats with their own materials, lights and meshes, which nothing derives from relume's: each converts what it knows.
+OWN_MODELS = ("src/scene_io/pbrt/",)
+
 
 def sources(root):
     """Sources that a program is built from, without tests, benchmarks and what they share."""
     for path in house.code_files(root):
         parts = path.relative_to(root).parts
-        if parts[0] in FOLDERS and "testing" not in parts and not house.is_test_or_benchmark(path):
-            yield path.relative_to(root).as_posix(), house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
+        name = path.relative_to(root).as_posix()
+        if parts[0] in FOLDERS and "testing" not in parts and not house.is_test_or_benchmark(path) and not name.startswith(OWN_MODELS):
+            yield name, house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
 
 
 def places(texts, names, folder):

@@ -63,6 +63,7 @@ void Directives::finish(const std::string& file) const {
   if (!blocks_.empty())
     fail(blocks_.back().where, fmt::format("a block that begins here has no end in {}; add {}", file,
                                            blocks_.back().is_object ? "ObjectEnd" : "AttributeEnd"));
+  if (!has_world_) throw Error(fmt::format("{}: there is no WorldBegin; the file is no scene, or cut off", file));
 }
 
 void Directives::execute(Tokens& tokens, const Token& name) {
@@ -207,6 +208,7 @@ void Directives::end(const Location& where, bool is_object) {
 }
 
 void Directives::world_begin() {
+  has_world_ = true;
   state_.ctm = {};
   state_.active = {true, true};
   systems_["world"] = state_.ctm;

@@ -20,7 +20,7 @@ class Directives {
 
   /// Executes all directives of a file and of those that it includes. Throws Error.
   void run(const std::string& file, std::string_view text);
-  /// Throws Error unless all blocks are closed. `file` names the scene.
+  /// Throws Error unless the world began and all blocks are closed. `file` names the scene.
   void finish(const std::string& file) const;
 
  private:
@@ -81,6 +81,7 @@ class Directives {
   std::map<std::string, TransformSet> systems_;
   std::list<std::string> names_;             ///< of all files, to which locations refer
   std::vector<std::filesystem::path> open_;  ///< files that are being read
+  bool has_world_ = false;
   size_t files_read_ = 0;
   uint64_t bytes_read_ = 0;
   ObjectEntity* object_ = nullptr;  ///< that is being defined

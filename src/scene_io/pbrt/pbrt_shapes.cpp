@@ -132,8 +132,10 @@ Mesh ShapeReader::subdivision(const Parameters& parameters) const {
   if (positions.empty()) fail(parameters.where(), "the shape has no vertices; give it 'point3 P'");
   const std::vector<UVec3> triangles = triangle_indices(parameters, positions.size());
   parameters.string("scheme");
-  const int levels = std::clamp(parameters.integer("levels", 3), 0, 16);
-  const Mesh mesh = loop_subdivided(positions, triangles, made_ < kManyTriangles ? levels : 0);
+  constexpr int kMostLevels = 8;
+  const int levels = parameters.integer("levels", 3);
+  const int used = made_ < kManyTriangles ? std::clamp(levels, 0, kMostLevels) : 0;
+  const Mesh mesh = loop_subdivided(positions, triangles, used);
   if (static_cast<double>(mesh.triangles.size()) < static_cast<double>(triangles.size()) * std::pow(4.0, levels))
     warnings_.add(fmt::format("a subdivision surface keeps to {} triangles and has fewer than {} levels",
                               kMaxSubdivided, levels));

@@ -211,6 +211,55 @@ std::string dae_text() {
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
+/// Refers to ascii.ply.
+std::string pbrt_text() {
+  return R"(Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "float iso" 200 # comment
+Scale -1 1 1 LookAt 0 -4 1.5  0 0 0.5  0 0 1
+Camera "perspective" "float fov" 50 "float lensradius" 0.01 "float focaldistance" 4
+Sampler "zsobol" "integer pixelsamples" 4
+Integrator "volpath" "integer maxdepth" 4
+WorldBegin
+Attribute "shape" "float alpha" 0.9
+MakeNamedMedium "tea" "string type" "homogeneous" "rgb sigma_a" [1 2 3] "rgb sigma_s" [0 0 0]
+Texture "squares" "spectrum" "checkerboard" "float uscale" 4 "float vscale" 4 "rgb tex1" [.8 .7 .6] "rgb tex2" [.1 .2 .3]
+Texture "half" "spectrum" "scale" "texture tex" "squares" "float scale" 0.5
+Texture "rough" "float" "mix" "float tex1" 0.1 "float tex2" 0.4 "float amount" 0.5
+MakeNamedMaterial "paint" "string type" "coateddiffuse" "texture reflectance" "half" "texture roughness" "rough"
+MakeNamedMaterial "gold" "string type" "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float uroughness" 0.1 "float vroughness" 0.3
+MakeNamedMaterial "both" "string type" "mix" "string materials" ["paint" "gold"] "float amount" 0.25
+LightSource "infinite" "blackbody L" 6500 "float scale" 0.5
+LightSource "spot" "spectrum I" [400 1 700 2] "point3 from" [0 0 3] "point3 to" [0 0 0] "float coneangle" 40
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [5 4 3] "bool twosided" true
+  Translate 1 0 2 Rotate 90 1 0 0
+  Shape "disk" "float radius" 0.5 "float innerradius" 0.1
+AttributeEnd
+AttributeBegin
+  NamedMaterial "both"
+  ActiveTransform EndTime Translate 0 0 0.5 ActiveTransform All
+  Shape "sphere" "float radius" 0.4 "float zmax" 0.3 "float phimax" 300
+AttributeEnd
+AttributeBegin
+  MediumInterface "tea" ""
+  Material "dielectric" "spectrum eta" "glass-BK7"
+  Translate -1 0 0
+  Shape "cylinder" "float radius" 0.3 "float zmin" 0 "float zmax" 1
+AttributeEnd
+ObjectBegin "part"
+  NamedMaterial "paint"
+  Shape "plymesh" "string filename" "ascii.ply"
+  Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 1] "integer indices" [0 1 2 3] "point2 uv" [0 0 1 0 0 1 1 1]
+ObjectEnd
+Transform [1 0 0 0 0 1 0 0 0 0 1 0 0 1 0 1]
+ObjectInstance "part"
+ConcatTransform [1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1]
+ReverseOrientation
+ObjectInstance "part"
+Shape "loopsubdiv" "integer levels" 2 "point3 P" [0 0 0 1 0 0 0 1 0 0 0 1] "integer indices" [0 2 1 0 1 3 1 2 3 2 0 3]
+Shape "trianglemesh" "point3 P" [-2 -2 0 2 -2 0 0 2 0] "normal N" [0 0 1 0 0 1 0 0 1] "integer indices" [0 1 2]
+)";
+}
+
 std::vector<ExampleFile> example_files() {
   const GltfBuilder rich = rich_gltf();
   return {{"rich.gltf", to_bytes(rich.text())},
@@ -227,6 +276,7 @@ std::vector<ExampleFile> example_files() {
           {"a.dae", to_bytes(dae_text())},
           {"a.fbx", to_bytes(fbx_text(2))},
           {"a.json", to_bytes(relume_json_text())},
+          {"rich.pbrt", to_bytes(pbrt_text())},
           {"figure.gltf", to_bytes(moving_figure().file.text())},
           {"figure.glb", moving_figure().file.glb()}};
 }
