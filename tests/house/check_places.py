@@ -14,7 +14,7 @@ REPRESENTATIVES = (
 )
 FOLDERS = ("include", "src", "apps")
 
-# Formats with their own materials, lights and meshes, which nothing derives from relume's: each converts what it knows.
+# Formats with their own materials, lights and meshes, which they convert in their own code.
 OWN_MODELS = ("src/scene_io/pbrt/",)
 
 

@@ -71,8 +71,13 @@ void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& ou
   }
   const json settings = settings_of(scene);
   const IVec2 size = image_size(settings, camera);
-  output.line(fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"string filename\" {}",
-                          size.x, size.y, in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")));
+  const auto exposure = settings.find("exposure");
+  const float stops = exposure != settings.end() && exposure->is_number() ? exposure->get<float>() : 0.0f;
+  output.line(
+      fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"float iso\" {} \"string "
+                  "filename\" {}",
+                  size.x, size.y, number(100 * std::exp2(clamp(stops, -64, 64))),
+                  in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")));
   output.line("Sampler \"zsobol\" \"integer pixelsamples\" " +
               std::to_string(std::max(1, integer(settings, "spp", 64))));
   output.line("Integrator \"volpath\" \"integer maxdepth\" " + std::to_string(integer(settings, "max-bounces", 8)));

@@ -238,6 +238,34 @@ TEST(PbrtWriter, EnvironmentMapsKeepTheirDirections) {
   expect_same_image(scene);
 }
 
+TEST(PbrtWriter, SettingsRoundTrip) {
+  Scene scene = scene_of({});
+  scene.settings_json = R"({"exposure":1.5,"height":200,"max-bounces":3,"spp":7,"width":300})";
+  EXPECT_EQ(read_back(scene).settings_json, scene.settings_json);
+}
+
+TEST(PbrtWriter, CamerasRoundTrip) {
+  for (const Projection projection : {Projection::perspective, Projection::orthographic, Projection::panoramic}) {
+    Scene scene = scene_of({});
+    scene.cameras[0].projection = projection;
+    scene.cameras[0].half_height = 2;
+    scene.cameras[0].lens_radius = 0.25f;
+    scene.cameras[0].focus_distance = 3;
+    scene.nodes[1].transform.rotation = glm::normalize(Quaternion(0.9f, 0.1f, 0.3f, 0.2f));
+    const Scene loaded = read_back(scene);
+    EXPECT_EQ(loaded.cameras.at(0).projection, projection);
+    const Mat4 expected = world_matrices(scene, 0)[1];
+    const Mat4 found = world_matrices(loaded, 0).back();
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(glm::distance(expected[c], found[c]), 0, 1e-5) << c;
+    EXPECT_EQ(loaded.nodes[0].meshes.size(), 1u);  // no mirrored world above
+    if (projection == Projection::orthographic) EXPECT_EQ(loaded.cameras[0].half_height, 2);
+    if (projection != Projection::perspective) continue;
+    EXPECT_NEAR(loaded.cameras[0].fov_y_rad, 0.7f, 1e-5);
+    EXPECT_EQ(loaded.cameras[0].lens_radius, 0.25f);
+    EXPECT_EQ(loaded.cameras[0].focus_distance, 3);
+  }
+}
+
 TEST(PbrtWriter, InstancesStayInstances) {
   Scene scene = scene_of({});
   scene.nodes[0].instances = {Mat4(1), glm::mat4_cast(Quaternion(0, 0, 1, 0))};
