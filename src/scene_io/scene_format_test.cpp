@@ -38,7 +38,8 @@ TEST(SceneFormat, ErrorsForUnknownFormatsListAllExtensions) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "room.xyz: scene files with extension 'xyz' are not supported; use gltf, glb, json, ply, obj, fbx, "
+                 "room.xyz: scene files with extension 'xyz' are not supported; use gltf, glb, json, pbrt, pbrt.gz, "
+                 "ply, obj, fbx, "
                  "dae, stl, 3ds, off");
   }
 }
@@ -59,8 +60,14 @@ TEST(SceneFormat, ErrorsForForeignFormatsNameTheWayToGltf) {
         std::string(file) + ": USD files are not read; import the file into Blender and export glTF 2.0 from there");
 }
 
+TEST(SceneFormat, CompressedFilesCountByBothExtensions) {
+  EXPECT_EQ(scene_format_of("a/room.pbrt.gz").name, "pbrt");
+  EXPECT_EQ(scene_format_of("a/room.PBRT.GZ").name, "pbrt");
+  EXPECT_THROW(scene_format_of("a/room.gz"), Error);
+}
+
 TEST(SceneFormat, NamesMakeAPhrase) {
-  EXPECT_EQ(scene_format_names(), "glTF, relume JSON, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
+  EXPECT_EQ(scene_format_names(), "glTF, relume JSON, pbrt, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
 }
 
 TEST(SceneFormat, TheReferencePageIsUpToDate) {

@@ -244,8 +244,8 @@ void Directives::set_defaults(Tokens& tokens) {
                                    "or \"texture\"",
                                    target.text.substr(0, 40)));
   Defaults& defaults = state_.defaults[static_cast<size_t>(at - std::begin(kTargets))];
-  ParameterList list = defaults ? *defaults : ParameterList();
-  for (Parameter& p : parse_parameters(tokens, state_.space)) list.push_back(std::move(p));
+  ParameterList list = parse_parameters(tokens, state_.space);  // later ones come first
+  if (defaults) list.insert(list.end(), defaults->begin(), defaults->end());
   defaults = std::make_shared<const ParameterList>(std::move(list));
 }
 

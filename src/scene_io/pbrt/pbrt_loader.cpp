@@ -128,6 +128,17 @@ void build(const Description& description, const std::filesystem::path& base_dir
   pbrt::add_camera(description, orientation, scene, warnings);
 }
 
+/// Sentences that quote the file, fit to be shown.
+std::vector<std::string> without_control_characters(std::vector<std::string> sentences) {
+  for (std::string& sentence : sentences) {
+    for (char& c : sentence) {
+      const auto code = static_cast<unsigned char>(c);
+      if (code < 32 || code == 127) c = '?';
+    }
+  }
+  return sentences;
+}
+
 /// Removes meshes that no node uses, such as invisible boundaries.
 void remove_unused_meshes(Scene& scene) {
   std::vector<Index> new_index(scene.meshes.size(), kNone);
@@ -161,8 +172,8 @@ Scene load_pbrt_from_memory(std::span<const std::byte> file, const std::filesyst
   directives.finish(place);
   build(description, base_dir, scene, warnings);
   remove_unused_meshes(scene);
-  scene.warnings = warnings.take();
-  scene.notes = warnings.take_notes();
+  scene.warnings = without_control_characters(warnings.take());
+  scene.notes = without_control_characters(warnings.take_notes());
   validate(scene, place);
   return scene;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 #include <nlohmann/json.hpp>
 
 #include "relume/scene_io.h"
@@ -190,6 +191,46 @@ TEST(Pbrt, BoundsInclusions) {
   EXPECT_NE(error_of([&] { load_scene(folder.path() / "b0.pbrt"); }).find("merge some"), std::string::npos);
   for (const char* outside : {"../a.pbrt", "/etc/passwd", "x/../../a.pbrt"})
     EXPECT_NE(error("Include \"" + std::string(outside) + "\"").find("outside the folder"), std::string::npos);
+}
+
+Bytes gzip(const std::string& text) {
+  z_stream stream = {};
+  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);
+  Bytes bytes(deflateBound(&stream, text.size()));
+  std::string input = text;
+  stream.next_in = reinterpret_cast<Bytef*>(input.data());
+  stream.avail_in = static_cast<uInt>(input.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  bytes.resize(stream.total_out);
+  deflateEnd(&stream);
+  return bytes;
+}
+
+TEST(Pbrt, ReadsCompressedFiles) {
+  const SceneFolder folder;
+  const Bytes mesh = gzip(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
+      "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  folder.write("m.ply.gz", mesh);
+  const Bytes scene = gzip("WorldBegin Shape \"plymesh\" \"string filename\" \"m.ply.gz\"\n");
+  const Scene loaded = load_scene(folder.write("a.pbrt.gz", scene));
+  EXPECT_EQ(loaded.meshes.at(0).positions.size(), 3u);
+  EXPECT_TRUE(loaded.meshes[0].normals.empty());  // flat, as in pbrt
+  const Bytes cut(scene.begin(), scene.end() - 10);
+  EXPECT_NE(error_of([&] { load_scene(folder.write("b.pbrt.gz", cut)); }).find("data are damaged"), std::string::npos);
+  const Bytes bomb = gzip(std::string(size_t{100} << 20, '\n'));
+  EXPECT_NE(error_of([&] { load_scene(folder.write("c.pbrt.gz", bomb)); }).find("grows to more than"),
+            std::string::npos);
+}
+
+TEST(Pbrt, LaterDefaultsComeFirst) {
+  const std::string defaults =
+      "WorldBegin Attribute \"shape\" \"float radius\" 2 Attribute \"shape\" \"float radius\" 3 ";
+  const auto radius = [](const Scene& scene) { return glm::length(scene.meshes.at(0).positions.at(100)); };
+  EXPECT_NEAR(radius(load(defaults + "Shape \"sphere\"")), 3, 1e-5);
+  EXPECT_NEAR(radius(load(defaults + "Shape \"sphere\" \"float radius\" 4")), 4, 1e-5);
 }
 
 TEST(Pbrt, BoundsNesting) {

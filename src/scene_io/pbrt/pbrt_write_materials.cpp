@@ -49,7 +49,9 @@ bool is_transparent(const Material& m) { return m.transmission > 0.5f && m.metal
 std::vector<WrittenMaterial> MaterialWriter::write() {
   std::vector<WrittenMaterial> written;
   for (size_t i = 0; i < scene_.materials.size(); ++i) written.push_back(material(scene_.materials[i], i));
-  written.push_back(material(Material{}, scene_.materials.size()));
+  const bool needs_default =
+      std::any_of(scene_.meshes.begin(), scene_.meshes.end(), [](const Mesh& mesh) { return mesh.material == kNone; });
+  written.push_back(needs_default ? material(Material{}, scene_.materials.size()) : WrittenMaterial{});
   return written;
 }
 

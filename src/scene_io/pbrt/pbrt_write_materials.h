@@ -22,7 +22,8 @@ class MaterialWriter {
  public:
   MaterialWriter(const Scene& scene, Output& output) : scene_(scene), output_(output) {}
 
-  /// Writes textures and named materials; one per material of the scene, and at the end glTF's default material.
+  /// Writes textures and named materials; one per material of the scene, and at the end glTF's default
+  /// material if a mesh needs it.
   std::vector<WrittenMaterial> write();
 
  private:

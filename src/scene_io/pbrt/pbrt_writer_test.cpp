@@ -258,7 +258,9 @@ TEST(PbrtWriter, CamerasRoundTrip) {
     const Mat4 found = world_matrices(loaded, 0).back();
     for (int c = 0; c < 4; ++c) EXPECT_NEAR(glm::distance(expected[c], found[c]), 0, 1e-5) << c;
     EXPECT_EQ(loaded.nodes[0].meshes.size(), 1u);  // no mirrored world above
-    if (projection == Projection::orthographic) EXPECT_EQ(loaded.cameras[0].half_height, 2);
+    if (projection == Projection::orthographic) {
+      EXPECT_EQ(loaded.cameras[0].half_height, 2);
+    }
     if (projection != Projection::perspective) continue;
     EXPECT_NEAR(loaded.cameras[0].fov_y_rad, 0.7f, 1e-5);
     EXPECT_EQ(loaded.cameras[0].lens_radius, 0.25f);

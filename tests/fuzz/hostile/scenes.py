@@ -1,6 +1,7 @@
 """Small valid scenes of every supported format. Each is a dictionary of files; the first is the scene."""
 
 import base64
+import gzip
 import json
 import struct
 
@@ -293,6 +294,42 @@ def relume_json(scene, material="paint", node="part", environment=None):
     }, indent=1).encode()
 
 
+PBRT = b"""LookAt 0 -4 1.5  0 0 0.5  0 0 1
+Camera "perspective" "float fov" 50 "float lensradius" 0.01
+Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "float iso" 150
+Sampler "halton" "integer pixelsamples" 2
+Integrator "path" "integer maxdepth" 4
+WorldBegin
+Texture "image" "spectrum" "imagemap" "string filename" "a.png" "float uscale" 2
+Texture "squares" "spectrum" "checkerboard" "float uscale" 4 "texture tex1" "image" "rgb tex2" [0.1 0.2 0.3]
+MakeNamedMaterial "a" "string type" "coateddiffuse" "texture reflectance" "squares" "float roughness" 0.1
+MakeNamedMaterial "b" "string type" "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" "metal-Au-k" "float uroughness" 0.1
+MakeNamedMaterial "c" "string type" "mix" "string materials" ["a" "b"] "float amount" 0.3
+LightSource "infinite" "rgb L" [0.2 0.3 0.4] "float scale" 2
+LightSource "spot" "blackbody I" 3000 "point3 from" [0 0 3] "point3 to" [0 0 0] "float power" 50
+NamedMaterial "c"
+AttributeBegin
+  AreaLightSource "diffuse" "spectrum L" [400 1 700 3] "float power" 10
+  Translate 0.5 0 1 Rotate 30 1 0 0
+  Shape "disk" "float radius" 0.4
+AttributeEnd
+ObjectBegin "o"
+  Shape "plymesh" "string filename" "b.ply"
+  Shape "sphere" "float radius" 0.4 "float zmin" -0.2 "float phimax" 200
+ObjectEnd
+ObjectInstance "o"
+Scale -1 2 1
+ObjectInstance "o"
+Include "c.pbrt"
+"""
+PBRT_PART = b"""AttributeBegin
+Material "dielectric" "spectrum eta" "glass-BK7"
+Shape "loopsubdiv" "integer levels" 2 "point3 P" [0 0 0 1 0 0 0 1 0 0 0 1] "integer indices" [0 2 1 0 1 3 1 2 3 2 0 3]
+Shape "bilinearmesh" "point3 P" [-1 -1 0 1 -1 0 -1 1 0 1 1 0.5] "integer indices" [0 1 2 3] "float alpha" 0.5
+AttributeEnd
+"""
+
+
 def all_scenes():
     """Lists of scenes by kind."""
     rich = gltf()
@@ -304,6 +341,8 @@ def all_scenes():
         "relume json": [{"a.json": relume_json("a.glb"), "a.glb": rich.glb()}, {"a.json": relume_json("builtin:cornell", "white", "lamp")}],
         "obj": [obj("a.png", images.png())],
         "ply": [{"a.ply": ply(form)} for form in ("ascii", "binary_little_endian", "binary_big_endian")],
+        "pbrt": [{"a.pbrt": PBRT, "c.pbrt": PBRT_PART, "b.ply": ply("ascii"), "a.png": images.png()},
+                 {"a.pbrt.gz": gzip.compress(PBRT), "c.pbrt": PBRT_PART, "b.ply": ply("binary_little_endian"), "a.png": images.png()}],
         "stl": [{"a.stl": STL}, {"a.stl": binary_stl()}],
         "off": [{"a.off": OFF}],
         "dae": [{"a.dae": DAE}],
