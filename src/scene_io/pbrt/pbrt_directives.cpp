@@ -183,11 +183,11 @@ bool Directives::execute_setting(Tokens& tokens, const Token& name) {
   } else if (name.is("Film") || name.is("Sampler") || name.is("Integrator") || name.is("PixelFilter") ||
              name.is("Accelerator")) {
     tokens.require_string("a type");
-    Parameters given = parameters(tokens, name.where);
+    const Parameters given = parameters(tokens, name.where);
     out_.has_sampler |= name.is("Sampler");
-    if (name.is("Film")) out_.film = std::move(given);
-    if (name.is("Integrator")) out_.integrator = std::move(given);
-    if (name.is("Sampler")) out_.sampler = std::move(given);
+    if (name.is("Film")) out_.film = given;
+    if (name.is("Integrator")) out_.integrator = given;
+    if (name.is("Sampler")) out_.sampler = given;
   } else {
     return false;
   }

@@ -1,5 +1,6 @@
 #include "scene_io/pbrt/pbrt_image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -10,6 +11,7 @@
 #include "image/image_size.h"
 #include "image/stb_decode.h"
 #include "relume/error.h"
+#include "relume/image_io.h"
 #include "scene_io/image_search.h"
 
 namespace relume::pbrt {

@@ -108,6 +108,20 @@ TEST(Pbrt, FacesFollowNormalsAndOrientation) {
   EXPECT_EQ(load("WorldBegin ReverseOrientation " + shape + normals).meshes[0].normals[0], Vec3(0, 0, 1));
 }
 
+TEST(Pbrt, TrianglesHaveDefaultCoordinates) {
+  const Mesh mesh =
+      load(
+          "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0 1 0 0 1 1 "
+          "0 0 1 0]\n")
+          .meshes.at(0);
+  ASSERT_EQ(mesh.uv0.size(), 6u);
+  for (const UVec3& t : mesh.triangles) {
+    EXPECT_EQ(mesh.uv0[t.x], Vec2(0, 1));
+    EXPECT_EQ(mesh.uv0[t.y], Vec2(1, 1));
+    EXPECT_EQ(mesh.uv0[t.z], Vec2(1, 0));
+  }
+}
+
 TEST(Pbrt, TransformsNestAndRestore) {
   const Scene scene =
       load("WorldBegin\nTranslate 1 0 0\nCoordinateSystem \"here\"\nAttributeBegin\nScale 2 2 2 Rotate 90 0 0 1\n" +

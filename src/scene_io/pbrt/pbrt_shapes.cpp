@@ -25,6 +25,10 @@ namespace {
 constexpr size_t kManyTriangles = size_t{1} << 23;
 constexpr int kCoarseSegments = 12;
 
+/// Triangles of a mesh up to which pbrt's default coordinates are stored. Larger meshes without coordinates have no
+/// textures in practice.
+constexpr size_t kMaxDefaultUv = 64;
+
 /// Indices of a list in groups; a group with one outside of [0, count) throws Error.
 template <size_t N>
 std::vector<std::array<uint32_t, N>> index_groups(const Parameters& parameters, size_t count) {
@@ -66,6 +70,21 @@ void face_normals(Mesh& mesh) {
   }
 }
 
+/// Gives each triangle vertices of its own with pbrt's default coordinates (0, 0), (1, 0) and (1, 1).
+void set_default_uv(Mesh& mesh) {
+  Mesh separate;
+  for (UVec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      separate.positions.push_back(mesh.positions[t[k]]);
+      if (!mesh.normals.empty()) separate.normals.push_back(mesh.normals[t[k]]);
+      separate.uv0.emplace_back(k > 0 ? 1 : 0, k > 1 ? 0 : 1);  // v points down
+      t[k] = static_cast<uint32_t>(separate.positions.size()) - 1;
+    }
+  }
+  separate.triangles = std::move(mesh.triangles);
+  mesh = std::move(separate);
+}
+
 float positive(const Parameters& parameters, std::string_view name, float otherwise) {
   const float value = parameters.number(name, otherwise);
   if (!(value > 0 && value <= 1e9f))
@@ -94,6 +113,7 @@ Mesh ShapeReader::triangles(const Parameters& parameters) const {
   check_size(mesh.uv0, count, "uv", warnings_);
   check_size(tangents, count, "S", warnings_);
   for (Vec2& uv : mesh.uv0) uv.y = 1 - uv.y;
+  if (mesh.uv0.empty() && tangents.empty() && mesh.triangles.size() <= kMaxDefaultUv) set_default_uv(mesh);
   for (const Vec3& s : tangents) mesh.tangents.emplace_back(s, 1.0f);
   return mesh;
 }
