@@ -63,7 +63,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 # Dependencies of the CMake package (RelumeDependencies.cmake).
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "libassimp-dev, libcli11-dev, libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libmeshoptimizer-dev, libopenexr-dev, \
-libstb-dev, libtbb-dev, libtinygltf-dev, libwebp-dev, libzstd-dev, nlohmann-json3-dev, pkgconf, \
+libpugixml-dev, libstb-dev, libtbb-dev, libtinygltf-dev, libwebp-dev, libzstd-dev, nlohmann-json3-dev, pkgconf, \
 zlib1g-dev")
 if(OCIO_FOUND)
   string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", libopencolorio-dev")

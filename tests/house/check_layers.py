@@ -68,6 +68,7 @@ LIBRARY_USERS = {
     "assimp/": "scene_io",
     "draco/": "scene_io",
     "meshoptimizer": "scene_io",
+    "pugixml": "scene_io",
     "stb_": "image scene_io",
     "OpenEXR/": "image",
     "Imf": "image",
@@ -79,7 +80,7 @@ LIBRARY_USERS = {
 }
 
 # Slow to compile: kept out of the headers that other folders include, those directly in src/FOLDER/.
-HEAVY = ("nlohmann/json.hpp", "CLI/", "assimp/", "tiny_gltf", "OpenEXR/", "Imf", "draco/", "fmt/ranges", "embree")
+HEAVY = ("nlohmann/json.hpp", "CLI/", "assimp/", "tiny_gltf", "OpenEXR/", "Imf", "draco/", "pugixml", "fmt/ranges", "embree")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', re.MULTILINE)
 
