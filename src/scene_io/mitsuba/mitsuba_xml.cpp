@@ -1,0 +1,289 @@
+#include "scene_io/mitsuba/mitsuba_xml.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include "files/bytes.h"
+#include "relume/error.h"
+#include "scene_io/mitsuba/mitsuba_transform.h"
+
+namespace relume::mitsuba {
+namespace {
+
+constexpr int kMaxOpenFiles = 15;  // as in Mitsuba
+constexpr size_t kMaxFiles = 1000;
+constexpr size_t kMaxFileBytes = size_t{1} << 28;
+constexpr size_t kMaxObjects = size_t{1} << 22;
+constexpr size_t kMaxTextBytes = size_t{1} << 20;
+constexpr size_t kMaxSubstitutedBytes = size_t{1} << 27;
+constexpr int kMaxDepth = 64;
+
+constexpr std::array<std::string_view, 13> kObjectTags = {"scene",  "bsdf",    "shape",      "emitter", "sensor",
+                                                          "film",   "sampler", "integrator", "texture", "rfilter",
+                                                          "medium", "phase",   "volume"};
+
+/// An Error that names its place.
+class Located : public Error {
+ public:
+  using Error::Error;
+};
+
+bool is_object(const pugi::xml_node& element) {
+  const std::string_view name = element.name();
+  return std::find(kObjectTags.begin(), kObjectTags.end(), name) != kObjectTags.end() ||
+         (name == "spectrum" && element.attribute("type"));
+}
+
+std::string attribute_of(const pugi::xml_node& element, const char* name) { return element.attribute(name).value(); }
+
+std::vector<size_t> line_starts_of(std::string_view text) {
+  std::vector<size_t> starts = {0};
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') starts.push_back(i + 1);
+  }
+  return starts;
+}
+
+/// Version before 2, whose names are in camelCase. Throws Error if it is no version.
+bool is_old_version(const std::string& version) {
+  const std::optional<double> major = parse_number(std::string_view(version).substr(0, version.find('.')));
+  if (!major) throw Error(fmt::format("its version '{}' is no version, such as 3.0.0; correct it", version));
+  return *major < 2;
+}
+
+}  // namespace
+
+std::string Substitution::apply(const std::string& text) {
+  std::string result;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\\' && i + 1 < text.size() && text[i + 1] == '$') {
+      result += '$';
+      ++i;
+    } else if (text[i] != '$') {
+      result += text[i];
+    } else {
+      // As in Mitsuba, the longest known name that the text continues with.
+      const auto is_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+      size_t end = i + 1;
+      while (end < text.size() && is_name(text[end])) ++end;
+      const std::string name = text.substr(i + 1, end - i - 1);
+      size_t length = name.size();
+      auto known = values_.find(name);
+      while (known == values_.end() && length > 1) known = values_.find(name.substr(0, --length));
+      if (known == values_.end())
+        throw Error(fmt::format("the parameter '${}' has no value; add <default name=\"{}\" value=\"…\"/> before it",
+                                name.substr(0, 80), name.substr(0, 80)));
+      result += known->second;
+      i += length;
+    }
+    if (result.size() > kMaxTextBytes) throw Error("parameters make a value longer than 1 MiB; shorten it");
+  }
+  substituted_bytes_ += result.size();
+  if (substituted_bytes_ > kMaxSubstitutedBytes)
+    throw Error("parameters make the scene longer than 128 MiB; write their values out");
+  return result;
+}
+
+void XmlReader::read_file(std::span<const std::byte> bytes, const std::filesystem::path& folder,
+                          const std::string& name, Object* parent) {
+  if (bytes.size() > kMaxFileBytes) throw Error(fmt::format("{}: the file is larger than 256 MiB; split it", name));
+  if (document_.files.size() >= kMaxFiles)
+    throw Error(fmt::format("{}: the scene includes more than {} files; join them", name, kMaxFiles));
+  document_.files.push_back({name, line_starts_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()})});
+  Source source{document_.files.size() - 1, folder, false};
+  Object whole;
+  whole.file = source.file;
+  pugi::xml_document xml;
+  const pugi::xml_parse_result parsed = xml.load_buffer(bytes.data(), bytes.size());
+  whole.offset = static_cast<size_t>(std::max<ptrdiff_t>(parsed.offset, 0));
+  if (!parsed)
+    throw Error(
+        fmt::format("{}: the XML is malformed ({}); correct it", document_.place_of(whole), parsed.description()));
+  pugi::xml_node root = xml.document_element();
+  if (!is_object(root) || (parent == nullptr && std::string_view(root.name()) != "scene"))
+    throw Error(fmt::format("{}: its root element is <{}>, not <scene>; of .xml files, only scenes of Mitsuba are read",
+                            name, std::string_view(root.name()).substr(0, 80)));
+  if (!root.attribute("version"))
+    throw Error(fmt::format("{}: its root element <{}> has no version; only scenes of Mitsuba are read, which have one",
+                            name, root.name()));
+  try {
+    source.is_old = is_old_version(attribute_of(root, "version"));
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", name, error.what()));
+  }
+  ++open_files_;
+  if (parent == nullptr) {
+    Object& scene = add_object(root, source);
+    scene.type = "scene";
+    document_.root = &scene;
+    read_children(root, source, scene, 0);
+  } else if (std::string_view(root.name()) == "scene") {
+    read_children(root, source, *parent, 0);
+  } else {
+    read_element(root, source, *parent, 0);
+  }
+  --open_files_;
+}
+
+void XmlReader::read_children(pugi::xml_node& element, const Source& source, Object& parent, int depth) {
+  if (depth > kMaxDepth) throw Error(fmt::format("its elements nest deeper than {} levels; flatten them", kMaxDepth));
+  for (pugi::xml_node child : element.children()) {
+    if (child.type() != pugi::node_element) continue;
+    try {
+      read_element(child, source, parent, depth);
+    } catch (const Located&) {
+      throw;
+    } catch (const Error& error) {
+      Object at;
+      at.file = source.file;
+      at.offset = static_cast<size_t>(std::max<ptrdiff_t>(child.offset_debug(), 0));
+      throw Located(fmt::format("{}: {}", document_.place_of(at), error.what()));
+    }
+  }
+}
+
+void XmlReader::substitute(pugi::xml_node& element) {
+  for (pugi::xml_attribute attribute : element.attributes()) {
+    const std::string value = attribute.value();
+    if (value.find('$') != std::string::npos) attribute.set_value(substitution_.apply(value).c_str());
+  }
+}
+
+void XmlReader::read_element(pugi::xml_node& element, const Source& source, Object& parent, int depth) {
+  substitute(element);
+  if (is_object(element)) {
+    read_object(element, source, parent, depth);
+  } else if (!read_directive(element, source, parent)) {
+    std::string name = attribute_of(element, "name");
+    if (name.empty()) throw Error(fmt::format("<{}> has no name; add one", element.name()));
+    if (source.is_old) name = underscore_name(name);
+    Value value = std::string_view(element.name()) == "transform" ? transform_of(element) : value_of(element, source);
+    parent.properties.push_back({std::move(name), std::move(value)});
+  }
+}
+
+Object& XmlReader::add_object(const pugi::xml_node& element, const Source& source) {
+  if (document_.objects.size() >= kMaxObjects)
+    throw Error(fmt::format("the scene has more than {} objects; join meshes, or use instances", kMaxObjects));
+  Object& object = document_.objects.emplace_back();
+  object.tag = element.name();
+  object.file = source.file;
+  object.offset = static_cast<size_t>(std::max<ptrdiff_t>(element.offset_debug(), 0));
+  return object;
+}
+
+void XmlReader::read_object(pugi::xml_node& element, const Source& source, Object& parent, int depth) {
+  Object& object = add_object(element, source);
+  object.type = attribute_of(element, "type");
+  if (object.type.empty()) throw Error(fmt::format("<{}> has no type; add one", element.name()));
+  object.id = attribute_of(element, "id");
+  if (!object.id.empty() && !ids_.try_emplace(object.id, &object).second)
+    throw Error(fmt::format("the id '{}' is used twice; rename one", object.id));
+  std::string name = attribute_of(element, "name");
+  if (source.is_old) name = underscore_name(name);
+  parent.children.push_back({std::move(name), "", &object});
+  read_children(element, source, object, depth + 1);
+}
+
+bool XmlReader::read_directive(pugi::xml_node& element, const Source& source, Object& parent) {
+  const std::string_view tag = element.name();
+  if (tag == "ref") {
+    std::string name = attribute_of(element, "name");
+    if (source.is_old) name = underscore_name(name);
+    parent.children.push_back({std::move(name), attribute_of(element, "id"), nullptr});
+  } else if (tag == "default") {
+    substitution_.set_default(attribute_of(element, "name"), attribute_of(element, "value"));
+  } else if (tag == "include") {
+    include(element, source, parent);
+  } else if (tag == "alias") {
+    const std::string id = attribute_of(element, "id");
+    const std::string as = attribute_of(element, "as");
+    const auto known = ids_.find(id);
+    if (known == ids_.end())
+      throw Error(fmt::format("the id '{}' of an alias is not defined before it; define it", id));
+    if (!ids_.try_emplace(as, known->second).second)
+      throw Error(fmt::format("the alias '{}' exists already; rename it", as));
+  } else if (tag == "path") {
+    if (!files_.add_folder(source.folder, attribute_of(element, "value")))
+      warnings_.add(fmt::format("the folder '{}' of <path> is not below the scene file's folder and is ignored",
+                                attribute_of(element, "value")));
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void XmlReader::include(const pugi::xml_node& element, const Source& source, Object& parent) {
+  const std::string reference = attribute_of(element, "filename");
+  const std::optional<std::filesystem::path> file = files_.find(source.folder, reference);
+  if (!file) throw Error(fmt::format("<include> of '{}' names no file; correct the path", reference.substr(0, 80)));
+  if (open_files_ >= kMaxOpenFiles)
+    throw Error(fmt::format("files include each other more than {} levels deep; remove the cycle", kMaxOpenFiles));
+  try {
+    read_file(read_file_bytes(*file), file->parent_path(), file->string(), &parent);
+  } catch (const Error& error) {
+    throw Located(error.what());  // names the included file
+  }
+}
+
+glm::dmat4 XmlReader::transform_of(pugi::xml_node& element) {
+  glm::dmat4 transform(1);
+  for (pugi::xml_node step : element.children()) {
+    if (step.type() != pugi::node_element) continue;
+    substitute(step);
+    transform = transform_step(step) * transform;
+  }
+  return transform;
+}
+
+SpectrumText XmlReader::spectrum_of(const pugi::xml_node& element, const Source& source) {
+  const std::string reference = attribute_of(element, "filename");
+  std::optional<SpectrumText> spectrum;
+  if (reference.empty()) {
+    spectrum = parse_spectrum(attribute_of(element, "value"));
+  } else if (const std::optional<std::filesystem::path> file = files_.find(source.folder, reference)) {
+    const Bytes bytes = read_file_bytes(*file);
+    spectrum = parse_spd({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
+  if (!spectrum)
+    throw Error(fmt::format("the spectrum '{}' is neither a number nor pairs of increasing wavelengths and values",
+                            attribute_of(element, reference.empty() ? "value" : "filename").substr(0, 80)));
+  return *spectrum;
+}
+
+Value XmlReader::value_of(const pugi::xml_node& element, const Source& source) {
+  const std::string_view tag = element.name();
+  const std::string text = attribute_of(element, "value");
+  const auto wrong = [&](const char* wanted) {
+    return Error(fmt::format("the value '{}' of {} '{}' is not {}; correct it", std::string_view(text).substr(0, 80),
+                             tag, attribute_of(element, "name"), wanted));
+  };
+  if (tag == "float") {
+    if (const std::optional<double> number = parse_number(text)) return *number;
+    throw wrong("a finite number");
+  }
+  if (tag == "integer") {
+    if (const std::optional<int64_t> number = parse_integer(text)) return *number;
+    throw wrong("an integer");
+  }
+  if (tag == "boolean") {
+    std::string lower = text;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (lower == "true" || lower == "false") return lower == "true";
+    throw wrong("true or false");
+  }
+  if (tag == "string") return text;
+  if (tag == "point" || tag == "vector") return vector_of(element, 0);
+  if (tag == "rgb" || tag == "srgb") {
+    if (const std::optional<Rgb> color = parse_color(text)) return Color{*color};
+    throw wrong("a colour: one or three numbers, or #rrggbb");
+  }
+  if (tag == "spectrum") return spectrum_of(element, source);
+  throw Error(fmt::format("<{}> is no element of Mitsuba scenes; remove it", tag.substr(0, 80)));
+}
+
+}  // namespace relume::mitsuba

@@ -1,0 +1,70 @@
+// Reads the elements of Mitsuba's XML files into a Document. read_document() then links their references.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "scene_io/mitsuba/mitsuba_document.h"
+
+namespace pugi {
+class xml_node;
+class xml_attribute;
+}  // namespace pugi
+
+namespace relume::mitsuba {
+
+/// Values of `$name` in attributes.
+class Substitution {
+ public:
+  /// <default>: sets a parameter that has no value yet.
+  void set_default(const std::string& name, std::string value) { values_.try_emplace(name, std::move(value)); }
+
+  /// Replaces each `$name` of `text`, and `\$` by `$`. Throws Error with the problem alone, for undefined parameters
+  /// and for texts that grow beyond the limits.
+  std::string apply(const std::string& text);
+
+ private:
+  std::map<std::string, std::string> values_;
+  size_t substituted_bytes_ = 0;
+};
+
+class XmlReader {
+ public:
+  XmlReader(Document& document, Files& files, Warnings& warnings)
+      : document_(document), files_(files), warnings_(warnings) {}
+
+  /// Reads a file's elements. Children of <scene> become children of `parent`; nullptr: the file's root becomes the
+  /// document's.
+  void read_file(std::span<const std::byte> bytes, const std::filesystem::path& folder, const std::string& name,
+                 Object* parent);
+
+  /// Objects by id, aliases included.
+  const std::map<std::string, Object*>& ids() const { return ids_; }
+
+ private:
+  struct Source {
+    size_t file;
+    std::filesystem::path folder;
+    bool is_old;  ///< camelCase names, before version 2
+  };
+
+  void read_element(pugi::xml_node& element, const Source& source, Object& parent, int depth);
+  void read_children(pugi::xml_node& element, const Source& source, Object& parent, int depth);
+  void read_object(pugi::xml_node& element, const Source& source, Object& parent, int depth);
+  bool read_directive(pugi::xml_node& element, const Source& source, Object& parent);
+  void include(const pugi::xml_node& element, const Source& source, Object& parent);
+  Object& add_object(const pugi::xml_node& element, const Source& source);
+  void substitute(pugi::xml_node& element);
+  Value value_of(const pugi::xml_node& element, const Source& source);
+  glm::dmat4 transform_of(pugi::xml_node& element);
+  SpectrumText spectrum_of(const pugi::xml_node& element, const Source& source);
+
+  Document& document_;
+  Files& files_;
+  Warnings& warnings_;
+  Substitution substitution_;
+  std::map<std::string, Object*> ids_;
+  int open_files_ = 0;
+};
+
+}  // namespace relume::mitsuba
