@@ -1,0 +1,136 @@
+// BSDFs that change or join others.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include "scene_io/mitsuba/mitsuba_surfaces.h"
+
+namespace relume::mitsuba {
+namespace {
+
+bool is_one_of(const std::string& type, std::initializer_list<std::string_view> types) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+
+/// A parameter of either material: of `b` if its weight is larger.
+template <typename T>
+const T& chosen(const T& a, const T& b, float weight) {
+  return weight > 0.5f ? b : a;
+}
+
+}  // namespace
+
+const Surface& Surfaces::of(const Object& bsdf) {
+  if (const auto known = known_.find(&bsdf); known != known_.end()) return known->second;
+  const Parameters p(import_, bsdf);
+  Surface surface = convert(p);
+  surface.material.name = bsdf.id.empty() ? bsdf.type : bsdf.id;
+  return known_.emplace(&bsdf, std::move(surface)).first->second;
+}
+
+Surface Surfaces::convert(const Parameters& p) {
+  const std::string& type = p.object().type;
+  if (is_one_of(type, {"dielectric", "roughdielectric", "thindielectric"})) return dielectric(p);
+  if (type == "mask") return mask(p);
+  if (is_one_of(type, {"bumpmap", "normalmap"})) return bumped(p);
+  if (type == "blendbsdf") return blend(p);
+  if (type == "twosided") return nested(p);
+  Surface surface;
+  if (is_one_of(type, {"null", "polarizer", "retarder", "circular"})) {
+    surface.is_null = true;
+    if (type != "null")
+      import_.warnings.add(fmt::format("{} is not supported; it lets all light pass", name_of(p.object())));
+    return surface;
+  }
+  if (is_one_of(type, {"conductor", "roughconductor"})) {
+    surface = conductor(p);
+  } else if (is_one_of(type, {"plastic", "roughplastic", "pplastic"})) {
+    surface = plastic(p);
+  } else if (is_one_of(type, {"principled", "principledthin"})) {
+    surface = principled(p);
+  } else {
+    if (type != "diffuse")
+      import_.warnings.add(fmt::format("{} is not supported; a diffuse surface replaces it", name_of(p.object())));
+    surface = diffuse(p);
+  }
+  surface.has_black_back = surface.material.transmission == 0 && type != "principledthin";
+  return surface;
+}
+
+Surface Surfaces::nested(const Parameters& p) {
+  const std::vector<const Object*> inner = p.children({"bsdf"});
+  if (inner.empty()) p.fail("it contains no BSDF; add one");
+  if (inner.size() > 1)
+    import_.warnings.add("a 'twosided' with two BSDFs is not supported; the first is on both sides");
+  Surface surface = of(*inner[0]);
+  surface.is_two_sided = true;
+  return surface;
+}
+
+Surface Surfaces::mask(const Parameters& p) {
+  const std::vector<const Object*> inner = p.children({"bsdf"});
+  if (inner.size() != 1) p.fail("it needs one BSDF");
+  Surface surface = of(*inner[0]);
+  Material& m = surface.material;
+  m.alpha *= saturate(read_scalar(p, "opacity", 0.5f, &surface.opacity));
+  if (m.alpha < 1 || surface.opacity) m.alpha_mode = AlphaMode::blend;
+  if (surface.opacity && surface.color && !same_placement(*surface.color, *surface.opacity)) {
+    import_.warnings.add(
+        "a 'mask' whose opacity and colour have different to_uv or wrap_mode is not supported; "
+        "those of the colour are used");
+  }
+  return surface;
+}
+
+Surface Surfaces::bumped(const Parameters& p) {
+  const std::vector<const Object*> inner = p.children({"bsdf"});
+  if (inner.size() != 1) p.fail("it needs one BSDF");
+  p.ignore({"flip_invalid_normals", "use_shadowing_function"});
+  Surface surface = of(*inner[0]);
+  const bool is_bump = p.object().type == "bumpmap";
+  surface.bump_scale = static_cast<float>(is_bump ? p.number("scale", 1) : 1.0);
+  const std::vector<const Object*> textures = p.children({"texture"});
+  if (textures.size() != 1) p.fail("it needs one texture");
+  (is_bump ? surface.bumps : surface.normals) = textures_.source(*textures[0]);
+  (is_bump ? surface.normals : surface.bumps).reset();
+  return surface;
+}
+
+Surface mixture(const Surface& a, const Surface& b, float weight) {
+  Surface mixed = chosen(a, b, weight);
+  Material& m = mixed.material;
+  const auto mix = [&](auto Material::*member) {
+    m.*member = glm::mix(a.material.*member, b.material.*member, weight);
+  };
+  for (auto member :
+       {&Material::alpha, &Material::metallic, &Material::roughness, &Material::ior, &Material::specular,
+        &Material::transmission, &Material::clearcoat, &Material::clearcoat_roughness, &Material::diffuse_transmission})
+    mix(member);
+  for (auto member : {&Material::base_color, &Material::specular_color, &Material::sheen_color,
+                      &Material::diffuse_transmission_color})
+    mix(member);
+  m.thickness = std::max(a.material.thickness, b.material.thickness);
+  return mixed;
+}
+
+Surface Surfaces::blend(const Parameters& p) {
+  const std::vector<const Object*> inner = p.children({"bsdf"});
+  if (inner.size() != 2) p.fail("it needs two BSDFs");
+  const float weight = saturate(read_scalar(p, "weight", 0.5f, nullptr));
+  const Surface a = of(*inner[0]);
+  const Surface b = of(*inner[1]);
+  if (a.is_null != b.is_null) {
+    // The other one, with an opacity.
+    Surface surface = a.is_null ? b : a;
+    surface.material.alpha *= a.is_null ? weight : 1 - weight;
+    surface.material.alpha_mode = AlphaMode::blend;
+    return surface;
+  }
+  import_.warnings.add(
+      "a 'blendbsdf' becomes one material with the mean parameters of both and the textures of the "
+      "stronger one");
+  return mixture(a, b, weight);
+}
+
+}  // namespace relume::mitsuba

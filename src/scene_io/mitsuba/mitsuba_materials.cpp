@@ -1,0 +1,52 @@
+#include "scene_io/mitsuba/mitsuba_materials.h"
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+namespace relume::mitsuba {
+
+Emission Materials::emission(const Object& emitter) {
+  const Parameters p(import_, emitter);
+  Emission emission;
+  const Object* child = p.child("radiance");
+  if (child && !color_of(import_, *child, SpectrumUse::light)) {
+    emission.texture = textures_.source(*child);
+    emission.radiance = Rgb(1);
+  } else {
+    emission.radiance = color_parameter(import_, p, "radiance", Rgb(1), SpectrumUse::light);
+  }
+  return emission;
+}
+
+Material Materials::finish(const Surface& surface, const Emission& emission, const Vec2& stretch) {
+  Material m = surface.material;
+  if (surface.is_null) {
+    import_.warnings.add("a lamp with a 'null' BSDF is black apart from its emission, and blocks light");
+    m.metallic = 0;
+    m.specular = 0;
+    m.base_color = Rgb(0);
+  }
+  m.base_color_texture = textures_.color(surface.color, surface.opacity);
+  m.metallic_roughness_texture = textures_.surface(surface.roughness, surface.roughness_is_alpha, surface.metallic);
+  if (surface.transmission) m.transmission_texture = textures_.scalar(*surface.transmission);
+  if (surface.normals) m.normal_texture = textures_.normals(*surface.normals);
+  if (surface.bumps) {
+    const TextureRef& placement = surface.bumps->placement;
+    if (placement.rotation_rad != 0)
+      import_.warnings.add("a bump map whose to_uv rotates is not supported; its bumps are rotated");
+    m.normal_texture = textures_.bumps(*surface.bumps, surface.bump_scale * placement.scale / stretch);
+  }
+  m.emission = emission.radiance;
+  if (emission.texture) m.emission_texture = textures_.color(emission.texture);
+  return m;
+}
+
+Index Materials::find(const Surface& surface, const Emission& emission, const Object* emitter, const Vec2& stretch) {
+  const Vec2 relevant = surface.bumps ? stretch : Vec2(1);
+  const auto [known, is_new] = known_.try_emplace({&surface, emitter, relevant.x, relevant.y},
+                                                  static_cast<Index>(import_.scene.materials.size()));
+  if (is_new) import_.scene.materials.push_back(finish(surface, emission, stretch));
+  return known->second;
+}
+
+}  // namespace relume::mitsuba

@@ -1,0 +1,38 @@
+// Texels of Mitsuba's textures, and images made of them.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace relume::mitsuba {
+
+/// A decoded image as linear values.
+class Texels {
+ public:
+  explicit Texels(Texture image) : image_(std::move(image)) {}
+
+  int width() const { return image_.width; }
+  int height() const { return image_.height; }
+  /// Linear value of a texel; coordinates outside the image follow its wrap mode.
+  Vec4 at(int x, int y) const;
+  /// Luminance of the texel nearest to the centre of texel (x, y) of an image of another size.
+  float luminance_of(int x, int y, int width, int height) const;
+  Rgb mean() const;
+  const Texture& image() const { return image_; }
+
+ private:
+  Texture image_;
+};
+
+/// Luminances of two images in one of the size of the larger: G the first, or its square root, and B the second. 1
+/// where an image is absent.
+void combine_surface(const Texels* roughness, bool is_alpha, const Texels* metallic, Texture& texture);
+/// RGB of the first, white if absent, and the luminance of the second as alpha.
+void combine_color(const Texels* color, const Texels* opacity, Texture& texture);
+/// The luminance in all channels.
+void spread_luminance(const Texels& source, Texture& texture);
+/// Normal map of a height field: normals (-slope.x ∂h/∂u, -slope.y ∂h/∂v, 1) from central differences.
+void make_normals(const Texels& heights, const Vec2& slope, Texture& texture);
+/// Two cells by two of a checkerboard, the first colour at the origin.
+Texture checkerboard(const Rgb& first, const Rgb& second);
+
+}  // namespace relume::mitsuba
