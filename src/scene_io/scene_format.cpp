@@ -11,6 +11,7 @@
 #include "scene_io/assimp/assimp_loader.h"
 #include "scene_io/gltf/gltf_json.h"
 #include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/mitsuba/mitsuba_loader.h"
 #include "scene_io/pbrt/pbrt_loader.h"
 #include "scene_io/ply/ply_loader.h"
 #include "scene_io/relume_json/relume_json.h"
@@ -32,6 +33,9 @@ constexpr const char* kPlyContents =
 constexpr const char* kPbrtContents =
     "shapes, objects with instances, textures, materials, lights, environment, camera, film, motion of transforms of "
     "pbrt-v4; turned to +Y up, and mirrored where pbrt's camera is left-handed ([details](formats.md#pbrt))";
+constexpr const char* kMitsubaContents =
+    "scenes of Mitsuba 3, and of Mitsuba 0.6 as far as 3 reads them: shapes (obj, ply, serialized, rectangle, cube, "
+    "sphere, disk, cylinder), instances, BSDFs, textures, emitters, sensors, parameters and includes";
 constexpr const char* kAssimpContents =
     "nodes, meshes, materials, textures, lights and cameras, through assimp; lengths and axes are unchanged";
 constexpr const char* kAssimpMetricContents =
@@ -98,6 +102,7 @@ const std::vector<SceneFormat>& scene_formats() {
       {"glTF", {"gltf", "glb"}, "glTF", load_gltf, gltf_contents()},
       {"relume JSON", {"json"}, "", load_relume_json, kJsonContents},
       {"pbrt", {"pbrt", "pbrt.gz"}, "", load_pbrt, kPbrtContents},
+      {"Mitsuba", {"xml"}, "", load_mitsuba, kMitsubaContents},
       {"PLY", {"ply"}, "", load_ply, kPlyContents},
       {"OBJ", {"obj"}, "", load_assimp, kAssimpContents},
       {"FBX", {"fbx"}, "", load_assimp, kAssimpMetricContents},

@@ -39,7 +39,7 @@ TEST(SceneFormat, ErrorsForUnknownFormatsListAllExtensions) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
                  "room.xyz: scene files with extension 'xyz' are not supported; use gltf, glb, json, pbrt, pbrt.gz, "
-                 "ply, obj, fbx, "
+                 "xml, ply, obj, fbx, "
                  "dae, stl, 3ds, off");
   }
 }
@@ -67,7 +67,7 @@ TEST(SceneFormat, CompressedFilesCountByBothExtensions) {
 }
 
 TEST(SceneFormat, NamesMakeAPhrase) {
-  EXPECT_EQ(scene_format_names(), "glTF, relume JSON, pbrt, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
+  EXPECT_EQ(scene_format_names(), "glTF, relume JSON, pbrt, Mitsuba, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
 }
 
 TEST(SceneFormat, TheReferencePageIsUpToDate) {

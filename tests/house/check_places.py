@@ -8,9 +8,9 @@ import house
 
 # (kind, pattern of the representative's name, number of places, folder that counts as one place)
 REPRESENTATIVES = (
-    ("the scene format PLY", re.compile(r"(?<![a-z])ply(?![a-z])", re.IGNORECASE), 2, "src/scene_io/ply/"),
-    ("the material parameter specular_color", re.compile(r"\bspecular_color\b"), 4, None),
-    ("the light type spot", re.compile(r"\bPunctualType::spot\b|\bLightKind::spot\b|\bSpotLight\b|\bspot\b(?=[^;]*\bdirectional\b)"), 7, None),
+    ("the scene format Mitsuba", re.compile(r"(?<![a-z])mitsuba(?![a-z])", re.IGNORECASE), 2, "src/scene_io/mitsuba/"),
+    ("the material parameter iridescence_ior", re.compile(r"\biridescence_ior\b"), 4, None),
+    ("the light type spot", re.compile(r"\bPunctualType::spot\b|\bLightKind::spot\b|\bSpotLight\b|\bspot\b(?=[^;]*\bdirectional\b)"), 9, None),
 )
 FOLDERS = ("include", "src", "apps")
 

@@ -1,0 +1,187 @@
+#include "scene_io/mitsuba/mitsuba_sensors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+
+namespace relume::mitsuba {
+namespace {
+
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+constexpr int64_t kMaxSide = 32768;  // of --width and --height
+
+void request(Scene& scene, const char* setting, int64_t value) {
+  nlohmann::json settings =
+      scene.settings_json.empty() ? nlohmann::json::object() : nlohmann::json::parse(scene.settings_json);
+  settings[setting] = value;
+  scene.settings_json = settings.dump();
+}
+
+/// Size of the film, and the part of it that is rendered.
+struct Film {
+  int64_t width = 768;
+  int64_t height = 576;
+  int64_t crop_width = 768;
+  int64_t crop_height = 576;
+
+  double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
+};
+
+Film read_film(const Parameters& sensor, const Import& import) {
+  Film film;
+  const std::vector<const Object*> films = sensor.children({"film"});
+  if (films.empty()) return film;
+  const Parameters p(import, *films[0]);
+  p.ignore({"file_format", "pixel_format", "component_format", "compensate", "sample_border", "banner",
+            "high_quality_edges"});
+  if (!p.children({"rfilter"}).empty())
+    import.warnings.note("reconstruction filters are ignored; pixels have a box filter");
+  film.width = p.integer("width", film.width);
+  film.height = p.integer("height", film.height);
+  const int64_t x = p.integer("crop_offset_x", 0);
+  const int64_t y = p.integer("crop_offset_y", 0);
+  film.crop_width = p.integer("crop_width", film.width);
+  film.crop_height = p.integer("crop_height", film.height);
+  for (const int64_t side : {film.width, film.height, film.crop_width, film.crop_height}) {
+    if (side < 1 || side > kMaxSide) p.fail(fmt::format("a side of {} pixels is not in [1, {}]", side, kMaxSide));
+  }
+  const bool is_centred = 2 * x + film.crop_width == film.width && 2 * y + film.crop_height == film.height;
+  if (!is_centred) {
+    import.warnings.add(
+        fmt::format("the film's crop is off its centre; the whole film is rendered, add --crop {},{},{},{}", x, y,
+                    film.crop_width, film.crop_height));
+    film.crop_width = film.width;
+    film.crop_height = film.height;
+  }
+  return film;
+}
+
+/// Requests what the first camera asks for.
+void request_settings(const Parameters& sensor, const Film& film, Import& import) {
+  request(import.scene, "width", film.crop_width);
+  request(import.scene, "height", film.crop_height);
+  constexpr int64_t kMaxSamples = 1 << 30;
+  for (const Object* sampler : sensor.children({"sampler"})) {
+    const Parameters p(import, *sampler);
+    p.ignore({"seed", "jitter", "strength"});
+    const int64_t samples = p.integer("sample_count", 4);
+    if (samples > 0 && samples <= kMaxSamples) request(import.scene, "spp", samples);
+  }
+}
+
+void read_lens(const Parameters& p, Camera& camera, const Import& import) {
+  camera.lens_radius = static_cast<float>(std::fabs(p.number("aperture_radius", 0)));
+  const double distance = p.number("focus_distance", p.number("far_clip", 1e4));
+  if (!(distance > 0)) p.fail(fmt::format("a focus distance of {} is not positive", distance));
+  camera.focus_distance = static_cast<float>(std::min(distance, 1e9));
+  if (!(camera.lens_radius <= 1e6f)) {
+    import.warnings.add("a lens is wider than 1000 km; a pinhole replaces it");
+    camera.lens_radius = 0;
+  }
+}
+
+double axis_length(const glm::dmat4& m, int axis) { return glm::length(glm::dvec3(m[axis])); }
+
+/// Mitsuba's film of an orthographic sensor spans [-1, 1] across, in the sensor's axes, which may be scaled.
+void read_orthographic(const glm::dmat4& to_world, const Film& film, Camera& camera, const Import& import) {
+  camera.projection = Projection::orthographic;
+  const double across = axis_length(to_world, 0);
+  const double up = axis_length(to_world, 1);
+  if (std::fabs(across - up) > 1e-4 * across)
+    import.warnings.add("an orthographic sensor is scaled differently across and up; the scale across is used");
+  const double cropped = static_cast<double>(film.crop_height) / static_cast<double>(film.height);
+  camera.half_height = static_cast<float>(glm::clamp(across / film.aspect() * cropped, 1e-6, 1e9));
+}
+
+void read_perspective(const Parameters& p, const Film& film, Camera& camera) {
+  const double half_width = std::tan(horizontal_fov_rad(p, film.aspect()) / 2);
+  const double cropped = static_cast<double>(film.crop_height) / static_cast<double>(film.height);
+  const double fov_y = 2 * std::atan(half_width / film.aspect() * cropped);
+  camera.fov_y_rad = static_cast<float>(glm::clamp(fov_y, 2e-4, 179.0 * kRadiansPerDegree));
+}
+
+}  // namespace
+
+double horizontal_fov_rad(const Parameters& sensor, double aspect) {
+  double angle;
+  std::string axis = sensor.text("fov_axis", "x");
+  if (sensor.has("fov")) {
+    angle = sensor.number("fov", 0) * kRadiansPerDegree;
+  } else {
+    constexpr double kDiagonalMm = 43.2666153;  // of a frame of 36 mm × 24 mm
+    std::string length = sensor.text("focal_length", "50mm");
+    if (length.ends_with("mm")) length.resize(length.size() - 2);
+    const double millimetres = parse_number(length).value_or(0);
+    if (!(millimetres > 0)) sensor.fail("its focal_length is not of the form 50mm");
+    angle = 2 * std::atan(kDiagonalMm / (2 * millimetres));
+    axis = "diagonal";
+  }
+  if (axis == "smaller") axis = aspect > 1 ? "y" : "x";
+  if (axis == "larger") axis = aspect > 1 ? "x" : "y";
+  const double half = std::tan(angle / 2);
+  if (axis == "y") {
+    angle = 2 * std::atan(half * aspect);
+  } else if (axis == "diagonal") {
+    angle = 2 * std::atan(half / std::sqrt(1 + 1 / (aspect * aspect)));
+  } else if (axis != "x") {
+    sensor.fail(fmt::format("its fov_axis '{}' is not x, y, diagonal, smaller or larger", axis));
+  }
+  if (!(angle > 0 && angle < 180 * kRadiansPerDegree))
+    sensor.fail("its horizontal field of view is not between 0 and 180 degrees");
+  return angle;
+}
+
+void import_sensor(const Object& sensor, Index parent, Import& import) {
+  const bool is_orthographic = sensor.type == "orthographic";
+  if (!is_orthographic && sensor.type != "perspective" && sensor.type != "thinlens") {
+    import.warnings.add(fmt::format("{} is not supported and is ignored", name_of(sensor)));
+    return;
+  }
+  const Parameters p(import, sensor);
+  p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
+  const Film film = read_film(p, import);
+  const glm::dmat4 to_world = p.transform("to_world").value_or(glm::dmat4(1));
+  Camera camera;
+  camera.name = sensor.id;
+  camera.aspect_ratio =
+      std::clamp(static_cast<float>(film.crop_width) / static_cast<float>(film.crop_height), 0.01f, 100.0f);
+  if (is_orthographic) {
+    read_orthographic(to_world, film, camera, import);
+  } else {
+    read_perspective(p, film, camera);
+  }
+  if (sensor.type == "thinlens") read_lens(p, camera, import);
+  if (p.number("principal_point_offset_x", 0) != 0 || p.number("principal_point_offset_y", 0) != 0)
+    import.warnings.add("the offset of a sensor's principal point is not supported and is ignored");
+  if (glm::determinant(glm::dmat3(to_world)) < 0)
+    import.warnings.add("a sensor's to_world mirrors, which is not supported; the image is not mirrored");
+  if (import.scene.cameras.empty()) request_settings(p, film, import);
+  Node node;
+  node.name = sensor.id;
+  node.parent = parent;
+  // From looking along +Z with +X to the left, to -Z with +X to the right.
+  node.matrix = Mat4(to_world * glm::scale(glm::dmat4(1), glm::dvec3(-1, 1, -1)));
+  node.camera = static_cast<Index>(import.scene.cameras.size());
+  import.scene.cameras.push_back(std::move(camera));
+  import.scene.add_node(std::move(node));
+}
+
+void import_integrator(const Object& integrator, Import& import) {
+  constexpr int64_t kMostBounces = 1024;  // of --max-bounces
+  const Parameters p(import, integrator);
+  p.ignore({"rr_depth", "hide_emitters", "samples_per_pass", "block_size", "timeout", "aovs", "emitter_samples",
+            "bsdf_samples", "shading_samples"});
+  if (p.boolean("hide_emitters", false))
+    import.warnings.add("hide_emitters is not supported; lamps and the environment are visible");
+  for (const Object* nested : p.children({"integrator"})) import_integrator(*nested, import);
+  if (integrator.type == "direct") request(import.scene, "max-bounces", 1);
+  if (!p.has("max_depth")) return;
+  const int64_t depth = p.integer("max_depth", -1);
+  request(import.scene, "max-bounces", depth < 0 ? kMostBounces : std::clamp<int64_t>(depth - 1, 0, kMostBounces));
+}
+
+}  // namespace relume::mitsuba
