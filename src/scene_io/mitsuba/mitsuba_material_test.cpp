@@ -1,0 +1,343 @@
+// BSDFs and textures of Mitsuba scenes.
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "core/srgb.h"
+#include "scene_io/testing/mitsuba_scene.h"
+
+namespace relume {
+namespace {
+
+using testing::error_of;
+using testing::load_mitsuba_bsdf;
+using testing::load_mitsuba_text;
+using testing::mentions;
+using testing::png;
+using testing::SceneFolder;
+
+Material material(const std::string& type, const std::string& parameters = "") {
+  return load_mitsuba_bsdf("<bsdf type=\"" + type + "\">" + parameters + "</bsdf>").materials.at(0);
+}
+
+std::string number(const std::string& name, double value) {
+  return "<float name=\"" + name + "\" value=\"" + std::to_string(value) + "\"/>";
+}
+
+std::string rgb(const std::string& name, const std::string& value) {
+  return "<rgb name=\"" + name + "\" value=\"" + value + "\"/>";
+}
+
+void expect_near(const Rgb& a, const Rgb& b, float tolerance) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance);
+}
+
+TEST(MitsubaMaterials, Diffuse) {
+  const Material m = material("diffuse", rgb("reflectance", "0.1, 0.2, 0.3"));
+  EXPECT_EQ(m.base_color, Rgb(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(m.specular, 0);
+  EXPECT_EQ(m.metallic, 0);
+  EXPECT_EQ(material("diffuse").base_color, Rgb(0.5f));
+  EXPECT_EQ(load_mitsuba_bsdf("").materials.at(0).base_color, Rgb(0.5f));
+  // A constant reflectance is white in Mitsuba's RGB modes; constant light is not, under D65.
+  EXPECT_EQ(material("diffuse", "<spectrum name=\"reflectance\" value=\"0.4\"/>").base_color, Rgb(0.4f));
+  expect_near(material("diffuse", "<spectrum name=\"reflectance\" value=\"300:0.4, 900:0.4\"/>").base_color, Rgb(0.4f),
+              2e-3f);
+}
+
+TEST(MitsubaMaterials, Conductors) {
+  EXPECT_EQ(material("conductor").base_color, Rgb(1));
+  EXPECT_EQ(material("conductor").roughness, 0);
+  const Material eta = material("conductor", rgb("eta", "0.2, 0.9, 1.5") + rgb("k", "3, 2, 1"));
+  const auto f0 = [](double n, double k) {
+    return static_cast<float>(((n - 1) * (n - 1) + k * k) / ((n + 1) * (n + 1) + k * k));
+  };
+  expect_near(eta.base_color, Rgb(f0(0.2, 3), f0(0.9, 2), f0(1.5, 1)), 1e-5f);
+  const Material gold =
+      material("conductor", "<string name=\"material\" value=\"Au\"/>" + rgb("specular_reflectance", "0.5"));
+  EXPECT_GT(gold.base_color.r, 0.45f);
+  EXPECT_LT(gold.base_color.b, 0.25f);
+  EXPECT_EQ(gold.metallic, 1);
+  EXPECT_NE(error_of([] {
+              material("conductor", "<string name=\"material\" value=\"unobtainium\"/>");
+            }).find("'unobtainium' is unknown"),
+            std::string::npos);
+}
+
+TEST(MitsubaMaterials, RoughnessIsTheRootOfAlpha) {
+  const Material m = material("roughconductor", number("alpha", 0.09));
+  EXPECT_NEAR(m.roughness, 0.3f, 1e-6f);
+  EXPECT_EQ(m.microfacet_model, MicrofacetModel::beckmann);
+  EXPECT_EQ(material("roughconductor", "<string name=\"distribution\" value=\"ggx\"/>").microfacet_model,
+            MicrofacetModel::ggx);
+  for (const bool along_u : {true, false}) {
+    const Material a =
+        material("roughconductor", number("alpha_u", along_u ? 0.36 : 0.04) + number("alpha_v", along_u ? 0.04 : 0.36));
+    const float narrow = a.roughness * a.roughness;
+    EXPECT_NEAR(narrow, 0.04f, 1e-6f);
+    EXPECT_NEAR(narrow + (1 - narrow) * a.anisotropy * a.anisotropy, 0.36f, 1e-6f);  // KHR_materials_anisotropy
+    EXPECT_NEAR(a.anisotropy_rotation_rad, along_u ? 0 : kPi / 2, 1e-6f);
+  }
+}
+
+TEST(MitsubaMaterials, Dielectrics) {
+  const Material glass =
+      material("dielectric", "<string name=\"int_ior\" value=\"Diamond\"/><float name=\"ext_ior\" value=\"1\"/>");
+  EXPECT_FLOAT_EQ(glass.ior, 2.419f);
+  EXPECT_EQ(glass.transmission, 1);
+  EXPECT_GT(glass.thickness, 0);
+  EXPECT_EQ(glass.roughness, 0);
+  EXPECT_FLOAT_EQ(material("dielectric").ior, 1.5046f / 1.000277f);
+  EXPECT_NEAR(material("roughdielectric", number("alpha", 0.25)).roughness, 0.5f, 1e-6f);
+  // A wall reflects R + (1 - R)² R + (1 - R)² R³ + … = 2R / (1 + R).
+  const Material wall = material("thindielectric", number("int_ior", 1.5) + number("ext_ior", 1));
+  EXPECT_EQ(wall.thickness, 0);
+  EXPECT_NEAR(std::pow((wall.ior - 1) / (wall.ior + 1), 2), 0.08 / 1.04, 1e-6);
+}
+
+TEST(MitsubaMaterials, ABubbleIsADenserMediumOnTheOtherSide) {
+  const Scene scene =
+      load_mitsuba_bsdf("<bsdf type=\"dielectric\">" + number("int_ior", 1) + number("ext_ior", 1.25) + "</bsdf>");
+  EXPECT_FLOAT_EQ(scene.materials[0].ior, 1.25f);
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_LT(glm::dot(mesh.normals[200], mesh.positions[200]), -0.99f);
+}
+
+TEST(MitsubaMaterials, Plastic) {
+  const Material m = material("roughplastic", rgb("diffuse_reflectance", "0.1, 0.2, 0.7") + number("alpha", 0.16) +
+                                                  rgb("specular_reflectance", "0.5, 0.25, 0.5"));
+  EXPECT_EQ(m.base_color, Rgb(0.1f, 0.2f, 0.7f));
+  EXPECT_NEAR(m.roughness, 0.4f, 1e-6f);
+  EXPECT_FLOAT_EQ(m.ior, 1.49f / 1.000277f);
+  EXPECT_EQ(m.specular, 0.5f);
+  EXPECT_EQ(m.specular_color, Rgb(1, 0.5f, 1));
+  EXPECT_EQ(material("plastic").roughness, 0);
+  EXPECT_TRUE(
+      mentions(load_mitsuba_bsdf("<bsdf type=\"plastic\"><boolean name=\"nonlinear\" value=\"true\"/></bsdf>").notes,
+               "nonlinear"));
+}
+
+TEST(MitsubaMaterials, Principled) {
+  const Material m =
+      material("principled", rgb("base_color", "0.64, 0.16, 0.36") + number("roughness", 0.3) +
+                                 number("metallic", 0.2) + number("specular", 0.5) + number("clearcoat", 0.7) +
+                                 number("clearcoat_gloss", 1) + number("anisotropic", 0.5));
+  EXPECT_EQ(m.base_color, Rgb(0.64f, 0.16f, 0.36f));
+  EXPECT_EQ(m.metallic, 0.2f);
+  EXPECT_NEAR(std::pow((m.ior - 1) / (m.ior + 1), 2), 0.04, 1e-5);  // 0.08 specular
+  EXPECT_EQ(m.clearcoat, 0.7f);
+  EXPECT_NEAR(m.clearcoat_roughness * m.clearcoat_roughness, 0.001f, 1e-6f);
+  const double aspect = std::sqrt(1 - 0.9 * 0.5);
+  EXPECT_NEAR(m.roughness * m.roughness, 0.09 * aspect, 1e-5);
+  const Material glass =
+      material("principled", rgb("base_color", "0.64, 0.16, 0.36") + number("spec_trans", 1) + number("eta", 1.3));
+  EXPECT_FLOAT_EQ(glass.ior, 1.3f);
+  EXPECT_GT(glass.thickness, 0);
+  expect_near(glass.base_color, Rgb(0.8f, 0.4f, 0.6f), 1e-6f);
+  const Material leaf = material("principledthin", number("diff_trans", 1.2));
+  EXPECT_NEAR(leaf.diffuse_transmission, 0.6f, 1e-6f);
+  EXPECT_EQ(leaf.thickness, 0);
+}
+
+TEST(MitsubaMaterials, AdaptersChangeTheirBsdf) {
+  const std::string diffuse = "<bsdf type=\"diffuse\">" + rgb("reflectance", "0.2") + "</bsdf>";
+  EXPECT_EQ(material("twosided", diffuse).base_color, Rgb(0.2f));
+  EXPECT_TRUE(load_mitsuba_bsdf("<bsdf type=\"twosided\">" + diffuse + "</bsdf>").notes.empty());
+  EXPECT_TRUE(mentions(load_mitsuba_bsdf(diffuse).notes, "reflect on both sides"));
+  const Material masked = material("mask", number("opacity", 0.25) + diffuse);
+  EXPECT_EQ(masked.alpha, 0.25f);
+  EXPECT_EQ(masked.alpha_mode, AlphaMode::blend);
+  const std::string metal = "<bsdf type=\"conductor\"/>";
+  const Material blend = material("blendbsdf", number("weight", 0.25) + diffuse + metal);
+  EXPECT_FLOAT_EQ(blend.metallic, 0.25f);
+  expect_near(blend.base_color, Rgb(0.4f), 1e-6f);  // 0.75 · 0.2 + 0.25
+  const Material sieve = material("blendbsdf", number("weight", 0.25) + "<bsdf type=\"null\"/>" + diffuse);
+  EXPECT_EQ(sieve.alpha, 0.25f);
+  EXPECT_NE(error_of([] { material("twosided"); }).find("contains no BSDF"), std::string::npos);
+}
+
+TEST(MitsubaMaterials, NullShapesAreInvisible) {
+  EXPECT_TRUE(load_mitsuba_bsdf("<bsdf type=\"null\"/>").nodes.empty());
+  EXPECT_EQ(load_mitsuba_bsdf("<bsdf type=\"null\"/><emitter type=\"area\"/>").nodes.size(), 1u);
+}
+
+TEST(MitsubaMaterials, UnknownBsdfsAreGrey) {
+  const Scene scene = load_mitsuba_bsdf("<bsdf type=\"hair\">" + number("roughness", 1) + "</bsdf>");
+  EXPECT_EQ(scene.materials[0].base_color, Rgb(0.5f));
+  EXPECT_TRUE(mentions(scene.warnings, "bsdf 'hair' is not supported; a diffuse surface replaces it"));
+}
+
+TEST(MitsubaMaterials, AreaLights) {
+  const Scene scene = load_mitsuba_text("<shape type=\"rectangle\"><emitter type=\"area\">" +
+                                        rgb("radiance", "3, 2, 1") + "</emitter></shape>");
+  EXPECT_EQ(scene.materials[0].emission, Rgb(3, 2, 1));
+  EXPECT_EQ(scene.materials[0].base_color, Rgb(0));
+  EXPECT_FALSE(scene.materials[0].double_sided);
+}
+
+/// Folder with "a.png" of two texels by two: black, white above grey, red.
+struct Pictured : SceneFolder {
+  Pictured() { write("a.png", png(2, 2, {0, 0, 0, 255, 255, 255, 255, 255, 128, 128, 128, 255, 255, 0, 0, 255})); }
+};
+
+std::string bitmap(const std::string& name, const std::string& more = "") {
+  return "<texture type=\"bitmap\" name=\"" + name + "\"><string name=\"filename\" value=\"a.png\"/>" + more +
+         "</texture>";
+}
+
+int byte_of(const Texture& t, size_t texel, size_t channel) {
+  return std::to_integer<int>(t.texels.at(4 * texel + channel));
+}
+
+TEST(MitsubaTextures, Bitmaps) {
+  const Pictured folder;
+  const std::string raw =
+      "<boolean name=\"raw\" value=\"true\"/><string name=\"wrap_mode\" value=\"mirror\"/><string "
+      "name=\"filter_type\" value=\"nearest\"/>";
+  const Scene scene =
+      load_mitsuba_bsdf("<bsdf type=\"diffuse\">" + bitmap("reflectance", raw) + "</bsdf>", folder.path());
+  const Material& m = scene.materials[0];
+  EXPECT_EQ(m.base_color, Rgb(1));
+  const Texture& t = scene.textures.at(static_cast<size_t>(m.base_color_texture.texture));
+  EXPECT_EQ(t.format, PixelFormat::rgba8_linear);
+  EXPECT_EQ(t.wrap_u, WrapMode::mirror);
+  EXPECT_EQ(t.filter, FilterMode::nearest);
+  EXPECT_EQ(byte_of(t, 1, 0), 255);  // row 0 is at v = 0
+  const Scene encoded = load_mitsuba_bsdf("<bsdf type=\"diffuse\">" + bitmap("reflectance") + "</bsdf>", folder.path());
+  EXPECT_EQ(encoded.textures.at(0).format, PixelFormat::rgba8_srgb);
+}
+
+TEST(MitsubaTextures, ToUvKeepsItsMeaning) {
+  const Pictured folder;
+  const std::string to_uv =
+      "<transform name=\"to_uv\"><scale x=\"3\" y=\"-2\"/><rotate z=\"1\" angle=\"30\"/><translate x=\"0.5\" "
+      "y=\"0.25\"/></transform>";
+  const TextureRef ref =
+      load_mitsuba_bsdf("<bsdf type=\"diffuse\">" + bitmap("reflectance", to_uv) + "</bsdf>", folder.path())
+          .materials[0]
+          .base_color_texture;
+  const double c = std::cos(kPi / 6);
+  const double s = std::sin(kPi / 6);
+  for (const Vec2 uv : {Vec2(0, 0), Vec2(1, 0), Vec2(0.3f, 0.7f)}) {
+    // uv' = offset + R (scale ⊙ uv) with R = (cos sin; −sin cos), as TextureRef states.
+    const Vec2 scaled = ref.scale * uv;
+    const float cr = std::cos(ref.rotation_rad), sr = std::sin(ref.rotation_rad);
+    const Vec2 actual = ref.offset + Vec2(cr * scaled.x + sr * scaled.y, -sr * scaled.x + cr * scaled.y);
+    EXPECT_NEAR(actual.x, c * 3 * uv.x + s * 2 * uv.y + 0.5, 1e-5);
+    EXPECT_NEAR(actual.y, s * 3 * uv.x - c * 2 * uv.y + 0.25, 1e-5);
+  }
+}
+
+TEST(MitsubaTextures, Checkerboards) {
+  const Scene scene = load_mitsuba_bsdf("<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">" +
+                                        rgb("color0", "0.75") + rgb("color1", "0.25") + "</texture></bsdf>");
+  const Texture& t = scene.textures.at(0);
+  float texels[16];
+  ASSERT_EQ(t.texels.size(), sizeof texels);
+  std::memcpy(texels, t.texels.data(), sizeof texels);
+  // color0 where both coordinates are below one half, or both above.
+  EXPECT_EQ(texels[0], 0.75f);
+  EXPECT_EQ(texels[4], 0.25f);
+  EXPECT_EQ(texels[8], 0.25f);
+  EXPECT_EQ(texels[12], 0.75f);
+  EXPECT_EQ(t.filter, FilterMode::nearest);
+}
+
+TEST(MitsubaTextures, ImagesAreCombinedIntoChannels) {
+  const Pictured folder;
+  const std::string raw = "<boolean name=\"raw\" value=\"true\"/>";
+  const Scene rough =
+      load_mitsuba_bsdf("<bsdf type=\"roughconductor\">" + bitmap("alpha", raw) + "</bsdf>", folder.path());
+  const Texture& g = rough.textures.at(static_cast<size_t>(rough.materials[0].metallic_roughness_texture.texture));
+  EXPECT_EQ(rough.materials[0].roughness, 1);
+  EXPECT_NEAR(byte_of(g, 2, 1), 255 * std::sqrt(128 / 255.0), 1);
+  const Scene both = load_mitsuba_bsdf(
+      "<bsdf type=\"principled\">" + bitmap("roughness", raw) + bitmap("metallic", raw) + "</bsdf>", folder.path());
+  const Texture& gb = both.textures.at(static_cast<size_t>(both.materials[0].metallic_roughness_texture.texture));
+  EXPECT_EQ(byte_of(gb, 2, 1), 128);
+  EXPECT_EQ(byte_of(gb, 3, 2), std::lround(0.2126 * 255));  // luminance of red
+  const Scene mask = load_mitsuba_bsdf("<bsdf type=\"mask\">" + bitmap("opacity", raw) + "<bsdf type=\"diffuse\">" +
+                                           bitmap("reflectance") + "</bsdf></bsdf>",
+                                       folder.path());
+  const Texture& rgba = mask.textures.at(static_cast<size_t>(mask.materials[0].base_color_texture.texture));
+  EXPECT_EQ(byte_of(rgba, 3, 0), 255);
+  EXPECT_EQ(byte_of(rgba, 3, 3), std::lround(0.2126 * 255));
+  EXPECT_EQ(byte_of(rgba, 2, 0), 128);
+}
+
+TEST(MitsubaTextures, TheMeanReplacesTexturesWithoutEquivalent) {
+  const Pictured folder;
+  const Scene scene = load_mitsuba_bsdf(
+      "<bsdf type=\"principled\">" + bitmap("clearcoat", "<boolean name=\"raw\" value=\"true\"/>") + "</bsdf>",
+      folder.path());
+  EXPECT_NEAR(scene.materials[0].clearcoat, (0 + 1 + 128 / 255.0 + 0.2126) / 4, 1e-4);
+  EXPECT_TRUE(mentions(scene.warnings, "'clearcoat'; its mean replaces it"));
+}
+
+TEST(MitsubaTextures, MissingImagesAreWhite) {
+  const Scene scene = load_mitsuba_bsdf("<bsdf type=\"diffuse\">" + bitmap("reflectance") + "</bsdf>");
+  EXPECT_EQ(scene.textures.at(0).width, 1);
+  EXPECT_TRUE(mentions(scene.warnings, "a.png"));
+}
+
+TEST(MitsubaTextures, NormalMapsUseMitsubasFrame) {
+  const Pictured folder;
+  const Scene scene = load_mitsuba_text("<shape type=\"rectangle\"><bsdf type=\"normalmap\">" +
+                                            bitmap("normalmap", "<boolean name=\"raw\" value=\"true\"/>") +
+                                            "<bsdf type=\"diffuse\"/></bsdf></shape>",
+                                        folder.path());
+  EXPECT_TRUE(scene.materials[0].normal_texture.used());
+  // Y of the normal map is n × ∂p/∂u: +Y of the rectangle.
+  const Vec4 tangent = scene.meshes[0].tangents.at(0);
+  EXPECT_EQ(glm::cross(scene.meshes[0].normals[0], Vec3(tangent)) * tangent.w, Vec3(0, 1, 0));
+}
+
+TEST(MitsubaTextures, BumpsTiltNormalsByTheirSlope) {
+  const SceneFolder folder;
+  // A ramp of 1/255 per texel along u, 8 texels wide.
+  std::vector<uint8_t> texels;
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x)
+      texels.insert(texels.end(),
+                    {static_cast<uint8_t>(100 + x), static_cast<uint8_t>(100 + x), static_cast<uint8_t>(100 + x), 255});
+  }
+  folder.write("a.png", png(8, 8, texels));
+  const Scene scene = load_mitsuba_text(
+      "<shape type=\"rectangle\"><transform name=\"to_world\"><scale x=\"3\"/></transform><bsdf "
+      "type=\"bumpmap\"><texture type=\"bitmap\">"
+      "<string name=\"filename\" value=\"a.png\"/><boolean name=\"raw\" value=\"true\"/></texture><float "
+      "name=\"scale\" value=\"30\"/>"
+      "<bsdf type=\"diffuse\"/></bsdf></shape>",
+      folder.path());
+  const Texture& t = scene.textures.at(static_cast<size_t>(scene.materials[0].normal_texture.texture));
+  ASSERT_EQ(t.format, PixelFormat::rgba32_float);
+  Vec4 texel;
+  std::memcpy(&texel, &t.texels[(8 * 4 + 4) * sizeof(Vec4)], sizeof texel);
+  const Vec3 normal = Vec3(texel) * 2.0f - Vec3(1);
+  // ∂h/∂u = 8 / 255 per unit of u, which is 6 m long.
+  EXPECT_NEAR(normal.x / normal.z, -30 * 8 / 255.0 / 6, 1e-4);
+  EXPECT_NEAR(normal.y, 0, 1e-6f);
+}
+
+TEST(MitsubaTextures, VertexColours) {
+  const SceneFolder folder;
+  folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "red\nproperty float green\nproperty float blue\nelement face 1\nproperty list uchar int "
+      "vertex_indices\nend_header\n0 0 0 0.5 0 0\n1 0 0 1 0 0\n0 1 0 0 1 0\n3 0 1 2\n");
+  const auto load = [&](const std::string& bsdf) {
+    return load_mitsuba_text("<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/>" + bsdf + "</shape>",
+                             folder.path());
+  };
+  const Scene colored = load(
+      "<bsdf type=\"diffuse\"><texture type=\"mesh_attribute\" name=\"reflectance\"><string name=\"name\" "
+      "value=\"vertex_color\"/></texture></bsdf>");
+  EXPECT_EQ(colored.meshes[0].colors.at(0), Vec4(0.5f, 0, 0, 1));
+  EXPECT_EQ(colored.materials[0].base_color, Rgb(1));
+  EXPECT_TRUE(load("").meshes[0].colors.empty());
+}
+
+}  // namespace
+}  // namespace relume
