@@ -10,6 +10,7 @@
 #include "render/session.h"
 #include "scene_io/assimp/assimp_loader.h"
 #include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/mitsuba/mitsuba_loader.h"
 #include "scene_io/pbrt/pbrt_loader.h"
 #include "scene_io/ply/ply_loader.h"
 #include "scene_io/relume_json/relume_json.h"
@@ -41,6 +42,7 @@ Scene load(const std::string& name, const Bytes& bytes) {
   if (extension == "gltf" || extension == "glb") return load_gltf_from_memory(bytes, folder().path(), name);
   if (extension == "json") return load_relume_json_from_memory(bytes, folder().path(), name);
   if (extension == "pbrt") return load_pbrt_from_memory(bytes, folder().path(), name);
+  if (extension == "xml") return load_mitsuba_from_memory(bytes, folder().path(), name);
   if (extension == "ply") return load_ply_from_memory(bytes, name);
   return load_assimp_from_memory(bytes, extension, name);
 }

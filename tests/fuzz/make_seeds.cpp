@@ -16,6 +16,7 @@
 #include "relume/image_io.h"
 #include "render/settings.h"
 #include "scene_io/testing/example_files.h"
+#include "scene_io/testing/serialized_file.h"
 #include "settings/settings_json.h"
 #include "viewer/camera_path.h"
 
@@ -44,9 +45,14 @@ void write_scenes(const fs::path& folder) {
     if (format != by_assimp.end()) {
       write(folder / "assimp" / file.name, behind(static_cast<int>(format - by_assimp.begin()), file.bytes));
     } else {
-      write(folder / (extension == "glb" ? "gltf" : extension) / file.name, file.bytes);
+      const std::string target = extension == "glb" ? "gltf" : extension == "xml" ? "mitsuba" : extension;
+      write(folder / target / file.name, file.bytes);
     }
+    if (extension == "obj") write(folder / "mitsuba" / file.name, behind(1, file.bytes));
   }
+  for (const uint16_t version : {uint16_t{3}, uint16_t{4}, uint16_t{5}})
+    write(folder / "mitsuba" / (std::to_string(version) + ".serialized"),
+          behind(0, relume::testing::serialized_file(version)));
 }
 
 void write_images(const fs::path& folder) {

@@ -19,7 +19,7 @@ namespace relume::mitsuba {
 namespace {
 
 /// Vertices and triangles of all meshes together.
-constexpr uint64_t kMaxElements = uint64_t{1} << 28;
+constexpr uint64_t kMaxElements = uint64_t{1} << 27;
 constexpr uint64_t kMaxInstances = uint64_t{1} << 24;
 
 bool is_file_type(const std::string& type) { return type == "obj" || type == "ply" || type == "serialized"; }

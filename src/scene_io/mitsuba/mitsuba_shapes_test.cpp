@@ -3,11 +3,11 @@
 #include <set>
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include "core/vec.h"
 #include "scene_io/mitsuba/mitsuba_meshes.h"
 #include "scene_io/testing/mitsuba_scene.h"
+#include "scene_io/testing/serialized_file.h"
 
 namespace relume {
 namespace {
@@ -151,76 +151,9 @@ TEST(MitsubaShapes, PlyFilesKeepTheirV) {
   EXPECT_EQ(load("<boolean name=\"flip_tex_coords\" value=\"true\"/>").uv0[0], Vec2(0, 0.75f));
 }
 
-template <typename T>
-void append(Bytes& bytes, const T& value) {
-  const auto* first = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), first, first + sizeof value);
-}
-
-Bytes compressed(const Bytes& bytes) {
-  uLongf size = compressBound(bytes.size());
-  Bytes result(size);
-  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                     bytes.size()),
-            Z_OK);
-  result.resize(size);
-  return result;
-}
-
-/// A mesh of one triangle in a version of the format; its corner on the X axis is at `x`.
-Bytes serialized_mesh(uint16_t version, double x) {
-  Bytes body;
-  const double positions[3][3] = {{0, 0, 0}, {x, 0, 0}, {0, 1, 0}};
-  if (version == 5) {
-    append(body, uint32_t{0x1005});
-    append(body, uint32_t{1});
-    append(body, 'a');
-  } else {
-    append(body, uint32_t{version == 3 ? 0x1002u : 0x2002u});
-    if (version == 4) append(body, uint16_t{'a'});  // a character and the zero
-  }
-  append(body, uint64_t{3});
-  append(body, uint64_t{1});
-  if (version == 5) {
-    append(body, uint64_t{0});
-    append(body, uint64_t{0});
-    for (const auto& p : positions) {
-      for (const double value : {p[0], p[1], p[2], 0.0, 0.0, 1.0, 0.25, 0.5}) append(body, static_cast<float>(value));
-    }
-    for (const uint32_t value : {0, 1, 2, 7}) append(body, value);
-  } else {
-    for (const auto& p : positions) {
-      for (const double value : p) version == 3 ? append(body, static_cast<float>(value)) : append(body, value);
-    }
-    for (int i = 0; i < 3; ++i) {
-      for (const double value : {0.25, 0.5})
-        version == 3 ? append(body, static_cast<float>(value)) : append(body, value);
-    }
-    for (const uint32_t value : {0, 1, 2}) append(body, value);
-  }
-  Bytes file;
-  append(file, uint16_t{0x041c});
-  append(file, version);
-  const Bytes packed = compressed(body);
-  file.insert(file.end(), packed.begin(), packed.end());
-  return file;
-}
-
-/// Two meshes with the list of their positions.
-Bytes serialized_file(uint16_t version) {
-  Bytes file = serialized_mesh(version, 1);
-  const size_t second = file.size();
-  const Bytes more = serialized_mesh(version, 5);
-  file.insert(file.end(), more.begin(), more.end());
-  for (const size_t offset : {size_t{0}, second})
-    version == 3 ? append(file, static_cast<uint32_t>(offset)) : append(file, uint64_t{offset});
-  append(file, uint32_t{2});
-  return file;
-}
-
 TEST(MitsubaShapes, SerializedFiles) {
   for (const uint16_t version : {uint16_t{3}, uint16_t{4}, uint16_t{5}}) {
-    const Bytes file = serialized_file(version);
+    const Bytes file = testing::serialized_file(version);
     for (int64_t index = 0; index < 2; ++index) {
       const Mesh mesh = mitsuba::read_serialized(file, index, "a.serialized");
       EXPECT_EQ(mesh.positions, (std::vector<Vec3>{{0, 0, 0}, {index == 0 ? 1 : 5, 0, 0}, {0, 1, 0}})) << version;
@@ -230,26 +163,6 @@ TEST(MitsubaShapes, SerializedFiles) {
     }
     EXPECT_NE(error_of([&] { mitsuba::read_serialized(file, 2, "a"); }).find("shape_index 2 does not exist"),
               std::string::npos);
-  }
-}
-
-TEST(MitsubaShapes, DamagedSerializedFilesAreRefused) {
-  Bytes head;
-  for (const uint16_t word : {0x041c, 4}) append(head, word);
-  Bytes body;
-  append(body, uint32_t{0x1000});
-  append(body, uint8_t{0});
-  append(body, uint64_t{0xfffffff0});  // vertices that the file cannot hold
-  append(body, uint64_t{1});
-  const Bytes packed = compressed(body);
-  head.insert(head.end(), packed.begin(), packed.end());
-  EXPECT_NE(error_of([&] { mitsuba::read_serialized(head, 0, "a"); }).find("do not fit into the file"),
-            std::string::npos);
-  const Bytes file = serialized_file(4);
-  for (size_t size = 0; size < file.size(); ++size) {
-    const std::span<const std::byte> cut(file.data(), size);
-    error_of([&] { mitsuba::read_serialized(cut, 0, "a"); });  // no other exception
-    EXPECT_NE(error_of([&] { mitsuba::read_serialized(cut, 1, "a"); }), "") << size;
   }
 }
 

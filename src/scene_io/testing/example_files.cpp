@@ -166,6 +166,35 @@ std::string relume_json_text() {
 "settings": {"max-bounces": 4}})";
 }
 
+std::string mitsuba_text() {
+  return R"(<?xml version="1.0"?>
+<scene version="3.0.0">
+<default name="size" value="8"/><path value="."/>
+<integrator type="path"><integer name="max_depth" value="5"/></integrator>
+<sensor type="thinlens" id="eye"><float name="fov" value="60"/><string name="fov_axis" value="smaller"/><float name="aperture_radius" value="0.1"/>
+<transform name="to_world"><lookat origin="0, 1, 6" target="0, 0, 0" up="0, 1, 0"/></transform>
+<film type="hdrfilm"><integer name="width" value="$size"/><integer name="height" value="$size"/><integer name="crop_width" value="4"/><integer name="crop_offset_x" value="2"/></film>
+<sampler type="independent"><integer name="sample_count" value="2"/></sampler></sensor>
+<bsdf type="twosided" id="paint"><bsdf type="principled"><rgb name="base_color" value="0.8 0.4 0.1"/><float name="roughness" value="0.4"/><float name="spec_trans" value="0.2"/><float name="clearcoat" value="1"/><float name="sheen" value="0.5"/></bsdf></bsdf>
+<alias id="paint" as="coat"/>
+<bsdf type="blendbsdf" id="blend"><float name="weight" value="0.3"/><bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.3"/></bsdf><bsdf type="roughplastic"><rgb name="diffuse_reflectance" value="#204080"/></bsdf></bsdf>
+<bsdf type="mask" id="mask"><texture type="checkerboard" name="opacity"><transform name="to_uv"><scale x="2" y="3"/><rotate z="1" angle="20"/></transform></texture><bsdf type="dielectric"><string name="int_ior" value="water"/></bsdf></bsdf>
+<bsdf type="bumpmap" id="bump"><texture type="bitmap"><string name="filename" value="a.png"/><boolean name="raw" value="true"/></texture><ref id="paint"/></bsdf>
+<shape type="sphere"><point name="center" x="1" y="0" z="0"/><float name="radius" value="0.7"/><ref id="coat"/></shape>
+<shape type="cylinder"><point name="p1" value="0, 1, 0"/><float name="radius" value="0.2"/><ref id="blend"/></shape>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="4"/><translate y="-1"/></transform><ref id="bump"/></shape>
+<shape type="disk"><transform name="to_world"><matrix value="1 0 0 0 0 1 0 0 0 0 1 -1 0 0 0 1"/></transform><ref id="mask"/></shape>
+<shape type="obj"><string name="filename" value="a.obj"/><boolean name="flip_normals" value="true"/></shape>
+<shape type="shapegroup" id="group"><shape type="ply"><string name="filename" value="ascii.ply"/><boolean name="face_normals" value="true"/></shape></shape>
+<shape type="instance"><ref id="group"/><transform name="to_world"><translate x="-2"/></transform></shape>
+<shape type="cube"><transform name="to_world"><scale value="0.2"/><translate y="3"/></transform><emitter type="area"><spectrum name="radiance" value="400:2, 500:3, 700:5"/></emitter></shape>
+<emitter type="spot"><float name="cutoff_angle" value="30"/><spectrum type="blackbody" name="intensity"><float name="temperature" value="3000"/><float name="scale" value="0.001"/></spectrum></emitter>
+<emitter type="directional"><vector name="direction" x="0" y="-1" z="0.2"/></emitter>
+<emitter type="sunsky"><float name="turbidity" value="3"/><integer name="month" value="6"/><float name="hour" value="11"/></emitter>
+</scene>
+)";
+}
+
 Figure moving_figure() {
   Figure figure;
   figure.animate(1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 1, 0, 0}, 4, "turn");
@@ -277,6 +306,7 @@ std::vector<ExampleFile> example_files() {
           {"a.fbx", to_bytes(fbx_text(2))},
           {"a.json", to_bytes(relume_json_text())},
           {"rich.pbrt", to_bytes(pbrt_text())},
+          {"a.xml", to_bytes(mitsuba_text())},
           {"figure.gltf", to_bytes(moving_figure().file.text())},
           {"figure.glb", moving_figure().file.glb()}};
 }

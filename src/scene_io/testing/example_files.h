@@ -13,8 +13,8 @@ struct ExampleFile {
   Bytes bytes;
 };
 
-/// glTF (plain, GLB, meshopt, Draco, with an animated figure), OBJ, PLY (ASCII, binary), STL, 3DS, OFF, DAE, FBX and
-/// relume JSON. The JSON references "rich.gltf" in the same folder.
+/// glTF (plain, GLB, meshopt, Draco, with an animated figure), OBJ, PLY (ASCII, binary), STL, 3DS, OFF, DAE, FBX,
+/// relume JSON and Mitsuba. The JSON references "rich.gltf" in the same folder, Mitsuba's file "a.obj" and "ascii.ply".
 std::vector<ExampleFile> example_files();
 
 /// Triangle (0, 0, 100) (100, 0, 100) (0, 100, 100) in centimetres as ASCII FBX with this up axis (1: Y, 2: Z).

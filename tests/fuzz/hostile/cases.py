@@ -81,7 +81,7 @@ class Maker:
         self.scenes = scenes.all_scenes()
         self.images = some_images()
         self.lines = command_lines.CommandLines(helps)
-        weights = {"gltf": 9, "glb": 6, "relume json": 6, "obj": 4, "ply": 4, "pbrt": 6, "stl": 2, "off": 2, "dae": 3, "fbx": 3, "3ds": 2}
+        weights = {"gltf": 9, "glb": 6, "relume json": 6, "mitsuba": 8, "obj": 4, "ply": 4, "pbrt": 6, "stl": 2, "off": 2, "dae": 3, "fbx": 3, "3ds": 2}
         makers = {self.texture: 6, self.environment: 5, self.settings: 5, self.settings_exr: 3, self.checkpoint: 5, self.metrics: 6, self.compare: 2,
                   self.command_line: 14, self.output: 9, self.reference: 6}
         # Starts with every kind, so that a short trial covers all.

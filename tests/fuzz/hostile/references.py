@@ -115,8 +115,34 @@ def fbx_connections(rng):
     return Files("a.fbx", {"a.fbx": scenes.FBX.replace(b"Connections: {\n", b"Connections: {\n" + extra)})
 
 
+def mitsuba_includes(rng):
+    """Files that include each other in cycles or doubled at every level, parameters that double, cycles of references, and paths
+    that leave the folder."""
+    def scene(inner):
+        return f'<scene version="3.0.0">{inner}<shape type="cube"/></scene>'.encode()
+
+    which = rng.randrange(5)
+    if which == 0:
+        length = rng.choice((1, 2, 20))
+        return Files("0.xml", {f"{i}.xml": scene(f'<include filename="{(i + 1) % length}.xml"/>') for i in range(length)})
+    if which == 1:
+        return Files("0.xml", {f"{i}.xml": scene(2 * f'<include filename="{i + 1}.xml"/>' if i < 13 else "") for i in range(14)})
+    if which == 2:
+        laughs = "".join(f'<default name="a{i + 1}" value="$a{i} $a{i}"/>' for i in range(60))
+        return Files("a.xml", {"a.xml": scene('<default name="a0" value="ha"/>' + laughs)})
+    if which == 3:
+        length = rng.choice((1, 3, 5000))
+        return Files("a.xml", {"a.xml": scene("".join(f'<bsdf type="twosided" id="{i}"><ref id="{(i + 1) % length}"/></bsdf>' for i in range(length)))})
+    target = rng.choice((".", "..", "a.xml", "/dev/zero", "/dev/null", "../../outside.png", "b.ply", "", LONG))
+    kind = rng.choice(('<shape type="obj">', '<shape type="ply">', '<shape type="serialized">', '<emitter type="envmap">', '<texture type="bitmap">'))
+    file = f'{kind}<string name="filename" value="{target}"/></{kind[1:].split()[0]}>'
+    if "texture" in kind:
+        file = f'<shape type="sphere"><bsdf type="diffuse">{file.replace("<texture", "<texture name=" + chr(34) + "reflectance" + chr(34))}</bsdf></shape>'
+    return Files("a.xml", {"a.xml": scene(file if rng.random() < 0.7 else f'<include filename="{target}"/>')}, {"b.ply": "b.ply"})
+
+
 def no_file(rng):
-    name = "a" + rng.choice((".gltf", ".glb", ".json", ".obj", ".ply", ".stl", ".fbx", ".dae", ".3ds", ".off", ".exr", ".png", ""))
+    name = "a" + rng.choice((".gltf", ".glb", ".json", ".obj", ".ply", ".stl", ".fbx", ".dae", ".3ds", ".off", ".xml", ".exr", ".png", ""))
     return Files(name, {}, {name: rng.choice((".", "/dev/null", name, "nowhere", "/dev/full", "/proc/self/mem"))})
 
 
@@ -126,7 +152,7 @@ def endless_device(rng):
 
 
 # Rare, since endless devices cost a gigabyte each.
-MAKERS = 6 * [json_circle, json_to_odd_file, gltf_nodes, gltf_nodes, gltf_to_odd_file, gltf_members, gltf_members, obj_library, dae_nodes, fbx_connections, no_file] + [endless_device]
+MAKERS = 6 * [json_circle, json_to_odd_file, gltf_nodes, gltf_nodes, gltf_to_odd_file, gltf_members, gltf_members, obj_library, dae_nodes, fbx_connections, mitsuba_includes, mitsuba_includes, no_file] + [endless_device]
 
 
 def make(rng):

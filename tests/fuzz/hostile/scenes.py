@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import struct
+import zlib
 
 import images
 
@@ -282,6 +283,44 @@ DAE = b"""<?xml version="1.0"?>
 """
 
 
+MITSUBA = b"""<?xml version="1.0"?>
+<scene version="3.0.0">
+<default name="size" value="8"/><path value="textures"/>
+<integrator type="path"><integer name="max_depth" value="5"/></integrator>
+<sensor type="perspective"><float name="fov" value="60"/><string name="fov_axis" value="larger"/>
+<transform name="to_world"><lookat origin="0, 1, 6" target="0, 0, 0" up="0, 1, 0"/></transform>
+<film type="hdrfilm"><integer name="width" value="$size"/><integer name="height" value="$size"/></film>
+<sampler type="independent"><integer name="sample_count" value="2"/></sampler></sensor>
+<include filename="b.xml"/>
+<bsdf type="mask" id="mask"><texture type="bitmap" name="opacity"><string name="filename" value="a.png"/></texture><ref id="paint"/></bsdf>
+<bsdf type="bumpmap" id="bump"><texture type="bitmap"><string name="filename" value="a.png"/><boolean name="raw" value="true"/></texture><float name="scale" value="2"/><bsdf type="plastic"/></bsdf>
+<bsdf type="blendbsdf" id="blend"><float name="weight" value="0.4"/><bsdf type="roughconductor"><spectrum name="eta" filename="a.spd"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.3"/></bsdf><ref id="paint"/></bsdf>
+<shape type="sphere"><point name="center" x="1" y="0" z="0"/><float name="radius" value="0.7"/><bsdf type="roughdielectric"><string name="int_ior" value="diamond"/></bsdf></shape>
+<shape type="cylinder"><point name="p1" value="0, 1, 0"/><float name="radius" value="0.2"/><ref id="mask"/></shape>
+<shape type="obj"><string name="filename" value="a.obj"/><transform name="to_world"><rotate x="1" angle="-90"/><scale value="2"/><translate y="-1"/></transform><ref id="bump"/></shape>
+<shape type="serialized"><string name="filename" value="a.serialized"/><integer name="shape_index" value="1"/><ref id="blend"/></shape>
+<shape type="shapegroup" id="group"><shape type="ply"><string name="filename" value="a.ply"/><bsdf type="diffuse"><texture type="mesh_attribute" name="reflectance"><string name="name" value="vertex_color"/></texture></bsdf></shape></shape>
+<shape type="instance"><ref id="group"/><transform name="to_world"><matrix value="1 0 0 -2 0 1 0 0 0 0 1 0 0 0 0 1"/></transform></shape>
+<shape type="rectangle"><transform name="to_world"><translate y="3"/></transform><emitter type="area"><spectrum name="radiance" value="400:2, 500:3, 700:5"/></emitter></shape>
+<emitter type="spot"><float name="cutoff_angle" value="30"/></emitter>
+<emitter type="envmap"><string name="filename" value="a.hdr"/><transform name="to_world"><rotate x="1" angle="90"/></transform></emitter>
+</scene>
+"""
+
+
+def serialized():
+    """Two meshes of one triangle in version 4 of Mitsuba's format, with texture coordinates."""
+    body = struct.pack("<I2sQQ9f6f3I", 0x1002, b"m\0", 3, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1, 2)
+    mesh = struct.pack("<HH", 0x041c, 4) + zlib.compress(body)
+    return mesh + mesh + struct.pack("<QQI", 0, len(mesh), 2)
+
+
+def mitsuba():
+    part = b'<scene version="3.0.0"><bsdf type="twosided" id="paint"><bsdf type="principled"><rgb name="base_color" value="0.8 0.4 0.1"/></bsdf></bsdf></scene>'
+    return {"a.xml": MITSUBA, "b.xml": part, "a.png": images.png(), "a.obj": OBJ, "a.ply": ply("ascii"), "a.serialized": serialized(),
+            "a.spd": b"# eta\n400 1.5\n700 0.2\n", "a.hdr": images.hdr()}
+
+
 def relume_json(scene, material="paint", node="part", environment=None):
     return json.dumps({
         "scene": scene, "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40, "lens_radius": 0.1, "focus_distance": 4},
@@ -340,6 +379,7 @@ def all_scenes():
         "glb": [{"a.glb": rich.glb()}],
         "relume json": [{"a.json": relume_json("a.glb"), "a.glb": rich.glb()}, {"a.json": relume_json("builtin:cornell", "white", "lamp")}],
         "obj": [obj("a.png", images.png())],
+        "mitsuba": [mitsuba()],
         "ply": [{"a.ply": ply(form)} for form in ("ascii", "binary_little_endian", "binary_big_endian")],
         "pbrt": [{"a.pbrt": PBRT, "c.pbrt": PBRT_PART, "b.ply": ply("ascii"), "a.png": images.png()},
                  {"a.pbrt.gz": gzip.compress(PBRT), "c.pbrt": PBRT_PART, "b.ply": ply("binary_little_endian"), "a.png": images.png()}],

@@ -1,0 +1,162 @@
+// Checks that damaged and hostile files of Mitsuba give a scene or an Error in bounded memory. Seeds are fixed.
+#include <random>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "relume/error.h"
+#include "scene_io/mitsuba/mitsuba_meshes.h"
+#include "scene_io/testing/example_files.h"
+#include "scene_io/testing/mitsuba_scene.h"
+#include "scene_io/testing/serialized_file.h"
+
+namespace relume {
+namespace {
+
+using testing::append_number;
+using testing::error_of;
+using testing::example_files;
+using testing::ExampleFile;
+using testing::load_mitsuba_text;
+using testing::SceneFolder;
+
+/// Folder with the example and the files that it references.
+struct Examples : SceneFolder {
+  Examples() {
+    for (const ExampleFile& file : example_files()) write(file.name, file.bytes);
+  }
+};
+
+std::string mitsuba_example() {
+  for (const ExampleFile& file : example_files()) {
+    if (file.name == "a.xml") return {reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()};
+  }
+  return {};
+}
+
+/// Places of the values of attributes.
+std::vector<std::pair<size_t, size_t>> values_of(const std::string& text) {
+  std::vector<std::pair<size_t, size_t>> values;
+  for (size_t at = text.find("=\""); at != std::string::npos; at = text.find("=\"", at + 2)) {
+    const size_t end = text.find('"', at + 2);
+    if (end == std::string::npos) break;
+    values.emplace_back(at + 2, end - at - 2);
+  }
+  return values;
+}
+
+/// Replaces values by extreme ones, lines by others, or bytes.
+std::string damaged(std::string text, uint32_t seed) {
+  constexpr const char* kValues[] = {"",      "-1",    "0",      "1e308", "-1e30", "nan",     "9223372036854775807",
+                                     "$size", "$",     "a",      "..",    "1 2",   "1, 2, 3", "400:1 300:2",
+                                     "true",  "paint", "sphere", "merge", "0.5",   "1e-320",  "#123456"};
+  std::mt19937 random(seed);
+  for (uint32_t i = 0; i < 1 + seed % 3; ++i) {
+    if (seed % 4 < 2) {
+      const auto places = values_of(text);
+      if (places.empty()) break;
+      const auto [at, size] = places[random() % places.size()];
+      text.replace(at, size, kValues[random() % std::size(kValues)]);
+    } else if (seed % 4 == 2) {
+      const size_t from = text.rfind('\n', random() % text.size());
+      const size_t end = text.find('\n', from == std::string::npos ? 0 : from + 1);
+      const std::string line = text.substr(from == std::string::npos ? 0 : from, end - from);
+      text.insert(text.rfind('\n', random() % text.size()) + 1, random() % 2 ? line : line + line);
+    } else {
+      text[random() % text.size()] = static_cast<char>(random());
+    }
+  }
+  return text;
+}
+
+TEST(MitsubaDamaged, FilesGiveASceneOrAnError) {
+  constexpr uint32_t kFiles = 500;
+  const Examples folder;
+  const std::string intact = mitsuba_example();
+  uint32_t loaded = 0;
+  for (uint32_t seed = 0; seed < kFiles; ++seed) {
+    const std::string text = damaged(intact, seed);
+    try {
+      load_mitsuba_from_memory(testing::to_bytes(text), folder.path(), "a.xml");
+      ++loaded;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("a."), std::string::npos) << error.what();
+    } catch (const std::exception& exception) {
+      ADD_FAILURE() << "seed " << seed << ": " << exception.what();
+    }
+  }
+  EXPECT_GT(loaded, kFiles / 5);
+  EXPECT_LT(loaded, kFiles * 4 / 5);
+}
+
+TEST(MitsubaDamaged, MeshesGiveAMeshOrAnError) {
+  std::mt19937 random(1);
+  for (const uint16_t version : {uint16_t{3}, uint16_t{4}, uint16_t{5}}) {
+    const Bytes intact = testing::serialized_file(version);
+    for (int i = 0; i < 300; ++i) {
+      Bytes bytes = intact;
+      for (int k = 0; k < 1 + i % 4; ++k) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+      error_of([&] { mitsuba::read_serialized(bytes, i % 3, "a.serialized"); });
+    }
+    for (size_t size = 0; size < intact.size(); ++size)
+      EXPECT_NE(error_of([&] { mitsuba::read_serialized({intact.data(), size}, 1, "a.serialized"); }), "") << size;
+  }
+}
+
+/// Header of a mesh that claims `vertices`, then zeros.
+Bytes hollow_mesh(uint64_t vertices, size_t zeros) {
+  Bytes body;
+  append_number(body, uint32_t{0x1000});
+  append_number(body, uint8_t{0});
+  append_number(body, vertices);
+  append_number(body, uint64_t{1});
+  body.resize(body.size() + zeros);
+  return testing::serialized_mesh(4, body);
+}
+
+TEST(MitsubaDamaged, MeshesThatCannotFitAreRefusedBeforeTheyAreAllocated) {
+  EXPECT_NE(error_of([] { mitsuba::read_serialized(hollow_mesh(0xfffffff0u, 0), 0, "a"); }).find("do not fit"),
+            std::string::npos);
+  EXPECT_NE(error_of([] { mitsuba::read_serialized(hollow_mesh(uint64_t{1} << 40, 0), 0, "a"); }).find("2^32"),
+            std::string::npos);
+  // 84 MB of zeros in 84 kB
+  EXPECT_NE(error_of([] { mitsuba::read_serialized(hollow_mesh(7000000, 84000000), 0, "a"); }).find("do not fit"),
+            std::string::npos);
+}
+
+TEST(MitsubaDamaged, InstancesAreBounded) {
+  std::string group = "<shape type=\"shapegroup\" id=\"g\">";
+  for (int i = 0; i < 2000; ++i) group += "<shape type=\"cube\"/>";
+  group += "</shape>";
+  for (int i = 0; i < 9000; ++i) group += "<shape type=\"instance\"><ref id=\"g\"/></shape>";
+  EXPECT_NE(error_of([&] { load_mitsuba_text(group); }).find("more than 16777216 instances"), std::string::npos);
+}
+
+TEST(MitsubaDamaged, SharedBsdfsAreReadOnce) {
+  std::string text = "<bsdf type=\"diffuse\" id=\"b0\"/>";
+  for (int i = 1; i < 25; ++i) {
+    const std::string ref = "<ref id=\"b" + std::to_string(i - 1) + "\"/>";
+    text += "<bsdf type=\"blendbsdf\" id=\"b" + std::to_string(i) + "\"><float name=\"weight\" value=\"0.5\"/>" + ref +
+            ref + "</bsdf>";
+  }
+  const Scene scene = load_mitsuba_text(text + "<shape type=\"cube\"><ref id=\"b24\"/></shape>");
+  EXPECT_EQ(scene.materials.at(0).name, "b24");
+  std::string textures = "<texture type=\"checkerboard\" id=\"t0\"/>";
+  for (int i = 1; i < 25; ++i) {
+    const std::string last = " id=\"t" + std::to_string(i - 1) + "\"/>";
+    textures += "<texture type=\"checkerboard\" id=\"t" + std::to_string(i) + "\"><ref name=\"color0\"" + last +
+                "<ref name=\"color1\"" + last + "</texture>";
+  }
+  load_mitsuba_text(
+      textures + "<shape type=\"cube\"><bsdf type=\"diffuse\"><ref name=\"reflectance\" id=\"t24\"/></bsdf></shape>");
+}
+
+TEST(MitsubaDamaged, MemoryIsBounded) {
+  constexpr long kLimit_KiB = 4 << 20;
+  rusage self{};
+  ASSERT_EQ(getrusage(RUSAGE_SELF, &self), 0);
+  EXPECT_LT(self.ru_maxrss, kLimit_KiB) << "KiB, of the tests above";
+}
+
+}  // namespace
+}  // namespace relume
