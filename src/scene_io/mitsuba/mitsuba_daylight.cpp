@@ -67,12 +67,12 @@ glm::dvec3 sun_direction_of_time(const Parameters& p) {
   return {std::sin(zenith) * std::cos(phi), std::sin(zenith) * std::sin(phi), std::cos(zenith)};
 }
 
-void import_daylight(const Parameters& p, const glm::dmat4& upright, Import& import) {
+void import_daylight(const Parameters& p, Import& import) {
   Environment& environment = import.scene.environment;
   environment.kind = EnvironmentKind::sun_sky;
   const glm::dmat3 to_world(p.transform("to_world").value_or(glm::dmat4(1)));
   const std::optional<glm::dvec3> given = p.vector("sun_direction");
-  const glm::dvec3 direction = glm::dmat3(upright) * (given ? *given : to_world * sun_direction_of_time(p));
+  const glm::dvec3 direction = glm::dmat3(import.turn) * (given ? *given : to_world * sun_direction_of_time(p));
   const double length = glm::length(direction);
   if (!(length > 0)) p.fail("its sun has no direction");
   SunSky& sky = environment.sun_sky;

@@ -170,6 +170,14 @@ TEST(MitsubaXml, NamesBeforeVersionTwo) {
                                                         "name=\"cutoffAngle\" value=\"45\"/></emitter></scene>"),
                                                "/nonexistent", "a.xml");
   EXPECT_FLOAT_EQ(scene.lights.at(0).outer_cone_rad, kPi / 4);
+  const Scene diffuse = load_mitsuba_from_memory(
+      to_bytes("<scene version=\"0.6.0\"><shape type=\"cube\"><bsdf type=\"diffuse\"><texture type=\"checkerboard\" "
+               "name=\"diffuseReflectance\"><float name=\"uscale\" value=\"3\"/><float name=\"voffset\" "
+               "value=\"0.5\"/></texture></bsdf></shape></scene>"),
+      "/nonexistent", "a.xml");
+  EXPECT_EQ(diffuse.materials.at(0).base_color_texture.scale, Vec2(3, 1));
+  EXPECT_EQ(diffuse.materials.at(0).base_color_texture.offset, Vec2(0, 0.5f));
+  EXPECT_TRUE(diffuse.warnings.empty());
   EXPECT_EQ(mitsuba::underscore_name("toWorld"), "to_world");
   EXPECT_EQ(mitsuba::underscore_name("intIOR"), "int_ior");
   EXPECT_EQ(mitsuba::underscore_name("alpha"), "alpha");

@@ -133,6 +133,19 @@ TEST(MitsubaEnvironment, DirectionsAreMitsubas) {
   }
 }
 
+TEST(MitsubaEnvironment, IsMirroredWithTheScene) {
+  const Mapped folder;
+  const Environment e = load_mitsuba_text(
+                            "<sensor type=\"perspective\"><float name=\"fov\" value=\"40\"/><transform "
+                            "name=\"to_world\"><scale x=\"-1\"/></transform></sensor>"
+                            "<emitter type=\"envmap\"><string name=\"filename\" value=\"map.exr\"/></emitter>",
+                            folder.path())
+                            .environment;
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.3, 0.2, -1));
+  const Vec2 actual = relume_texel(e, direction * glm::dvec3(-1, 1, 1));
+  EXPECT_NEAR(actual.x, mitsuba_texel(glm::dmat3(1), direction).x, 1.5f);
+}
+
 TEST(MitsubaEnvironment, OnlyTheFirstCounts) {
   const Scene scene = load_mitsuba_text(
       "<emitter type=\"constant\"><rgb name=\"radiance\" value=\"2\"/></emitter><emitter type=\"sunsky\"/>");

@@ -8,6 +8,7 @@
 
 #include "scene/placement.h"
 #include "scene_io/look_rotation.h"
+#include "scene_io/mitsuba/mitsuba_sensors.h"
 
 namespace relume::mitsuba {
 namespace {
@@ -80,21 +81,21 @@ bool is_daylight(const Object& emitter) {
   return emitter.type == "sunsky" || emitter.type == "sky" || emitter.type == "sun";
 }
 
-glm::dmat4 upright(const Import& import) {
+glm::dmat4 turn_of_scene(const Import& import) {
+  const glm::dmat4 mirror = glm::scale(glm::dmat4(1), glm::dvec3(is_mirrored(import) ? -1 : 1, 1, 1));
   const Object* daylight = daylight_of(import.document);
-  if (!daylight) return glm::dmat4(1);
-  const glm::dvec3 zenith(transform_of(Parameters(import, *daylight))[2]);
-  if (!(glm::length(zenith) > 0)) return glm::dmat4(1);
-  const glm::dvec3 up(0, 1, 0);
+  if (!daylight) return mirror;
+  const glm::dvec3 zenith(mirror * transform_of(Parameters(import, *daylight))[2]);
+  if (!(glm::length(zenith) > 0)) return mirror;
   const glm::dvec3 unit = glm::normalize(zenith);
-  const glm::dvec3 axis = glm::cross(unit, up);
+  const glm::dvec3 axis = glm::cross(unit, glm::dvec3(0, 1, 0));
   const double sine = glm::length(axis);
-  if (sine < 1e-6)
-    return unit.y > 0 ? glm::dmat4(1) : glm::rotate(glm::dmat4(1), 180 * kRadiansPerDegree, glm::dvec3(1, 0, 0));
-  return glm::rotate(glm::dmat4(1), std::atan2(sine, glm::dot(unit, up)), axis / sine);
+  const bool is_vertical = sine < 1e-6;
+  if (is_vertical && unit.y > 0) return mirror;
+  return glm::rotate(glm::dmat4(1), std::atan2(sine, unit.y), is_vertical ? glm::dvec3(1, 0, 0) : axis / sine) * mirror;
 }
 
-void import_emitter(const Object& emitter, Index parent, const glm::dmat4& upright, Import& import) {
+void import_emitter(const Object& emitter, Index parent, Import& import) {
   Environment& environment = import.scene.environment;
   const bool is_environment = emitter.type == "constant" || emitter.type == "envmap" || is_daylight(emitter);
   if (is_environment && environment.kind != EnvironmentKind::automatic) {
@@ -114,7 +115,7 @@ void import_emitter(const Object& emitter, Index parent, const glm::dmat4& uprig
   } else if (emitter.type == "envmap") {
     import_environment_map(p, import);
   } else if (is_daylight(emitter)) {
-    import_daylight(p, upright, import);
+    import_daylight(p, import);
   } else {
     emitter.read = false;
     import.warnings.add(fmt::format("{} is not supported and is left out", name_of(emitter)));

@@ -5,19 +5,18 @@
 
 namespace relume::mitsuba {
 
-/// Rotation that takes the zenith of the scene's sky to +Y, which relume's sky needs; the identity without one. All
-/// nodes of the scene are below a node with this rotation.
-glm::dmat4 upright(const Import& import);
+/// Import::turn: a mirror if the first camera mirrors the image, which relume's cameras cannot, then the rotation that
+/// takes the zenith of the scene's sky to +Y, which relume's sky needs.
+glm::dmat4 turn_of_scene(const Import& import);
 
 /// Adds a lamp below `parent`, or sets the environment. Emitters that are not supported are skipped with a warning.
-/// `upright`: rotation of all nodes.
-void import_emitter(const Object& emitter, Index parent, const glm::dmat4& upright, Import& import);
+void import_emitter(const Object& emitter, Index parent, Import& import);
 
 /// Whether the type is that of Mitsuba's daylight.
 bool is_daylight(const Object& emitter);
 
 /// Daylight of "sunsky" and its old forms "sky" and "sun".
-void import_daylight(const Parameters& p, const glm::dmat4& upright, Import& import);
+void import_daylight(const Parameters& p, Import& import);
 
 /// Unit vector towards the sun in the emitter's frame, where +Z is up, from date, time and place as in Mitsuba.
 glm::dvec3 sun_direction_of_time(const Parameters& p);

@@ -1,4 +1,5 @@
 // Environment maps of Mitsuba scenes.
+#include <algorithm>
 #include <cmath>
 #include <exception>
 
@@ -72,7 +73,7 @@ void import_environment_map(const Parameters& p, Import& import) {
   }
   const auto scale = static_cast<float>(p.number("scale", 1));
   environment.color = Rgb(std::clamp(scale, 0.0f, kMaxRadiance));
-  const glm::dmat3 to_world(p.transform("to_world").value_or(glm::dmat4(1)));
+  const glm::dmat3 to_world(import.turn * p.transform("to_world").value_or(glm::dmat4(1)));
   // Mitsuba's left edge is relume's centre.
   if (const std::optional<double> angle = angle_about_y(to_world)) {
     environment.rotation_rad = static_cast<float>(std::remainder(*angle + kPi, 2 * kPi));

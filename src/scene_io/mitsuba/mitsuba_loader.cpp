@@ -14,24 +14,24 @@ namespace {
 using mitsuba::Import;
 using mitsuba::Object;
 
-/// Node above all others; kNone if nothing is rotated.
-Index add_root(const glm::dmat4& upright, Scene& scene) {
-  if (upright == glm::dmat4(1)) return kNone;
+/// Node above all others; kNone if nothing is turned.
+Index add_root(const glm::dmat4& turn, Scene& scene) {
+  if (turn == glm::dmat4(1)) return kNone;
   Node root;
-  root.name = "upright";
-  root.transform = decompose(Mat4(upright));
+  root.name = "turn";
+  root.transform = decompose(Mat4(turn));
   return scene.add_node(std::move(root));
 }
 
 void import_objects(Import& import) {
-  const glm::dmat4 upright = mitsuba::upright(import);
-  const Index root = add_root(upright, import.scene);
+  import.turn = mitsuba::turn_of_scene(import);
+  const Index root = add_root(import.turn, import.scene);
   mitsuba::Textures textures(import);
   mitsuba::Shapes shapes(import, textures);
   const mitsuba::Parameters scene(import, *import.document.root);
   for (const Object* object : scene.children({"shape"})) shapes.add(*object, root);
   shapes.finish(root);
-  for (const Object* object : scene.children({"emitter"})) mitsuba::import_emitter(*object, root, upright, import);
+  for (const Object* object : scene.children({"emitter"})) mitsuba::import_emitter(*object, root, import);
   for (const Object* object : scene.children({"sensor"})) mitsuba::import_sensor(*object, root, import);
   for (const Object* object : scene.children({"integrator"})) mitsuba::import_integrator(*object, import);
   scene.children({"bsdf", "texture", "spectrum"});  // used through references
@@ -48,7 +48,7 @@ Scene load_mitsuba_from_memory(std::span<const std::byte> file, const std::files
   scene.name = std::filesystem::path(place).stem().string();
   Warnings warnings(place);
   mitsuba::Files files(base_dir);
-  Import import{mitsuba::read_document(file, files, place, warnings), files, scene, warnings};
+  Import import{mitsuba::read_document(file, files, place, warnings), files, scene, warnings, glm::dmat4(1)};
   import_objects(import);
   scene.warnings = warnings.take();
   scene.notes = warnings.take_notes();

@@ -16,6 +16,7 @@ struct Import {
   Files& files;
   Scene& scene;
   Warnings& warnings;
+  glm::dmat4 turn{1};  ///< from the file's world to relume's; all nodes are below a node with this matrix
 };
 
 /// Use of a spectrum, which decides its colour as in Mitsuba's RGB modes.

@@ -112,6 +112,23 @@ TEST(MitsubaSensor, RightOfTheImageIsRightOfTheScene) {
   EXPECT_LT(pixel.y, 288);
 }
 
+TEST(MitsubaSensor, AMirroredSensorMirrorsTheScene) {
+  const Scene scene = load_mitsuba_text(
+      "<sensor type=\"perspective\"><float name=\"fov\" value=\"60\"/><transform name=\"to_world\"><scale "
+      "x=\"-1\"/><lookat "
+      "origin=\"2, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform></sensor><shape type=\"sphere\"><point "
+      "name=\"center\" x=\"1\" y=\"0.5\" z=\"-1\"/></shape>");
+  size_t sphere = 0;
+  while (scene.nodes[sphere].meshes.empty()) ++sphere;
+  // Mitsuba's local x grows to the left; the mirror reverses it.
+  const glm::dvec3 to_sphere(-1, 0.5, -6);
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(-2, 0, -5));
+  const double left = -glm::dot(glm::normalize(glm::cross(glm::dvec3(0, 1, 0), direction)), to_sphere);
+  const double slope = left / glm::dot(direction, to_sphere) / std::tan(std::acos(-1.0) / 6);
+  const Vec3 position(world_matrices(scene, 0)[sphere] * Vec4(0, 0, 0, 1));
+  EXPECT_NEAR(relume_pixel(view_of(scene, 768, 576), position).x, 384 - 384 * slope, 0.01);
+}
+
 TEST(MitsubaSensor, OrthographicFilmsAreScaledByTheSensor) {
   const Scene scene = load_mitsuba_text(
       "<sensor type=\"orthographic\"><transform name=\"to_world\"><scale x=\"4\" y=\"4\"/><translate x=\"1\" "

@@ -84,6 +84,10 @@ void read_lens(const Parameters& p, Camera& camera, const Import& import) {
   }
 }
 
+bool is_camera(const Object& sensor) {
+  return sensor.type == "perspective" || sensor.type == "thinlens" || sensor.type == "orthographic";
+}
+
 double axis_length(const glm::dmat4& m, int axis) { return glm::length(glm::dvec3(m[axis])); }
 
 /// Mitsuba's film of an orthographic sensor spans [-1, 1] across, in the sensor's axes, which may be scaled.
@@ -135,9 +139,18 @@ double horizontal_fov_rad(const Parameters& sensor, double aspect) {
   return angle;
 }
 
+bool is_mirrored(const Import& import) {
+  for (const Child& child : import.document.root->children) {
+    if (child.object->tag != "sensor" || !is_camera(*child.object)) continue;
+    const std::optional<glm::dmat4> to_world = Parameters(import, *child.object).transform("to_world");
+    return to_world && glm::determinant(glm::dmat3(*to_world)) < 0;
+  }
+  return false;
+}
+
 void import_sensor(const Object& sensor, Index parent, Import& import) {
   const bool is_orthographic = sensor.type == "orthographic";
-  if (!is_orthographic && sensor.type != "perspective" && sensor.type != "thinlens") {
+  if (!is_camera(sensor)) {
     import.warnings.add(fmt::format("{} is not supported and is ignored", name_of(sensor)));
     return;
   }
@@ -157,8 +170,8 @@ void import_sensor(const Object& sensor, Index parent, Import& import) {
   if (sensor.type == "thinlens") read_lens(p, camera, import);
   if (p.number("principal_point_offset_x", 0) != 0 || p.number("principal_point_offset_y", 0) != 0)
     import.warnings.add("the offset of a sensor's principal point is not supported and is ignored");
-  if (glm::determinant(glm::dmat3(to_world)) < 0)
-    import.warnings.add("a sensor's to_world mirrors, which is not supported; the image is not mirrored");
+  if (glm::determinant(glm::dmat3(import.turn * to_world)) < 0)
+    import.warnings.add("a sensor mirrors its image unlike the first one, which is not supported; it does not mirror");
   if (import.scene.cameras.empty()) request_settings(p, film, import);
   Node node;
   node.name = sensor.id;

@@ -10,6 +10,9 @@ namespace relume::mitsuba {
 /// look along +Z with +X to the left; images are the same.
 void import_sensor(const Object& sensor, Index parent, Import& import);
 
+/// Whether the first camera's to_world mirrors.
+bool is_mirrored(const Import& import);
+
 /// Requests the integrator's maximum path length.
 void import_integrator(const Object& integrator, Import& import);
 

@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
 #include <pugixml.hpp>
 
 #include "files/bytes.h"
@@ -53,6 +54,30 @@ bool is_old_version(const std::string& version) {
   const std::optional<double> major = parse_number(std::string_view(version).substr(0, version.find('.')));
   if (!major) throw Error(fmt::format("its version '{}' is no version, such as 3.0.0; correct it", version));
   return *major < 2;
+}
+
+/// Changes parameters of Mitsuba 0.6 as Mitsuba 3 does.
+void upgrade(Object& object) {
+  glm::dvec3 offset(0);
+  glm::dvec3 scale(1);
+  const auto take = [&](const char* name, double& target) {
+    const auto found = std::find_if(object.properties.begin(), object.properties.end(),
+                                    [&](const Property& property) { return property.name == name; });
+    if (found == object.properties.end() || !std::holds_alternative<double>(found->value)) return 0;
+    target = std::get<double>(found->value);
+    object.properties.erase(found);
+    return 1;
+  };
+  const int taken =
+      take("uoffset", offset.x) + take("voffset", offset.y) + take("uscale", scale.x) + take("vscale", scale.y);
+  if (taken > 0) object.properties.push_back({"to_uv", glm::translate(glm::scale(glm::dmat4(1), scale), offset)});
+  if (object.type != "diffuse") return;
+  for (Property& property : object.properties) {
+    if (property.name == "diffuse_reflectance") property.name = "reflectance";
+  }
+  for (Child& child : object.children) {
+    if (child.name == "diffuse_reflectance") child.name = "reflectance";
+  }
 }
 
 }  // namespace
@@ -187,6 +212,7 @@ void XmlReader::read_object(pugi::xml_node& element, const Source& source, Objec
   if (source.is_old) name = underscore_name(name);
   parent.children.push_back({std::move(name), "", &object});
   read_children(element, source, object, depth + 1);
+  if (source.is_old) upgrade(object);
 }
 
 bool XmlReader::read_directive(pugi::xml_node& element, const Source& source, Object& parent) {
