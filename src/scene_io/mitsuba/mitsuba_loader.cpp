@@ -33,7 +33,7 @@ void import_objects(Import& import) {
   shapes.finish(root);
   for (const Object* object : scene.children({"emitter"})) mitsuba::import_emitter(*object, root, import);
   for (const Object* object : scene.children({"sensor"})) mitsuba::import_sensor(*object, root, import);
-  for (const Object* object : scene.children({"integrator"})) mitsuba::import_integrator(*object, import);
+  mitsuba::import_integrators(scene, import);
   scene.children({"bsdf", "texture", "spectrum"});  // used through references
   textures.finish();
   mitsuba::warn_about_unused(import);

@@ -252,6 +252,20 @@ TEST(MitsubaTextures, ImagesAreCombinedIntoChannels) {
   const Texture& g = rough.textures.at(static_cast<size_t>(rough.materials[0].metallic_roughness_texture.texture));
   EXPECT_EQ(rough.materials[0].roughness, 1);
   EXPECT_NEAR(byte_of(g, 2, 1), 255 * std::sqrt(128 / 255.0), 1);
+  const Scene brushed = load_mitsuba_bsdf("<bsdf type=\"roughconductor\">" + bitmap("alpha_u", raw) +
+                                              "<texture type=\"checkerboard\" name=\"alpha_v\">" +
+                                              rgb("color0", "0.04") + rgb("color1", "0.36") + "</texture></bsdf>",
+                                          folder.path());
+  const Material& m = brushed.materials[0];
+  EXPECT_EQ(m.anisotropy, 1);
+  const Texture& narrow = brushed.textures.at(static_cast<size_t>(m.metallic_roughness_texture.texture));
+  const Texture& strength = brushed.textures.at(static_cast<size_t>(m.anisotropy_texture.texture));
+  // Texel 1: white along u, 0.36 along v. Texel 2: 128 / 255 along u, 0.36 along v.
+  EXPECT_NEAR(byte_of(narrow, 1, 1), 0.6 * 255, 1);
+  EXPECT_EQ(byte_of(strength, 1, 2), 255);
+  EXPECT_NEAR(byte_of(strength, 2, 2), 255 * std::sqrt((128 / 255.0 - 0.36) / 0.64), 1);
+  EXPECT_EQ(byte_of(strength, 2, 0), 255);
+  EXPECT_EQ(byte_of(strength, 0, 1), 255);  // texel 0: 0 along u, 0.04 along v
   const Scene both = load_mitsuba_bsdf(
       "<bsdf type=\"principled\">" + bitmap("roughness", raw) + bitmap("metallic", raw) + "</bsdf>", folder.path());
   const Texture& gb = both.textures.at(static_cast<size_t>(both.materials[0].metallic_roughness_texture.texture));

@@ -27,7 +27,12 @@ Material Materials::finish(const Surface& surface, const Emission& emission, con
     m.base_color = Rgb(0);
   }
   m.base_color_texture = textures_.color(surface.color, surface.opacity);
-  m.metallic_roughness_texture = textures_.surface(surface.roughness, surface.roughness_is_alpha, surface.metallic);
+  if (surface.roughness && surface.roughness_v) {
+    m.metallic_roughness_texture = textures_.narrow_widths(*surface.roughness, *surface.roughness_v);
+    m.anisotropy_texture = textures_.anisotropy(*surface.roughness, *surface.roughness_v);
+  } else {
+    m.metallic_roughness_texture = textures_.surface(surface.roughness, surface.roughness_is_alpha, surface.metallic);
+  }
   if (surface.transmission) m.transmission_texture = textures_.scalar(*surface.transmission);
   if (surface.normals) m.normal_texture = textures_.normals(*surface.normals);
   if (surface.bumps) {

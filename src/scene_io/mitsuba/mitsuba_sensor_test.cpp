@@ -183,7 +183,7 @@ TEST(MitsubaSensor, CentredCropsNarrowTheView) {
                              film(300, 200, crop + y + "\"/>") + "</sensor>");
   };
   const Scene scene = load("75");
-  EXPECT_EQ(json::parse(scene.settings_json), json({{"width", 100}, {"height", 50}}));
+  EXPECT_EQ(json::parse(scene.settings_json), json({{"width", 100}, {"height", 50}, {"max-bounces", 1024}}));
   const CameraView camera = view_of(scene, 100, 50);
   const glm::dvec2 expected = mitsuba_pixel(kPoints[1], 70 * std::acos(-1.0) / 180, 300, 200) - glm::dvec2(100, 75);
   const glm::dvec2 actual = relume_pixel(camera, kPoints[1]);

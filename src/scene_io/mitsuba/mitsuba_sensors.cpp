@@ -155,7 +155,7 @@ void import_sensor(const Object& sensor, Index parent, Import& import) {
     return;
   }
   const Parameters p(import, sensor);
-  p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
+  p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close", "focus_distance"});
   const Film film = read_film(p, import);
   const glm::dmat4 to_world = p.transform("to_world").value_or(glm::dmat4(1));
   Camera camera;
@@ -183,17 +183,21 @@ void import_sensor(const Object& sensor, Index parent, Import& import) {
   import.scene.add_node(std::move(node));
 }
 
-void import_integrator(const Object& integrator, Import& import) {
+void import_integrators(const Parameters& parent, Import& import) {
   constexpr int64_t kMostBounces = 1024;  // of --max-bounces
-  const Parameters p(import, integrator);
-  p.ignore({"rr_depth", "hide_emitters", "samples_per_pass", "block_size", "timeout", "aovs", "emitter_samples",
-            "bsdf_samples", "shading_samples"});
-  if (p.boolean("hide_emitters", false))
-    import.warnings.add("hide_emitters is not supported; lamps and the environment are visible");
-  for (const Object* nested : p.children({"integrator"})) import_integrator(*nested, import);
-  if (integrator.type == "direct") request(import.scene, "max-bounces", 1);
-  if (!p.has("max_depth")) return;
-  const int64_t depth = p.integer("max_depth", -1);
+  int64_t depth = -1;                     // no limit
+  for (const Object* integrator : parent.children({"integrator"})) {
+    const Parameters p(import, *integrator);
+    p.ignore({"rr_depth", "samples_per_pass", "block_size", "timeout", "aovs", "emitter_samples", "bsdf_samples",
+              "shading_samples"});
+    if (p.boolean("hide_emitters", false))
+      import.warnings.add("hide_emitters is not supported; lamps and the environment are visible");
+    if (!p.children({"integrator"}).empty()) {
+      import_integrators(p, import);
+      return;
+    }
+    depth = integrator->type == "direct" ? 2 : p.integer("max_depth", -1);
+  }
   request(import.scene, "max-bounces", depth < 0 ? kMostBounces : std::clamp<int64_t>(depth - 1, 0, kMostBounces));
 }
 

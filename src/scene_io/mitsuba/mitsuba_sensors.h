@@ -13,8 +13,9 @@ void import_sensor(const Object& sensor, Index parent, Import& import);
 /// Whether the first camera's to_world mirrors.
 bool is_mirrored(const Import& import);
 
-/// Requests the integrator's maximum path length.
-void import_integrator(const Object& integrator, Import& import);
+/// Requests the maximum path length of the integrators of `parent`. As in Mitsuba, paths without integrator or without
+/// max_depth have no limit.
+void import_integrators(const Parameters& parent, Import& import);
 
 /// Full horizontal angle in radians from Mitsuba's parameters fov, fov_axis and focal_length. Throws Error unless it is
 /// in (0, π).

@@ -101,11 +101,15 @@ void Surfaces::read_color(const Parameters& p, const std::string& name, const Rg
   surface.material.base_color = glm::clamp(surface.material.base_color, Rgb(0), Rgb(1));
 }
 
+bool Surfaces::is_texture(const Parameters& p, const std::string& name) {
+  const Object* child = p.child(name);
+  return child && !color_of(import_, *child, SpectrumUse::reflectance);
+}
+
 float Surfaces::read_scalar(const Parameters& p, const std::string& name, float fallback,
                             std::optional<TextureSource>* texture) {
-  const Object* child = p.child(name);
-  if (child && !color_of(import_, *child, SpectrumUse::reflectance)) {
-    const std::optional<TextureSource> source = textures_.source(*child);
+  if (is_texture(p, name)) {
+    const std::optional<TextureSource> source = textures_.source(*p.child(name));
     if (source && texture) {
       *texture = source;
       return 1;
@@ -122,8 +126,14 @@ void Surfaces::read_alpha(const Parameters& p, Surface& surface) {
   p.ignore({"sample_visible"});
   surface.material.microfacet_model = model_of(p);
   if (p.has("alpha_u") || p.has("alpha_v")) {
-    const float alpha_u = read_scalar(p, "alpha_u", 0.1f, nullptr);
-    set_widths(alpha_u, read_scalar(p, "alpha_v", 0.1f, nullptr), surface.material);
+    const bool has_textures = is_texture(p, "alpha_u") && is_texture(p, "alpha_v");
+    const float alpha_u = read_scalar(p, "alpha_u", 0.1f, has_textures ? &surface.roughness : nullptr);
+    const float alpha_v = read_scalar(p, "alpha_v", 0.1f, has_textures ? &surface.roughness_v : nullptr);
+    set_widths(alpha_u, alpha_v, surface.material);
+    if (surface.roughness && surface.roughness_v) {
+      surface.material.anisotropy = 1;
+      surface.material.microfacet_model = MicrofacetModel::ggx;
+    }
     return;
   }
   surface.roughness_is_alpha = true;

@@ -13,6 +13,7 @@ struct Surface {
   std::optional<TextureSource> color;
   std::optional<TextureSource> opacity;
   std::optional<TextureSource> roughness;
+  std::optional<TextureSource> roughness_v;  ///< width along v, if `roughness` is that along u
   std::optional<TextureSource> metallic;
   std::optional<TextureSource> transmission;
   std::optional<TextureSource> normals;
@@ -49,6 +50,7 @@ class Surfaces {
 
   Rgb conductor_reflectance(const Parameters& p);
   void read_color(const Parameters& p, const std::string& name, const Rgb& fallback, Surface& surface);
+  bool is_texture(const Parameters& p, const std::string& name);
   float read_scalar(const Parameters& p, const std::string& name, float fallback,
                     std::optional<TextureSource>* texture);
   void read_alpha(const Parameters& p, Surface& surface);

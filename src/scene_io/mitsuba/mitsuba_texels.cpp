@@ -49,6 +49,17 @@ int larger(const Texels* a, const Texels* b, int (Texels::*side)() const) {
   return std::max(a ? (a->*side)() : 1, b ? (b->*side)() : 1);
 }
 
+/// Fills a texture from the widths at each texel, in [0, 1].
+void fill_widths(const Texels& alpha_u, const Texels& alpha_v, Texture& texture,
+                 const std::function<Vec4(float, float)>& value) {
+  const int width = larger(&alpha_u, &alpha_v, &Texels::width);
+  const int height = larger(&alpha_u, &alpha_v, &Texels::height);
+  fill(texture, width, height, PixelFormat::rgba8_linear, [&](int x, int y) {
+    return value(saturate(alpha_u.luminance_of(x, y, width, height)),
+                 saturate(alpha_v.luminance_of(x, y, width, height)));
+  });
+}
+
 }  // namespace
 
 Vec4 Texels::at(int x, int y) const {
@@ -101,6 +112,18 @@ void combine_color(const Texels* color, const Texels* opacity, Texture& texture)
     Vec4 value = color ? color->at(scaled(x, color->width(), width), scaled(y, color->height(), height)) : Vec4(1);
     value.w = opacity ? saturate(opacity->luminance_of(x, y, width, height)) : 1.0f;
     return value;
+  });
+}
+
+void combine_narrow_widths(const Texels& alpha_u, const Texels& alpha_v, Texture& texture) {
+  fill_widths(alpha_u, alpha_v, texture, [](float u, float v) { return Vec4(1, safe_sqrt(std::min(u, v)), 1, 1); });
+}
+
+void combine_anisotropy(const Texels& alpha_u, const Texels& alpha_v, Texture& texture) {
+  fill_widths(alpha_u, alpha_v, texture, [](float u, float v) {
+    const float narrow = std::min(u, v);
+    const float strength = narrow < 1 ? safe_sqrt((std::max(u, v) - narrow) / (1 - narrow)) : 0.0f;
+    return u >= v ? Vec4(1, 0.5f, strength, 1) : Vec4(0.5f, 1, strength, 1);
   });
 }
 

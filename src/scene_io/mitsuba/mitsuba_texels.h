@@ -28,6 +28,10 @@ class Texels {
 void combine_surface(const Texels* roughness, bool is_alpha, const Texels* metallic, Texture& texture);
 /// RGB of the first, white if absent, and the luminance of the second as alpha.
 void combine_color(const Texels* color, const Texels* opacity, Texture& texture);
+/// For microfacets of the widths `alpha_u` and `alpha_v`: G the roughness of the narrower direction.
+void combine_narrow_widths(const Texels& alpha_u, const Texels& alpha_v, Texture& texture);
+/// The same: RG the wider direction, B the strength of anisotropy, as in KHR_materials_anisotropy.
+void combine_anisotropy(const Texels& alpha_u, const Texels& alpha_v, Texture& texture);
 /// The luminance in all channels.
 void spread_luminance(const Texels& source, Texture& texture);
 /// Normal map of a height field: normals (-slope.x ∂h/∂u, -slope.y ∂h/∂v, 1) from central differences.

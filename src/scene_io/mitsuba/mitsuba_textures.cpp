@@ -131,6 +131,14 @@ TextureRef Textures::surface(const std::optional<TextureSource>& roughness, bool
   return request({.recipe = Recipe::surface, .first = roughness, .second = metallic, .is_alpha = is_alpha});
 }
 
+TextureRef Textures::narrow_widths(const TextureSource& alpha_u, const TextureSource& alpha_v) {
+  return request({.recipe = Recipe::narrow_widths, .first = alpha_u, .second = alpha_v});
+}
+
+TextureRef Textures::anisotropy(const TextureSource& alpha_u, const TextureSource& alpha_v) {
+  return request({.recipe = Recipe::anisotropy, .first = alpha_u, .second = alpha_v});
+}
+
 TextureRef Textures::scalar(const TextureSource& source) {
   return request({.recipe = Recipe::scalar, .first = source, .second = {}});
 }
@@ -209,6 +217,8 @@ void Textures::make(const Request& request, const std::array<ImageFile, 2>& file
   Texture made = first && is_plain ? first->image() : constant_texture(is_normal || request.recipe == Recipe::bumps);
   if (request.recipe == Recipe::color && request.second) combine_color(first, second, made);
   if (request.recipe == Recipe::surface) combine_surface(first, request.is_alpha, second, made);
+  if (request.recipe == Recipe::narrow_widths && first && second) combine_narrow_widths(*first, *second, made);
+  if (request.recipe == Recipe::anisotropy && first && second) combine_anisotropy(*first, *second, made);
   if (request.recipe == Recipe::scalar && first) spread_luminance(*first, made);
   if (request.recipe == Recipe::bumps && first) make_normals(*first, request.slope, made);
   if (first && is_plain) made.file = files[0].bytes;

@@ -39,6 +39,9 @@ class Textures {
   /// G the roughness and B the metalness. `is_alpha`: the first holds the width α, whose square root is the roughness.
   TextureRef surface(const std::optional<TextureSource>& roughness, bool is_alpha,
                      const std::optional<TextureSource>& metallic);
+  /// glTF's textures of roughness and of anisotropy for microfacets of these widths along u and v.
+  TextureRef narrow_widths(const TextureSource& alpha_u, const TextureSource& alpha_v);
+  TextureRef anisotropy(const TextureSource& alpha_u, const TextureSource& alpha_v);
   /// The luminance in all channels.
   TextureRef scalar(const TextureSource& source);
   TextureRef normals(const TextureSource& source);
@@ -52,7 +55,7 @@ class Textures {
   void finish();
 
  private:
-  enum class Recipe : uint8_t { color, surface, scalar, normals, bumps };
+  enum class Recipe : uint8_t { color, surface, narrow_widths, anisotropy, scalar, normals, bumps };
 
   struct Request {
     Recipe recipe = Recipe::color;
