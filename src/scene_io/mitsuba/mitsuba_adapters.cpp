@@ -100,37 +100,72 @@ Surface Surfaces::bumped(const Parameters& p) {
 Surface mixture(const Surface& a, const Surface& b, float weight) {
   Surface mixed = chosen(a, b, weight);
   Material& m = mixed.material;
-  const auto mix = [&](auto Material::*member) {
-    m.*member = glm::mix(a.material.*member, b.material.*member, weight);
+  const auto mix = [&](float w, auto Material::*member) {
+    m.*member = glm::mix(a.material.*member, b.material.*member, w);
   };
-  for (auto member :
-       {&Material::alpha, &Material::metallic, &Material::roughness, &Material::ior, &Material::specular,
-        &Material::transmission, &Material::clearcoat, &Material::clearcoat_roughness, &Material::diffuse_transmission})
-    mix(member);
-  for (auto member : {&Material::base_color, &Material::specular_color, &Material::sheen_color,
-                      &Material::diffuse_transmission_color})
-    mix(member);
+  for (auto member : {&Material::alpha, &Material::metallic, &Material::roughness, &Material::clearcoat,
+                      &Material::clearcoat_roughness, &Material::diffuse_transmission})
+    mix(weight, member);
+  for (auto member : {&Material::base_color, &Material::sheen_color, &Material::diffuse_transmission_color})
+    mix(weight, member);
+  // What metals lack comes from the other material alone.
+  const float dielectric_a = (1 - weight) * (1 - a.material.metallic);
+  const float dielectric_b = weight * (1 - b.material.metallic);
+  const float sum = dielectric_a + dielectric_b;
+  const float dielectric = sum > 0 ? dielectric_b / sum : weight;
+  for (auto member : {&Material::ior, &Material::specular, &Material::transmission}) mix(dielectric, member);
+  mix(dielectric, &Material::specular_color);
   m.thickness = std::max(a.material.thickness, b.material.thickness);
   return mixed;
+}
+
+void Surfaces::blend_textures(const TextureSource& weight, const Surface& a, const Surface& b, Surface& mixed) {
+  TexturedBlend blend{.weight = weight, .images = {a.color, b.color}};
+  const Surface* ends[] = {&a, &b};
+  for (size_t i = 0; i < 2; ++i) {
+    const Surface& end = *ends[i];
+    blend.colors[i] = end.material.base_color;
+    if (blend.images[i] && !same_placement(*blend.images[i], weight)) {
+      blend.colors[i] *= textures_.mean(*blend.images[i]);
+      blend.images[i].reset();
+    }
+    float roughness = end.material.roughness;
+    if (end.roughness) {
+      const float mean = luminance(textures_.mean(*end.roughness));
+      roughness *= end.roughness_is_alpha ? safe_sqrt(mean) : mean;
+    }
+    const float metallic = end.metallic ? luminance(textures_.mean(*end.metallic)) : 1.0f;
+    blend.surfaces[i] = Rgb(1, roughness, end.material.metallic * metallic);
+  }
+  mixed.color.reset();
+  mixed.roughness.reset();
+  mixed.roughness_v.reset();
+  mixed.metallic.reset();
+  mixed.material.base_color = Rgb(1);
+  mixed.material.roughness = mixed.material.metallic = 1;
+  mixed.blend = std::move(blend);
 }
 
 Surface Surfaces::blend(const Parameters& p) {
   const std::vector<const Object*> inner = p.children({"bsdf"});
   if (inner.size() != 2) p.fail("it needs two BSDFs");
-  const float weight = saturate(read_scalar(p, "weight", 0.5f, nullptr));
+  std::optional<TextureSource> texture;
+  float weight = saturate(read_scalar(p, "weight", 0.5f, &texture));
   const Surface a = of(*inner[0]);
   const Surface b = of(*inner[1]);
   if (a.is_null != b.is_null) {
     // The other one, with an opacity.
     Surface surface = a.is_null ? b : a;
+    if (texture) weight = luminance(textures_.mean(*texture));
     surface.material.alpha *= a.is_null ? weight : 1 - weight;
     surface.material.alpha_mode = AlphaMode::blend;
     return surface;
   }
-  import_.warnings.add(
-      "a 'blendbsdf' becomes one material with the mean parameters of both and the textures of the "
-      "stronger one");
-  return mixture(a, b, weight);
+  import_.warnings.add("a 'blendbsdf' becomes one material with interpolated parameters");
+  if (!texture) return mixture(a, b, weight);
+  Surface mixed = mixture(a, b, luminance(textures_.mean(*texture)));
+  blend_textures(*texture, a, b, mixed);
+  return mixed;
 }
 
 }  // namespace relume::mitsuba

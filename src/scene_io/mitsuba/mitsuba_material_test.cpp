@@ -152,6 +152,7 @@ TEST(MitsubaMaterials, AdaptersChangeTheirBsdf) {
   const Material blend = material("blendbsdf", number("weight", 0.25) + diffuse + metal);
   EXPECT_FLOAT_EQ(blend.metallic, 0.25f);
   expect_near(blend.base_color, Rgb(0.4f), 1e-6f);  // 0.75 · 0.2 + 0.25
+  EXPECT_EQ(blend.specular, 0);                     // of the diffuse BSDF; metals have none
   const Material sieve = material("blendbsdf", number("weight", 0.25) + "<bsdf type=\"null\"/>" + diffuse);
   EXPECT_EQ(sieve.alpha, 0.25f);
   EXPECT_NE(error_of([] { material("twosided"); }).find("contains no BSDF"), std::string::npos);
@@ -278,6 +279,27 @@ TEST(MitsubaTextures, ImagesAreCombinedIntoChannels) {
   EXPECT_EQ(byte_of(rgba, 3, 0), 255);
   EXPECT_EQ(byte_of(rgba, 3, 3), std::lround(0.2126 * 255));
   EXPECT_EQ(byte_of(rgba, 2, 0), 128);
+}
+
+TEST(MitsubaTextures, BlendsFollowTheirWeight) {
+  const Pictured folder;
+  const Scene scene =
+      load_mitsuba_bsdf("<bsdf type=\"blendbsdf\">" + bitmap("weight", "<boolean name=\"raw\" value=\"true\"/>") +
+                            "<bsdf type=\"diffuse\">" + rgb("reflectance", "0.2") +
+                            "</bsdf><bsdf type=\"roughconductor\">" + number("alpha", 0.04) + "</bsdf></bsdf>",
+                        folder.path());
+  const Material& m = scene.materials[0];
+  const Texture& color = scene.textures.at(static_cast<size_t>(m.base_color_texture.texture));
+  const Texture& surface = scene.textures.at(static_cast<size_t>(m.metallic_roughness_texture.texture));
+  EXPECT_EQ(m.base_color, Rgb(1));
+  // Texel 0: the first. Texel 1: the second. Texel 2: between them, at 128 / 255.
+  EXPECT_EQ(byte_of(color, 0, 0), std::lround(255 * srgb_from_linear(0.2f)));
+  EXPECT_EQ(byte_of(color, 1, 0), 255);
+  EXPECT_EQ(byte_of(surface, 0, 2), 0);
+  EXPECT_EQ(byte_of(surface, 1, 2), 255);
+  EXPECT_EQ(byte_of(surface, 2, 2), 128);
+  EXPECT_EQ(byte_of(surface, 0, 1), 255);
+  EXPECT_EQ(byte_of(surface, 1, 1), 51);  // √0.04
 }
 
 TEST(MitsubaTextures, TheMeanReplacesTexturesWithoutEquivalent) {

@@ -27,7 +27,10 @@ Material Materials::finish(const Surface& surface, const Emission& emission, con
     m.base_color = Rgb(0);
   }
   m.base_color_texture = textures_.color(surface.color, surface.opacity);
-  if (surface.roughness && surface.roughness_v) {
+  if (const std::optional<TexturedBlend>& blend = surface.blend) {
+    m.base_color_texture = textures_.mixed_color(blend->weight, blend->images, blend->colors);
+    m.metallic_roughness_texture = textures_.mixed_surface(blend->weight, blend->surfaces);
+  } else if (surface.roughness && surface.roughness_v) {
     m.metallic_roughness_texture = textures_.narrow_widths(*surface.roughness, *surface.roughness_v);
     m.anisotropy_texture = textures_.anisotropy(*surface.roughness, *surface.roughness_v);
   } else {

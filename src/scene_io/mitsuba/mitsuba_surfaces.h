@@ -7,6 +7,14 @@
 
 namespace relume::mitsuba {
 
+/// A blend whose weight is a texture: two ends and the weight of the second one.
+struct TexturedBlend {
+  TextureSource weight;
+  std::array<std::optional<TextureSource>, 2> images;  ///< of the colours
+  std::array<Rgb, 2> colors{};
+  std::array<Rgb, 2> surfaces{};  ///< G roughness, B metalness
+};
+
 /// A BSDF: a material, and textures that multiply its factors.
 struct Surface {
   Material material;  ///< without textures
@@ -18,6 +26,7 @@ struct Surface {
   std::optional<TextureSource> transmission;
   std::optional<TextureSource> normals;
   std::optional<TextureSource> bumps;  ///< heights
+  std::optional<TexturedBlend> blend;  ///< replaces colour, roughness and metalness
   bool roughness_is_alpha = false;     ///< whether `roughness` holds the width α of microfacets
   float bump_scale = 1;
   bool is_null = false;  ///< lets all light pass
@@ -47,6 +56,7 @@ class Surfaces {
   Surface mask(const Parameters& p);
   Surface bumped(const Parameters& p);
   Surface blend(const Parameters& p);
+  void blend_textures(const TextureSource& weight, const Surface& a, const Surface& b, Surface& mixed);
 
   Rgb conductor_reflectance(const Parameters& p);
   void read_color(const Parameters& p, const std::string& name, const Rgb& fallback, Surface& surface);

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <functional>
 
+#include <glm/common.hpp>
+
 #include "core/srgb.h"
 
 namespace relume::mitsuba {
@@ -78,9 +80,9 @@ Vec4 Texels::at(int x, int y) const {
   return value;
 }
 
-float Texels::luminance_of(int x, int y, int width, int height) const {
+Vec4 Texels::at(int x, int y, int width, int height) const {
   const auto scaled = [](int i, int to, int from) { return static_cast<int>((2 * int64_t{i} + 1) * to / (2 * from)); };
-  return luminance(Rgb(at(scaled(x, image_.width, width), scaled(y, image_.height, height))));
+  return at(scaled(x, image_.width, width), scaled(y, image_.height, height));
 }
 
 Rgb Texels::mean() const {
@@ -106,10 +108,7 @@ void combine_color(const Texels* color, const Texels* opacity, Texture& texture)
   const int height = larger(color, opacity, &Texels::height);
   const PixelFormat format = is_float(color) ? PixelFormat::rgba32_float : PixelFormat::rgba8_srgb;
   fill(texture, width, height, format, [&](int x, int y) {
-    const auto scaled = [](int i, int to, int from) {
-      return static_cast<int>((2 * int64_t{i} + 1) * to / (2 * from));
-    };
-    Vec4 value = color ? color->at(scaled(x, color->width(), width), scaled(y, color->height(), height)) : Vec4(1);
+    Vec4 value = color ? color->at(x, y, width, height) : Vec4(1);
     value.w = opacity ? saturate(opacity->luminance_of(x, y, width, height)) : 1.0f;
     return value;
   });
@@ -124,6 +123,19 @@ void combine_anisotropy(const Texels& alpha_u, const Texels& alpha_v, Texture& t
     const float narrow = std::min(u, v);
     const float strength = narrow < 1 ? safe_sqrt((std::max(u, v) - narrow) / (1 - narrow)) : 0.0f;
     return u >= v ? Vec4(1, 0.5f, strength, 1) : Vec4(0.5f, 1, strength, 1);
+  });
+}
+
+void mix(const Texels& weight, const std::array<const Texels*, 2>& images, const std::array<Rgb, 2>& ends,
+         bool is_color, Texture& texture) {
+  const int width = std::max(weight.width(), larger(images[0], images[1], &Texels::width));
+  const int height = std::max(weight.height(), larger(images[0], images[1], &Texels::height));
+  const auto end = [&](size_t i, int x, int y) {
+    return images[i] ? ends[i] * Rgb(images[i]->at(x, y, width, height)) : ends[i];
+  };
+  fill(texture, width, height, is_color ? PixelFormat::rgba8_srgb : PixelFormat::rgba8_linear, [&](int x, int y) {
+    const float w = saturate(weight.luminance_of(x, y, width, height));
+    return Vec4(glm::mix(end(0, x, y), end(1, x, y), w), 1);
   });
 }
 

@@ -1,6 +1,9 @@
 // Texels of Mitsuba's textures, and images made of them.
 #pragma once
 
+#include <array>
+
+#include "core/vec.h"
 #include "scene/scene.h"
 
 namespace relume::mitsuba {
@@ -14,8 +17,10 @@ class Texels {
   int height() const { return image_.height; }
   /// Linear value of a texel; coordinates outside the image follow its wrap mode.
   Vec4 at(int x, int y) const;
-  /// Luminance of the texel nearest to the centre of texel (x, y) of an image of another size.
-  float luminance_of(int x, int y, int width, int height) const;
+  /// Value of the texel nearest to the centre of texel (x, y) of an image of another size.
+  Vec4 at(int x, int y, int width, int height) const;
+  /// Its luminance.
+  float luminance_of(int x, int y, int width, int height) const { return luminance(Rgb(at(x, y, width, height))); }
   Rgb mean() const;
   const Texture& image() const { return image_; }
 
@@ -32,6 +37,10 @@ void combine_color(const Texels* color, const Texels* opacity, Texture& texture)
 void combine_narrow_widths(const Texels& alpha_u, const Texels& alpha_v, Texture& texture);
 /// The same: RG the wider direction, B the strength of anisotropy, as in KHR_materials_anisotropy.
 void combine_anisotropy(const Texels& alpha_u, const Texels& alpha_v, Texture& texture);
+/// Values between two ends at the luminance of `weight`; images multiply the ends where present. Stored as sRGB, or
+/// linear for data.
+void mix(const Texels& weight, const std::array<const Texels*, 2>& images, const std::array<Rgb, 2>& ends,
+         bool is_color, Texture& texture);
 /// The luminance in all channels.
 void spread_luminance(const Texels& source, Texture& texture);
 /// Normal map of a height field: normals (-slope.x ∂h/∂u, -slope.y ∂h/∂v, 1) from central differences.

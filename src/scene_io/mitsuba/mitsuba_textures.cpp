@@ -105,9 +105,11 @@ std::optional<TextureSource> Textures::source(const Object& texture) {
 }
 
 TextureRef Textures::request(Request request) {
-  const TextureSource& lead = request.first ? *request.first : *request.second;
-  const std::string key = fmt::format("{}|{}|{}|{}:{}|{}", static_cast<int>(request.recipe), key_of(request.first),
-                                      key_of(request.second), request.slope.x, request.slope.y, request.is_alpha);
+  const TextureSource& lead = request.sources[0] ? *request.sources[0] : *request.sources[1];
+  std::string key =
+      fmt::format("{}|{}|{}:{}", static_cast<int>(request.recipe), request.is_alpha, request.slope.x, request.slope.y);
+  for (const std::optional<TextureSource>& source : request.sources) key += "|" + key_of(source);
+  for (const Rgb& end : request.ends) key += fmt::format("|{}:{}:{}", end.r, end.g, end.b);
   const auto [known, is_new] = known_.try_emplace(key, static_cast<Index>(requests_.size()));
   TextureRef ref = lead.placement;
   ref.texture = known->second;
@@ -122,33 +124,42 @@ TextureRef Textures::request(Request request) {
 
 TextureRef Textures::color(const std::optional<TextureSource>& color, const std::optional<TextureSource>& opacity) {
   if (!color && !opacity) return {};
-  return request({.recipe = Recipe::color, .first = color, .second = opacity});
+  return request({.recipe = Recipe::color, .sources = {color, opacity, {}}});
 }
 
 TextureRef Textures::surface(const std::optional<TextureSource>& roughness, bool is_alpha,
                              const std::optional<TextureSource>& metallic) {
   if (!roughness && !metallic) return {};
-  return request({.recipe = Recipe::surface, .first = roughness, .second = metallic, .is_alpha = is_alpha});
+  return request({.recipe = Recipe::surface, .sources = {roughness, metallic, {}}, .is_alpha = is_alpha});
 }
 
 TextureRef Textures::narrow_widths(const TextureSource& alpha_u, const TextureSource& alpha_v) {
-  return request({.recipe = Recipe::narrow_widths, .first = alpha_u, .second = alpha_v});
+  return request({.recipe = Recipe::narrow_widths, .sources = {alpha_u, alpha_v, {}}});
 }
 
 TextureRef Textures::anisotropy(const TextureSource& alpha_u, const TextureSource& alpha_v) {
-  return request({.recipe = Recipe::anisotropy, .first = alpha_u, .second = alpha_v});
+  return request({.recipe = Recipe::anisotropy, .sources = {alpha_u, alpha_v, {}}});
+}
+
+TextureRef Textures::mixed_color(const TextureSource& weight, const std::array<std::optional<TextureSource>, 2>& images,
+                                 const std::array<Rgb, 2>& ends) {
+  return request({.recipe = Recipe::mixed_color, .sources = {weight, images[0], images[1]}, .ends = ends});
+}
+
+TextureRef Textures::mixed_surface(const TextureSource& weight, const std::array<Rgb, 2>& ends) {
+  return request({.recipe = Recipe::mixed_surface, .sources = {weight, {}, {}}, .ends = ends});
 }
 
 TextureRef Textures::scalar(const TextureSource& source) {
-  return request({.recipe = Recipe::scalar, .first = source, .second = {}});
+  return request({.recipe = Recipe::scalar, .sources = {source, {}, {}}});
 }
 
 TextureRef Textures::normals(const TextureSource& source) {
-  return request({.recipe = Recipe::normals, .first = source, .second = {}});
+  return request({.recipe = Recipe::normals, .sources = {source, {}, {}}});
 }
 
 TextureRef Textures::bumps(const TextureSource& heights, const Vec2& slope) {
-  return request({.recipe = Recipe::bumps, .first = heights, .second = {}, .slope = slope});
+  return request({.recipe = Recipe::bumps, .sources = {heights, {}, {}}, .slope = slope});
 }
 
 Rgb Textures::mean(const TextureSource& source) {
@@ -181,7 +192,7 @@ Textures::ImageFile Textures::read(const std::optional<TextureSource>& source) c
   return file;
 }
 
-void Textures::limit(std::vector<std::array<ImageFile, 2>>& files) const {
+void Textures::limit(std::vector<ImageFiles>& files) const {
   DecodeBudget budget;
   for (size_t i = 0; i < files.size(); ++i) {
     for (ImageFile& file : files[i]) {
@@ -195,44 +206,72 @@ void Textures::limit(std::vector<std::array<ImageFile, 2>>& files) const {
   }
 }
 
-void Textures::make(const Request& request, const std::array<ImageFile, 2>& files, Texture& texture,
-                    Warnings& warnings) const {
-  const bool is_normal = request.recipe == Recipe::normals;
-  std::array<std::optional<Texels>, 2> images;
-  for (size_t i = 0; i < 2; ++i) {
-    const std::optional<TextureSource>& source = i == 0 ? request.first : request.second;
+Texture Textures::made(const Request& request, const std::array<const Texels*, 3>& images) {
+  const Texels* first = images[0];
+  const Texels* second = images[1];
+  const bool is_bumpy = request.recipe == Recipe::normals || request.recipe == Recipe::bumps;
+  const bool is_plain = request.recipe == Recipe::normals || (request.recipe == Recipe::color && !request.sources[1]);
+  if (first && is_plain) return first->image();
+  Texture texture = constant_texture(is_bumpy);
+  switch (request.recipe) {
+    case Recipe::color:
+      if (request.sources[1]) combine_color(first, second, texture);
+      break;
+    case Recipe::surface: combine_surface(first, request.is_alpha, second, texture); break;
+    case Recipe::narrow_widths:
+      if (first && second) combine_narrow_widths(*first, *second, texture);
+      break;
+    case Recipe::anisotropy:
+      if (first && second) combine_anisotropy(*first, *second, texture);
+      break;
+    case Recipe::mixed_color:
+    case Recipe::mixed_surface:
+      if (first) mix(*first, {images[1], images[2]}, request.ends, request.recipe == Recipe::mixed_color, texture);
+      break;
+    case Recipe::scalar:
+      if (first) spread_luminance(*first, texture);
+      break;
+    case Recipe::bumps:
+      if (first) make_normals(*first, request.slope, texture);
+      break;
+    case Recipe::normals: break;
+  }
+  return texture;
+}
+
+void Textures::make(const Request& request, const ImageFiles& files, Texture& texture, Warnings& warnings) const {
+  std::array<std::optional<Texels>, 3> images;
+  std::array<const Texels*, 3> usable{};
+  for (size_t i = 0; i < images.size(); ++i) {
+    const std::optional<TextureSource>& source = request.sources[i];
     if (!source) continue;
     try {
       if (!source->file.empty() && !files[i].bytes) throw Error(files[i].problem);
       const std::span<const std::byte> bytes =
           files[i].bytes ? std::span<const std::byte>(*files[i].bytes) : std::span<const std::byte>();
+      const bool is_normal = request.recipe == Recipe::normals;
       images[i] = decode(*source, bytes, is_normal ? PixelFormat::rgba8_linear : format_of(*source), warnings);
+      usable[i] = &*images[i];
     } catch (const std::exception& error) {
       warnings.add(fmt::format("{}; one texel of a constant value replaces the texture", error.what()));
     }
   }
-  const Texels* first = images[0] ? &*images[0] : nullptr;
-  const Texels* second = images[1] ? &*images[1] : nullptr;
-  const bool is_plain = is_normal || (request.recipe == Recipe::color && !request.second);
-  Texture made = first && is_plain ? first->image() : constant_texture(is_normal || request.recipe == Recipe::bumps);
-  if (request.recipe == Recipe::color && request.second) combine_color(first, second, made);
-  if (request.recipe == Recipe::surface) combine_surface(first, request.is_alpha, second, made);
-  if (request.recipe == Recipe::narrow_widths && first && second) combine_narrow_widths(*first, *second, made);
-  if (request.recipe == Recipe::anisotropy && first && second) combine_anisotropy(*first, *second, made);
-  if (request.recipe == Recipe::scalar && first) spread_luminance(*first, made);
-  if (request.recipe == Recipe::bumps && first) make_normals(*first, request.slope, made);
-  if (first && is_plain) made.file = files[0].bytes;
-  texture.width = made.width;
-  texture.height = made.height;
-  texture.format = made.format;
-  texture.texels = std::move(made.texels);
-  texture.file = std::move(made.file);
+  Texture result = made(request, usable);
+  const bool is_unchanged =
+      usable[0] && (request.recipe == Recipe::normals || (request.recipe == Recipe::color && !request.sources[1]));
+  texture.width = result.width;
+  texture.height = result.height;
+  texture.format = result.format;
+  texture.texels = std::move(result.texels);
+  texture.file = is_unchanged ? files[0].bytes : nullptr;
 }
 
 void Textures::finish() {
   Activity activity("decoding textures", requests_.size());
-  std::vector<std::array<ImageFile, 2>> files(requests_.size());
-  parallel_for(requests_.size(), [&](size_t i) { files[i] = {read(requests_[i].first), read(requests_[i].second)}; });
+  std::vector<ImageFiles> files(requests_.size());
+  parallel_for(requests_.size(), [&](size_t i) {
+    for (size_t k = 0; k < files[i].size(); ++k) files[i][k] = read(requests_[i].sources[k]);
+  });
   limit(files);
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
   parallel_for(requests_.size(), [&](size_t i) {

@@ -10,6 +10,7 @@
 
 #include "files/bytes.h"
 #include "scene_io/mitsuba/mitsuba_parameters.h"
+#include "scene_io/mitsuba/mitsuba_texels.h"
 
 namespace relume::mitsuba {
 
@@ -42,6 +43,12 @@ class Textures {
   /// glTF's textures of roughness and of anisotropy for microfacets of these widths along u and v.
   TextureRef narrow_widths(const TextureSource& alpha_u, const TextureSource& alpha_v);
   TextureRef anisotropy(const TextureSource& alpha_u, const TextureSource& alpha_v);
+  /// Colours between `ends`, which images multiply, at the luminance of `weight`: 0 gives the first. The images must
+  /// have the placement of `weight`.
+  TextureRef mixed_color(const TextureSource& weight, const std::array<std::optional<TextureSource>, 2>& images,
+                         const std::array<Rgb, 2>& ends);
+  /// The same for G the roughness and B the metalness.
+  TextureRef mixed_surface(const TextureSource& weight, const std::array<Rgb, 2>& ends);
   /// The luminance in all channels.
   TextureRef scalar(const TextureSource& source);
   TextureRef normals(const TextureSource& source);
@@ -55,13 +62,16 @@ class Textures {
   void finish();
 
  private:
-  enum class Recipe : uint8_t { color, surface, narrow_widths, anisotropy, scalar, normals, bumps };
-
-  struct Request {
-    Recipe recipe = Recipe::color;
-    std::optional<TextureSource> first, second;
-    bool is_alpha = false;
-    Vec2 slope{0};
+  enum class Recipe : uint8_t {
+    color,
+    surface,
+    narrow_widths,
+    anisotropy,
+    mixed_color,
+    mixed_surface,
+    scalar,
+    normals,
+    bumps
   };
 
   struct ImageFile {
@@ -70,10 +80,21 @@ class Textures {
     std::string problem;
   };
 
+  struct Request {
+    Recipe recipe = Recipe::color;
+    std::array<std::optional<TextureSource>, 3> sources{};
+    bool is_alpha = false;
+    Vec2 slope{0};
+    std::array<Rgb, 2> ends{};  ///< factors of the second and third source, or their values if absent
+  };
+  using ImageFiles = std::array<ImageFile, 3>;
+
   TextureRef request(Request request);
   ImageFile read(const std::optional<TextureSource>& source) const;
-  void limit(std::vector<std::array<ImageFile, 2>>& files) const;
-  void make(const Request& request, const std::array<ImageFile, 2>& files, Texture& texture, Warnings& warnings) const;
+  void limit(std::vector<ImageFiles>& files) const;
+  /// Texture of a recipe; constant if an image is missing.
+  static Texture made(const Request& request, const std::array<const Texels*, 3>& images);
+  void make(const Request& request, const ImageFiles& files, Texture& texture, Warnings& warnings) const;
 
   Import& import_;
   std::map<std::string, Index> known_;  ///< by a text of the request
