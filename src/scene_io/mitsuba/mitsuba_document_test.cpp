@@ -196,11 +196,13 @@ TEST(MitsubaXml, UnknownParametersGiveOneWarning) {
 TEST(MitsubaXml, MissingFilesAreRecorded) {
   const SceneFolder folder;
   folder.write("main.xml",
-               "<scene version=\"3.0.0\"><shape type=\"obj\"><string name=\"filename\" value=\"gone.obj\"/></shape>"
+               "<scene version=\"3.0.0\"><shape type=\"obj\"><string name=\"filename\" value=\"gone.obj\"/><bsdf "
+               "type=\"diffuse\"/></shape>"
                "<shape type=\"cube\"/></scene>");
   const Scene scene = load_scene(folder.path() / "main.xml");
   EXPECT_EQ(scene.source_files,
             (std::vector<std::filesystem::path>{folder.path() / "main.xml", folder.path() / "gone.obj"}));
+  EXPECT_EQ(scene.warnings.size(), 1u);
   EXPECT_TRUE(mentions(scene.warnings, "its shape is left out"));
 }
 

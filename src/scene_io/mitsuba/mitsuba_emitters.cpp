@@ -96,6 +96,7 @@ glm::dmat4 turn_of_scene(const Import& import) {
 }
 
 void import_emitter(const Object& emitter, Index parent, Import& import) {
+  if (emitter.type == "area") return;  // shines on the shapes that refer to it
   Environment& environment = import.scene.environment;
   const bool is_environment = emitter.type == "constant" || emitter.type == "envmap" || is_daylight(emitter);
   if (is_environment && environment.kind != EnvironmentKind::automatic) {

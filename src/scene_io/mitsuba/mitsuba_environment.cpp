@@ -68,6 +68,7 @@ void import_environment_map(const Parameters& p, Import& import) {
     load_environment_map(*file, environment);
   } catch (const std::exception& error) {
     environment.kind = EnvironmentKind::automatic;
+    p.object().read = false;  // no warnings about the parameters of a missing map
     import.warnings.add(fmt::format("{}; the environment map is left out", error.what()));
     return;
   }

@@ -175,6 +175,10 @@ TEST(MitsubaMaterials, AreaLights) {
   EXPECT_EQ(scene.materials[0].emission, Rgb(3, 2, 1));
   EXPECT_EQ(scene.materials[0].base_color, Rgb(0));
   EXPECT_FALSE(scene.materials[0].double_sided);
+  const Scene shared =
+      load_mitsuba_text("<emitter type=\"area\" id=\"lamp\"/><shape type=\"rectangle\"><ref id=\"lamp\"/></shape>");
+  EXPECT_EQ(shared.materials[0].emission, Rgb(1));
+  EXPECT_TRUE(shared.warnings.empty());
 }
 
 /// Folder with "a.png" of two texels by two: black, white above grey, red.

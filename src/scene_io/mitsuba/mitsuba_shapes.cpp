@@ -181,7 +181,11 @@ std::optional<Shapes::Placed> Shapes::place(const Object& shape) {
                                      name_of(shape), kMaxCoordinate));
     return std::nullopt;
   }
-  if (mesh) placed.mesh = mesh_of(p, *mesh, key, placed.to_world);
+  if (!mesh) {
+    shape.read = false;  // no warnings about the parameters of a missing shape
+    return std::nullopt;
+  }
+  placed.mesh = mesh_of(p, *mesh, key, placed.to_world);
   return placed.mesh == kNone ? std::nullopt : std::optional(placed);
 }
 
