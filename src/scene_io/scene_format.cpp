@@ -34,8 +34,8 @@ constexpr const char* kPbrtContents =
     "shapes, objects with instances, textures, materials, lights, environment, camera, film, motion of transforms of "
     "pbrt-v4; turned to +Y up, and mirrored where pbrt's camera is left-handed ([details](formats.md#pbrt))";
 constexpr const char* kMitsubaContents =
-    "scenes of Mitsuba 3, and of Mitsuba 0.6 as far as 3 reads them: shapes (obj, ply, serialized, rectangle, cube, "
-    "sphere, disk, cylinder), instances, BSDFs, textures, emitters, sensors, parameters and includes";
+    "scenes of Mitsuba 3, and of 0.6 as far as 3 reads them: shapes, instances, BSDFs, textures, emitters, sensors, "
+    "parameters, includes ([details](formats.md#mitsuba))";
 constexpr const char* kAssimpContents =
     "nodes, meshes, materials, textures, lights and cameras, through assimp; lengths and axes are unchanged";
 constexpr const char* kAssimpMetricContents =

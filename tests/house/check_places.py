@@ -10,7 +10,7 @@ import house
 REPRESENTATIVES = (
     ("the scene format Mitsuba", re.compile(r"(?<![a-z])mitsuba(?![a-z])", re.IGNORECASE), 2, "src/scene_io/mitsuba/"),
     ("the material parameter iridescence_ior", re.compile(r"\biridescence_ior\b"), 4, None),
-    ("the light type spot", re.compile(r"\bPunctualType::spot\b|\bLightKind::spot\b|\bSpotLight\b|\bspot\b(?=[^;]*\bdirectional\b)"), 9, None),
+    ("the light type spot", re.compile(r"\bPunctualType::spot\b|\bLightKind::spot\b|\bSpotLight\b|\bspot\b(?=[^;]*\bdirectional\b)"), 8, None),
 )
 FOLDERS = ("include", "src", "apps")
 

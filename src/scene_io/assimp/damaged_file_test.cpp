@@ -18,10 +18,10 @@ constexpr long kLimit_KiB = 2 << 20;
 
 std::string extension_of(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-/// Whether the format has no structure beyond meshes: not glTF, JSON or Mitsuba.
+/// Whether the format is none of whole scenes: not glTF, JSON, pbrt or Mitsuba.
 bool is_mesh_format(const ExampleFile& file) {
   const std::string extension = extension_of(file.name);
-  return extension != "gltf" && extension != "glb" && extension != "json" && extension != "xml";
+  return extension != "gltf" && extension != "glb" && extension != "json" && extension != "pbrt" && extension != "xml";
 }
 
 /// Truncates a third of the files. In others, changes up to eight bytes to any value or to a character of text formats.
