@@ -16,7 +16,11 @@ struct RenderLimits {
   uint32_t samples = 0;  ///< samples per pixel of this image, on average, including those of a loaded checkpoint
   double time_s = 0;     ///< seconds in this loop
   double error = 0;      ///< relative error of the image, Session::estimated_error()
+  bool completes_first_frame = true;  ///< whether a stop request waits for the first frame, so that an image exists
 };
+
+/// Limits that the settings spp, time and error set; without any, 64 samples per pixel.
+RELUME_API RenderLimits limits_of(const Settings& settings);
 
 /// The reason why a rendering ended: a limit, or a stop request (interrupted).
 enum class StopReason { samples, time, error, interrupted };
@@ -39,10 +43,10 @@ RELUME_API double fraction_done(const RenderProgress& state, const RenderLimits&
 /// Estimated seconds until the first criterion is met; infinite without an estimate.
 RELUME_API double remaining_s(const RenderProgress& state, const RenderLimits& criteria);
 
-/// Renders frames until a limit is reached or `stop` is requested; calls `frame_done` after each complete frame. The
-/// first frame is always completed, so an image always exists. With a time limit, no frame begins that is expected to
-/// end beyond it, judging by the earlier frames. A stop request or the time limit also shortens preparation
-/// (Session::shorten_preparation_on()). Frames and samples count from Session::begin_image().
+/// Renders frames until a limit is reached or `stop` is requested; calls `frame_done` after each complete frame. With a
+/// time limit, no frame begins that is expected to end beyond it, judging by the earlier frames. A stop request or the
+/// time limit also shortens preparation (Session::shorten_preparation_on()). Frames and samples count from
+/// Session::begin_image().
 RELUME_API StopReason render_until(Session& session, const RenderLimits& criteria, std::stop_token stop = {},
                                    const std::function<void(const RenderProgress&)>& frame_done = {});
 

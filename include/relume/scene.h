@@ -331,7 +331,8 @@ RELUME_API void select_animation(Scene& scene, const std::string& choice);
 /// Time of the last key in seconds; 0 without animation.
 RELUME_API float animation_end(const Scene& scene);
 
-/// Transform of a camera node at `eye` that looks at `target` with +Y up.
+/// Transform of a camera node at `eye` that looks at another point `target` with +Y up, or -Z up if that is above or
+/// below.
 RELUME_API Transform look_at(const Vec3& eye, const Vec3& target);
 
 }  // namespace relume

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "relume/buffers.h"
 #include "relume/export.h"
 #include "relume/image_io.h"
+#include "relume/records.h"
 #include "relume/scene.h"
 #include "relume/settings.h"
 #include "relume/statistics.h"
@@ -36,6 +38,12 @@ using NodeHandle = Handle<Node>;
 using MeshHandle = Handle<Mesh>;
 using MaterialHandle = Handle<Material>;
 using LightHandle = Handle<PunctualLight>;
+
+/// A pass of a frame.
+struct PassInfo {
+  std::string name;
+  std::string stage;  ///< prepare, hits, gbuffer, history, allocate, sampled-hits, trace, resolve, present or denoise
+};
 
 class RELUME_API Session {
  public:
@@ -124,12 +132,29 @@ class RELUME_API Session {
   /// PixelLayout::rgba8. Throws Error unless the target has memory and the size of the image.
   void read(const ImageTarget& target, ToneMap curve = ToneMap::agx, float exposure = 0) const;
 
+  /// Shows `image` in place of the session's until the next complete frame, for example one denoised by a hook of
+  /// on_pass(). The histories keep their content. Throws Error unless it has the session's size.
+  void replace_image(const Image& image);
+
   /// Per-pixel buffers that can be inspected.
   std::vector<BufferInfo> buffers() const;
   /// One of these buffers. Throws Error for an unknown name.
   BufferData buffer(const std::string& name) const;
 
+  /// Write access to a buffer, for techniques under development. Between frames it changes the history; in a hook of
+  /// on_pass() it changes what later passes read. Throws Error as buffer() does.
+  std::span<std::byte> edit_buffer(const std::string& name);
+
+  /// Data structures of the techniques that can be inspected.
+  std::vector<RecordTable> record_tables() const;
+  /// The records of one of these tables. Throws Error for an unknown name.
+  RecordData records(const std::string& name) const;
+
+  /// The passes of a frame, in order.
+  std::vector<PassInfo> passes() const;
   /// Calls `hook` with the name of each pass after the pass has run, on the rendering thread. Empty: removes the hook.
+  /// Exceptions of the hook end the frame as those of a pass do. Hooks may read the session, edit_buffer() and
+  /// replace_image(); calls that change the session throw Error.
   void on_pass(std::function<void(const std::string& pass)> hook);
 
   /// Estimated relative error of the image: the root of the mean variance of the pixel means, divided by the mean

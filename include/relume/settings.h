@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "relume/export.h"
+#include "relume/image.h"
 
 namespace relume {
 
 struct AllSettings;
+
+struct Scene;
 
 /// A declared setting.
 struct SettingInfo {
@@ -45,7 +48,12 @@ class RELUME_API Settings {
   Settings& apply_preset(std::string_view name);
   /// Applies a JSON object of names and values. `place` names its source in errors.
   Settings& apply_json(std::string_view json, std::string_view place);
-  /// All values as a JSON object.
+  /// Whether sessions render all layers of Session::aov_names(), not only those that the techniques need. Initially
+  /// not. Returns *this.
+  Settings& provide_aovs(bool provided = true);
+  /// Sessions render only these pixels, with the bits of the full image; others stay black. Empty: all. Returns *this.
+  Settings& set_crop(const PixelWindow& window);
+  /// All values, without layers and crop, as a JSON object.
   std::string to_json() const;
 
   /// All settings, in the order of docs/settings.md.
@@ -57,5 +65,9 @@ class RELUME_API Settings {
   friend struct SettingsAccess;
   std::unique_ptr<AllSettings> values_;
 };
+
+/// Applies the settings that change a scene: env, env-rotation, env-exposure and variant. Throws Error (a missing file,
+/// an unknown variant).
+RELUME_API void apply_to_scene(const Settings& settings, Scene& scene);
 
 }  // namespace relume

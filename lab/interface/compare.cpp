@@ -1,16 +1,32 @@
 #include "relume/lab/compare.h"
 
+#include <algorithm>
+
 #include "compare/comparison.h"
 #include "compare/comparison_page.h"
+#include "relume/error.h"
+#include "relume/settings.h"
 #include "relume/version.h"
 
 namespace relume::lab {
 namespace {
 
+std::vector<Contender> contenders_of(const ComparisonRequest& request) {
+  if (request.contenders.empty()) return parse_contenders(request.techniques, "techniques");
+  std::vector<Contender> contenders;
+  for (const ContenderSettings& c : request.contenders) {
+    const auto same = [&](const Contender& other) { return other.name == c.name; };
+    if (c.name.empty() || std::any_of(contenders.begin(), contenders.end(), same))
+      throw Error("two contenders are called '" + c.name + "', or one has no name; give each a name of its own");
+    contenders.push_back({.name = c.name, .preset = c.preset, .settings = c.settings});
+  }
+  return contenders;
+}
+
 ComparisonOptions options_of(const Scene& scene, const ComparisonRequest& request) {
   ComparisonOptions options;
   options.scene_name = request.scene_name;
-  options.contenders = parse_contenders(request.techniques, "techniques");
+  options.contenders = contenders_of(request);
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = request.scene_name;
   options.common.flags = request.settings;
@@ -64,7 +80,13 @@ std::string ComparisonReport::to_html() const { return relume::to_html(compariso
 std::optional<ComparisonReport> compare(const Scene& scene, const ComparisonRequest& request, std::stop_token stop,
                                         const StageProgress& progress) {
   const StageProgress report = progress ? progress : [](const std::string&, double) {};
-  std::optional<Comparison> comparison = relume::compare(scene, options_of(scene, request), stop, report);
+  // As `relume compare` does: these settings are the scene's, so all contenders share them.
+  Settings common;
+  if (!scene.settings_json.empty()) common.apply_json(scene.settings_json, request.scene_name);
+  for (const auto& [name, value] : request.settings) common.set(name, value);
+  Scene changed = scene;
+  apply_to_scene(common, changed);
+  std::optional<Comparison> comparison = relume::compare(changed, options_of(scene, request), stop, report);
   if (!comparison) return std::nullopt;
   auto state = std::make_unique<ComparisonReport::State>();
   state->comparison = std::move(*comparison);

@@ -1,6 +1,9 @@
 #include "builtin_scenes/builtin.h"
 
 #include "builtin_scenes/scenes.h"
+#include "relume/builtin_scenes.h"
+#include "relume/error.h"
+#include "settings/nearest_name.h"
 
 namespace relume {
 
@@ -34,6 +37,20 @@ const BuiltinScene* find_builtin_scene(std::string_view name) {
     if (scene.name == name) return &scene;
   }
   return nullptr;
+}
+
+std::vector<BuiltinSceneInfo> list_builtin_scenes() {
+  std::vector<BuiltinSceneInfo> list;
+  for (const BuiltinScene& scene : builtin_scenes())
+    list.push_back({std::string(scene.name), std::string(scene.summary)});
+  return list;
+}
+
+Scene builtin_scene(const std::string& name) {
+  if (const BuiltinScene* scene = find_builtin_scene(name)) return scene->build();
+  std::vector<std::string> names;
+  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  throw Error(ErrorCode::not_found, "there is no built-in scene '" + name + "'" + suggestion(name, names));
 }
 
 }  // namespace relume

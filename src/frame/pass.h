@@ -2,12 +2,14 @@
 // order of the stages (docs/architecture.md).
 #pragma once
 
+#include <array>
 #include <iosfwd>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "frame/frame_context.h"
+#include "frame/records.h"
 #include "relume/statistics.h"
 
 namespace relume {
@@ -25,6 +27,10 @@ enum class Stage : uint8_t {
   present,       ///< addition of samples to the history
   denoise,       ///< filters of the image
 };
+
+/// Names of the stages, in order.
+inline constexpr std::array<std::string_view, 10> kStageNames{"prepare",      "hits",  "gbuffer", "history", "allocate",
+                                                              "sampled-hits", "trace", "resolve", "present", "denoise"};
 
 struct PassDeclaration {
   std::string_view name;  ///< kebab-case, for timings and messages
@@ -70,6 +76,9 @@ class Pass {
 
   /// Numbers for reports, of the last frame.
   virtual std::vector<PassStatistic> statistics() const { return {}; }
+
+  /// Data structures for inspection. The functions that read them are valid while the pass exists.
+  virtual std::vector<PassRecords> records() const { return {}; }
 
   /// Problems that affect the results of the frames so far, one sentence each.
   virtual std::vector<std::string> warnings() const { return {}; }

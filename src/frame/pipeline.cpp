@@ -180,6 +180,18 @@ std::vector<PassStatistic> Pipeline::statistics() const {
   return all;
 }
 
+std::vector<PassRecords> Pipeline::records() const {
+  std::vector<PassRecords> all;
+  for (const auto& pass : passes_) {
+    const std::string prefix = std::string(pass->declaration().name) + ".";
+    for (PassRecords& records : pass->records()) {
+      records.table.name.insert(0, prefix);
+      all.push_back(std::move(records));
+    }
+  }
+  return all;
+}
+
 std::vector<std::string> Pipeline::warnings() const {
   std::vector<std::string> all;
   for (const auto& pass : passes_) {

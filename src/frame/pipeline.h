@@ -38,6 +38,8 @@ class Pipeline {
   std::vector<PassDeclaration> declarations() const;
   /// Statistics of all passes, with the pass's name as a prefix: "cells.occupancy".
   std::vector<PassStatistic> statistics() const;
+  /// Tables of all passes, with the pass's name as a prefix: "octree.leaves".
+  std::vector<PassRecords> records() const;
   std::vector<std::string> warnings() const;
 
   void save(std::ostream& out) const;

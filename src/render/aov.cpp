@@ -60,9 +60,8 @@ std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string
   if (name == "variance") return variance_planes(buffers);
   const Buffer* buffer = buffers.find(name);
   if (!buffer || buffer->description().display == BufferDisplay::hidden) {
-    throw Error(
-        ErrorCode::not_found,
-        fmt::format("there is no AOV '{}' with these settings; Session::aov_names() lists those that exist", name));
+    throw Error(ErrorCode::not_found,
+                fmt::format("there is no AOV '{}' with these settings; the list of AOVs has those that exist", name));
   }
   const BufferDescription& description = buffer->description();
   const size_t count = size_t{buffers.width()} * buffers.height();

@@ -49,6 +49,16 @@ Settings& Settings::apply_json(std::string_view json, std::string_view place) {
   return *this;
 }
 
+Settings& Settings::provide_aovs(bool provided) {
+  values_->render.auxiliary = provided;
+  return *this;
+}
+
+Settings& Settings::set_crop(const PixelWindow& window) {
+  values_->render.crop = window;
+  return *this;
+}
+
 std::string Settings::to_json() const { return settings_to_json(describe(*values_)); }
 
 std::vector<SettingInfo> Settings::list() {

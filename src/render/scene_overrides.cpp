@@ -54,6 +54,8 @@ Environment named_environment(const std::string& env) {
 
 }  // namespace
 
+void apply_to_scene(const Settings& settings, Scene& scene) { apply(all_settings(settings).scene, scene); }
+
 void apply(const SceneOverrides& overrides, Scene& scene) {
   if (!overrides.variant.empty()) choose_variant(scene, overrides.variant);
   Environment& environment = scene.environment;

@@ -39,6 +39,18 @@ void check_size(const RenderSettings& settings) {
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 
+/// Sets a flag during its lifetime.
+class FrameMark {
+ public:
+  explicit FrameMark(bool& flag) : flag_(flag) { flag_ = true; }
+  ~FrameMark() { flag_ = false; }
+  FrameMark(const FrameMark&) = delete;
+  FrameMark& operator=(const FrameMark&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 /// Elements of `values` within `window`.
 template <typename T>
 std::vector<T> cut(View<const T> values, const Tile& window, uint32_t width) {
@@ -71,7 +83,10 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 bool Session::render_frame(std::stop_token stop) {
   State& s = *state_;
+  s.check_between_frames();
+  const FrameMark mark(s.in_frame);
   const double start_s = now_s();
+  s.next_replacement.clear();
   s.backend->execute([&] { s.commit_edits(); });
   const bool may_lose_image = stop.stop_possible() && s.changes != Change::none;
   if (may_lose_image) s.keep_image();
@@ -85,7 +100,8 @@ bool Session::render_frame(std::stop_token stop) {
   const bool kept = complete && restores;
   s.buffers->swap();
   try {
-    complete = complete && s.passes.pipeline.run(s.frame(stop), s.pass_hook);
+    const auto hook = s.pass_hook;  // a hook may replace itself
+    complete = complete && s.passes.pipeline.run(s.frame(stop), hook);
   } catch (...) {
     s.undo_frame(kept, may_lose_image);
     // Without copies of the buffers, or after passes that cannot undo their changes, the image is no mean of samples.
@@ -95,6 +111,7 @@ bool Session::render_frame(std::stop_token stop) {
   if (complete) {
     s.count_frame();
     s.drop_kept_image();
+    s.replacement = std::move(s.next_replacement);
     s.scene->end_frame();
     s.changes = Change::none;
     s.counters.previous_time_s = s.counters.time_s;
@@ -118,6 +135,7 @@ double Session::kept_samples() const {
 }
 
 void Session::begin_image() {
+  state_->check_between_frames();
   Counters& c = state_->counters;
   c.image_frames = c.frames;
   c.image_paths = c.paths;
@@ -181,6 +199,7 @@ std::vector<ExrChannel> Session::aov(const std::string& name) const {
 }
 
 bool Session::set_settings(const Settings& wanted) {
+  state_->check_between_frames();
   State& s = *state_;
   RenderSettings settings = all_settings(wanted).render;
   RenderSettings& current = s.settings;
@@ -206,6 +225,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (resized) s.scene->set_resolution(settings.width, settings.height);
   if (resized || !same_slots || !same_passes) {
     if (resized) {
+      s.replacement.clear();
       s.drop_kept_image();
     } else {
       s.keep_image();
@@ -220,8 +240,10 @@ bool Session::set_settings(const Settings& wanted) {
 }
 
 void Session::restart(int seed) {
+  state_->check_between_frames();
   State& s = *state_;
   s.settings.seed = seed;
+  s.replacement.clear();
   s.drop_kept_image();
   s.rebuild_pipeline();
   s.scene->end_frame();
@@ -233,12 +255,14 @@ void Session::restart(int seed) {
 }
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {
+  state_->check_between_frames();
   state_->check_unedited(file);
   write_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), state_->counters}, *state_->buffers,
                    state_->passes.pipeline);
 }
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
+  state_->check_between_frames();
   State& s = *state_;
   s.check_unedited(file);
   // Loads into passes that have not run: others keep state of the scene at their time.
@@ -248,6 +272,7 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   // First, because it may throw.
   s.change_scene([&](CompiledScene& scene) { return scene.set_time(counters.previous_time_s); });
   s.counters = counters;
+  s.replacement.clear();
   s.drop_kept_image();
   s.take(std::move(fresh));
   s.image_begun_s = s.statistics.render_s;

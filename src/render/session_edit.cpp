@@ -29,40 +29,48 @@ Index checked(const Handle<Part>& handle, const std::vector<bool>& removed, cons
 }  // namespace
 
 void Session::set_time(float time_s) {
+  state_->check_between_frames();
   state_->changes |= state_->change_scene([&](CompiledScene& scene) { return scene.set_time(time_s); });
   state_->settings.time_s = state_->counters.time_s = time_s;
 }
 
 void Session::set_camera(const std::optional<CameraPose>& camera) {
+  state_->check_between_frames();
   state_->edit([&](CompiledScene& scene) { return scene.set_camera(camera); });
 }
 
 void Session::set_transform(NodeHandle node, const Transform& transform) {
+  state_->check_between_frames();
   const Index index = checked(node, state_->removed.nodes, *state_, "node");
   state_->edit([&](CompiledScene& scene) { return scene.set_transform(index, transform); });
 }
 
 void Session::set_light(LightHandle light, const PunctualLight& value) {
+  state_->check_between_frames();
   const Index index = checked(light, state_->removed.lights, *state_, "light");
   state_->edit([&](CompiledScene& scene) { return scene.set_light(index, value); });
 }
 
 void Session::set_environment(const Environment& environment) {
+  state_->check_between_frames();
   state_->edit([&](CompiledScene& scene) { return scene.set_environment(environment); });
 }
 
 void Session::set_material(MaterialHandle material, const Material& value) {
+  state_->check_between_frames();
   const Index index = checked(material, state_->removed.materials, *state_, "material");
   state_->edit([&](CompiledScene& scene) { return scene.set_material(index, value); });
 }
 
 MaterialHandle Session::add_material(const Material& material) {
+  state_->check_between_frames();
   const Index index = state_->scene->add_material(material);
   state_->removed.materials.push_back(false);
   return {index, state_->number};
 }
 
 MeshHandle Session::add_mesh(const Mesh& mesh) {
+  state_->check_between_frames();
   Index index = kNone;
   state_->backend->execute([&] { index = state_->scene->add_mesh(mesh); });
   state_->removed.meshes.push_back(false);
@@ -70,12 +78,14 @@ MeshHandle Session::add_mesh(const Mesh& mesh) {
 }
 
 LightHandle Session::add_light(const PunctualLight& light) {
+  state_->check_between_frames();
   const Index index = state_->scene->add_light(light);
   state_->removed.lights.push_back(false);
   return {index, state_->number};
 }
 
 NodeHandle Session::add_node(const Node& node) {
+  state_->check_between_frames();
   State& s = *state_;
   if (node.parent != kNone) checked(NodeHandle(node.parent), s.removed.nodes, s, "node");
   if (node.light != kNone) checked(LightHandle(node.light), s.removed.lights, s, "light");
@@ -86,12 +96,14 @@ NodeHandle Session::add_node(const Node& node) {
 }
 
 void Session::remove(NodeHandle node) {
+  state_->check_between_frames();
   State& s = *state_;
   const Index index = checked(node, s.removed.nodes, s, "node");
   for (const Index gone : s.scene->remove_node(index)) s.removed.nodes[static_cast<size_t>(gone)] = true;
 }
 
 void Session::remove(MeshHandle mesh) {
+  state_->check_between_frames();
   State& s = *state_;
   const Index index = checked(mesh, s.removed.meshes, s, "mesh");
   s.scene->remove_mesh(index);
@@ -99,6 +111,7 @@ void Session::remove(MeshHandle mesh) {
 }
 
 void Session::remove(LightHandle light) {
+  state_->check_between_frames();
   State& s = *state_;
   const Index index = checked(light, s.removed.lights, s, "light");
   s.scene->remove_light(index);
@@ -111,7 +124,7 @@ NodeHandle Session::find_node(const std::string& name) const {
     if (nodes[i].name == name && !state_->removed.nodes[i]) return {static_cast<Index>(i), state_->number};
   }
   throw Error(ErrorCode::not_found,
-              fmt::format("there is no node '{}' in the scene; Scene::nodes has the names", name));
+              fmt::format("there is no node '{}' in the scene; the scene's list of nodes has the names", name));
 }
 
 }  // namespace relume

@@ -38,10 +38,8 @@ void check_target(const ImageTarget& target, const BufferTable& buffers) {
                     target.row_stride, row));
 }
 
-/// Whether a buffer can be inspected: it is displayed and has a standard element type.
-bool is_inspectable(const BufferDescription& buffer) {
-  return buffer.display != BufferDisplay::hidden && buffer.id.type != BufferType::record;
-}
+/// Whether a buffer can be inspected: others have records that only kernels read.
+bool is_inspectable(const BufferDescription& buffer) { return buffer.id.type != BufferType::record; }
 
 BufferInfo info_of(const Buffer& buffer, const BufferTable& table) {
   const BufferId& id = buffer.description().id;
@@ -83,6 +81,17 @@ void Session::read(const ImageTarget& target, ToneMap curve, float exposure) con
   state_->backend->execute([&] { parallel_for(static_cast<size_t>(target.height), read_row); });
 }
 
+void Session::replace_image(const Image& image) {
+  const BufferTable& buffers = *state_->buffers;
+  const auto width = static_cast<int>(buffers.width());
+  const auto height = static_cast<int>(buffers.height());
+  if (image.width != width || image.height != height || image.pixels.size() != buffers.width() * buffers.height()) {
+    throw Error(fmt::format("the image has {}x{} pixels, but the session has {}x{}; use an image of the session's size",
+                            image.width, image.height, width, height));
+  }
+  (state_->in_frame ? state_->next_replacement : state_->replacement) = image.pixels;
+}
+
 std::vector<BufferInfo> Session::buffers() const {
   std::vector<BufferInfo> list;
   for (const auto& buffer : state_->buffers->all()) {
@@ -94,9 +103,38 @@ std::vector<BufferInfo> Session::buffers() const {
 BufferData Session::buffer(const std::string& name) const {
   const Buffer* buffer = std::as_const(*state_->buffers).find(name);
   if (!buffer || !is_inspectable(buffer->description()))
-    throw Error(ErrorCode::not_found,
-                fmt::format("there is no buffer '{}' with these settings; buffers() lists those that exist", name));
+    throw Error(
+        ErrorCode::not_found,
+        fmt::format("there is no buffer '{}' with these settings; the list of buffers has those that exist", name));
   return {info_of(*buffer, *state_->buffers), buffer->bytes()};
+}
+
+std::span<std::byte> Session::edit_buffer(const std::string& name) {
+  buffer(name);  // throws for unknown names
+  return state_->buffers->find(name)->bytes();
+}
+
+std::vector<RecordTable> Session::record_tables() const {
+  std::vector<RecordTable> tables;
+  for (PassRecords& records : state_->passes.pipeline.records()) tables.push_back(std::move(records.table));
+  return tables;
+}
+
+RecordData Session::records(const std::string& name) const {
+  for (const PassRecords& records : state_->passes.pipeline.records()) {
+    if (records.table.name == name) return {records.table, records.read()};
+  }
+  throw Error(
+      ErrorCode::not_found,
+      fmt::format("there are no records '{}' with these settings; the list of record tables has those that exist",
+                  name));
+}
+
+std::vector<PassInfo> Session::passes() const {
+  std::vector<PassInfo> passes;
+  for (const PassDeclaration& pass : state_->passes.pipeline.declarations())
+    passes.push_back({std::string(pass.name), std::string(kStageNames[static_cast<size_t>(pass.stage)])});
+  return passes;
 }
 
 void Session::on_pass(std::function<void(const std::string&)> hook) { state_->pass_hook = std::move(hook); }

@@ -143,7 +143,7 @@ TEST(SessionRead, SnapshotsStayUnchanged) {
   EXPECT_NE(session.snapshot()->pixels, pixels);
 }
 
-TEST(SessionRead, BuffersAreThoseThatAreShown) {
+TEST(SessionRead, BuffersAreThoseWithoutRecords) {
   const Session session = cornell(1);
   const std::vector<BufferInfo> list = session.buffers();
   ASSERT_FALSE(list.empty());

@@ -136,6 +136,7 @@ struct Session::State {
 
   /// The image of the last complete frame; empty before the first.
   View<const Rgb> shown() const {
+    if (!replacement.empty()) return view_of(replacement);
     if (shows_kept_image) return view_of(kept_image);
     if (counters.frames == 0) return {};
     const View<const Rgb> denoised = buffers->view(kDenoised);
@@ -176,6 +177,11 @@ struct Session::State {
       result = change(*scene);
     });
     return result;
+  }
+  /// Throws Error during a frame: hooks must not change what the frame reads.
+  void check_between_frames() const {
+    if (in_frame)
+      throw Error("a hook changed the session during a frame; call this between frames, after render_frame()");
   }
   /// Throws Error if the scene no longer matches its hash, which a checkpoint would store.
   void check_unedited(const std::filesystem::path& file) const {
@@ -264,8 +270,11 @@ struct Session::State {
   RemovedParts removed;
   bool has_other_parts = false;  ///< whether parts were added or removed since the session's construction
   std::function<void(const std::string&)> pass_hook;
-  std::vector<Rgb> kept_image;    ///< copy of the last complete image
-  bool shows_kept_image = false;  ///< whether `kept_image` is displayed, because the buffers are empty
+  std::vector<Rgb> kept_image;        ///< copy of the last complete image
+  std::vector<Rgb> replacement;       ///< image that is shown in place of the last complete frame's; empty: none
+  std::vector<Rgb> next_replacement;  ///< the same for the frame in progress
+  bool in_frame = false;              ///< whether render_frame() runs
+  bool shows_kept_image = false;      ///< whether `kept_image` is displayed, because the buffers are empty
   mutable Statistics statistics;
   double image_begun_s = 0;  ///< statistics.render_s when the image began
 };

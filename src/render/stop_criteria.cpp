@@ -6,6 +6,7 @@
 
 #include "core/clock.h"
 #include "render/session.h"
+#include "render/settings.h"
 #include "render/timed_stop.h"
 
 namespace relume {
@@ -17,6 +18,8 @@ RenderLimits stop_criteria(const StopSettings& settings) {
   if (none) criteria.samples = kDefaultSpp;
   return criteria;
 }
+
+RenderLimits limits_of(const Settings& settings) { return stop_criteria(all_settings(settings).stop); }
 
 const char* name_of(StopReason reason) {
   switch (reason) {
@@ -73,7 +76,8 @@ StopReason render_until(const FrameSource& source, const RenderLimits& criteria,
       const double frame_s = state.frames_done_here > 0 ? state.elapsed_s / state.frames_done_here : 0;
       if (criteria.time_s > 0 && state.elapsed_s + frame_s > criteria.time_s) return StopReason::time;
     }
-    if (!source.render_frame(state.frames > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
+    const bool may_stop = state.frames > 0 || !criteria.completes_first_frame;
+    if (!source.render_frame(may_stop ? stop : std::stop_token{})) return StopReason::interrupted;
     state.frames = source.image_frames();
     state.samples = source.image_samples();
     ++state.frames_done_here;

@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -166,7 +167,9 @@ std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& mov
 }
 
 Transform look_at(const Vec3& eye, const Vec3& target) {
-  const Mat4 view = glm::lookAt(eye, target, Vec3(0, 1, 0));
+  const Vec3 direction = target - eye;
+  const bool is_vertical = std::hypot(direction.x, direction.z) <= 1e-6f * std::abs(direction.y);
+  const Mat4 view = glm::lookAt(eye, target, is_vertical ? Vec3(0, 0, -1) : Vec3(0, 1, 0));
   Transform transform;
   transform.translation = eye;
   transform.rotation = glm::normalize(glm::quat_cast(glm::transpose(Mat3(view))));

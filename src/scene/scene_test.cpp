@@ -94,6 +94,12 @@ TEST(LookAt, PointsTheCameraAtItsTarget) {
   EXPECT_NEAR((t.rotation * Vec3(1, 0, 0)).y, 0, 1e-6f);  // horizontal
 }
 
+TEST(Scene, CamerasMayLookStraightDown) {
+  const Transform t = look_at(Vec3(1, 2, 3), Vec3(1, 0, 3));
+  EXPECT_LT(glm::length(t.rotation * Vec3(0, 0, -1) - Vec3(0, -1, 0)), 1e-6f);
+  EXPECT_LT(glm::length(t.rotation * Vec3(1, 0, 0) - Vec3(1, 0, 0)), 1e-6f);
+}
+
 /// A scene with every kind of part, so every change below applies to something.
 Scene full_scene() {
   Scene s;

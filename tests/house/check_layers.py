@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "lights": "core sampling materials",
     "scene": "core sampling materials lights accel",
     "accel": "core",
-    "builtin_scenes": "core scene",
+    "builtin_scenes": "core settings scene",
     "files": "core",
     "image": "core files",
     "scene_io": "core scene builtin_scenes files image",
@@ -78,6 +78,9 @@ LIBRARY_USERS = {
     "OpenColorIO/": "framebuffer",
     "CLI/": "apps",
 }
+
+# The Python bindings, which include their own files and public headers only.
+BINDINGS = "python/bindings"
 
 # Slow to compile: kept out of the headers that other folders include, those directly in src/FOLDER/.
 HEAVY = ("nlohmann/json.hpp", "CLI/", "assimp/", "tiny_gltf", "OpenEXR/", "Imf", "draco/", "pugixml", "fmt/ranges", "embree")
@@ -132,6 +135,12 @@ def check_file(root, path):
             f"{path}:{line}: #include of {match[2]}: the public interface includes only itself, the standard library and glm"
             for match, line in includes(path)
             if (match[1] == '"' and not match[2].startswith(f"{INTERFACE}/")) or (match[1] == "<" and "/" in match[2] and not match[2].startswith("glm/"))
+        ]
+    if path.relative_to(root).as_posix().startswith(f"{BINDINGS}/"):
+        return [
+            f"{path}:{line}: #include of {match[2]}: the bindings include only public headers and their own"
+            for match, line in includes(path)
+            if match[1] == '"' and "/" in match[2] and not match[2].startswith(f"{INTERFACE}/")
         ]
     in_src = parts[0] in ROOTS and len(parts) > 2
     if in_src and parts[1] not in MAY_INCLUDE:

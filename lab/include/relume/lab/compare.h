@@ -15,10 +15,18 @@
 
 namespace relume::lab {
 
+/// A contender: a preset (empty: none) and settings in place of some of its values, as names and texts.
+struct ContenderSettings {
+  std::string name;
+  std::string preset = {};
+  std::vector<std::pair<std::string, std::string>> settings = {};
+};
+
 struct ComparisonRequest {
   /// "default,interactive,mine=preview,max-bounces:2": presets, techniques, settings files and settings, in the format
   /// of `relume compare --techniques`.
   std::string techniques = "default,interactive";
+  std::vector<ContenderSettings> contenders = {};                  ///< replace `techniques` unless empty
   std::vector<std::pair<std::string, std::string>> settings = {};  ///< name and value, for all contenders
   std::string scene_name = "scene";                                ///< name in reports
   int spp = 64;                                                    ///< samples per pixel, per frame of an animation

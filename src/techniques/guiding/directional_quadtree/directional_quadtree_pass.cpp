@@ -16,6 +16,14 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
   return true;
 }
 
+DirectionalQuadtree Quadtrees::tree(uint32_t region) const {
+  DirectionalQuadtree tree{};
+  tree.bit_count = bit_count_;
+  const uint32_t words = bit_count_ / 32;
+  for (uint32_t w = 0; w < words; ++w) tree.bits.words[w] = words_[region * words + w];
+  return tree;
+}
+
 void Quadtrees::load(std::istream& in) {
   read_vector(in, words_);
   const QuadtreeArray trees = view();
@@ -101,6 +109,33 @@ void DirectionalQuadtreePass::populate(bool keep, bool remembers) {
     weights_.clear();
   }
   trees_ = std::move(next);
+}
+
+std::vector<PassRecords> DirectionalQuadtreePass::records() const {
+  struct Leaf {
+    uint32_t region = 0;
+    Vec2 corner{0};
+    float edge = 0;
+  };
+  const auto read = [this] {
+    std::vector<Leaf> leaves;
+    for (uint32_t region = 0; region < trees_.size(); ++region) {
+      if (!octree_.tree().is_leaf(region)) continue;
+      const DirectionalQuadtree tree = trees_.tree(region);
+      for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+        if (tree.bits.get(bit)) continue;
+        const QuadtreeCell cell = tree.cell_of(bit);
+        leaves.push_back({region, cell.corner, cell.edge()});
+      }
+    }
+    return leaves;
+  };
+  return {pass_records<Leaf>(
+      "leaves",
+      "a leaf of a region's quadtree: low corner and edge in the unit square of the octahedral map; all leaves of a "
+      "tree have the same probability",
+      {record_field("region", &Leaf::region), record_field("corner", &Leaf::corner), record_field("edge", &Leaf::edge)},
+      read)};
 }
 
 void DirectionalQuadtreePass::save(std::ostream& out) const {

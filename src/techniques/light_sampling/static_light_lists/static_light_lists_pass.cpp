@@ -64,6 +64,23 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   return true;
 }
 
+std::vector<PassRecords> StaticLightListsPass::records() const {
+  struct Entry {
+    Vec3 corner{0};
+    uint32_t light = 0;
+  };
+  const auto read = [this] {
+    std::vector<Entry> entries;
+    for (uint32_t cell = 0; cell + 1 < lists_.first.size(); ++cell) {
+      for (uint32_t i = lists_.first[cell]; i < lists_.first[cell + 1]; ++i)
+        entries.push_back({lists_.grid.low(cell), lists_.ids[i]});
+    }
+    return entries;
+  };
+  return {pass_records<Entry>("lights", "a light that is visible from a cell, and the cell's low corner in metres",
+                              {record_field("corner", &Entry::corner), record_field("light", &Entry::light)}, read)};
+}
+
 void StaticLightListsPass::save(std::ostream& out) const {
   // load() expects complete lists.
   const LightListData& lists = builder_ ? LightListData() : lists_;

@@ -26,6 +26,7 @@ class StaticLightListsPass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool prepared() const override { return !builder_; }
   size_t memory_bytes() const override;
+  std::vector<PassRecords> records() const override;
   /// Saves the lists, if complete: a later build may see a changed scene.
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;

@@ -95,6 +95,32 @@ std::vector<PassStatistic> VisibilityLightCachePass::statistics() const {
           {"entry-bytes", static_cast<double>(caches_.entry_bytes())}};
 }
 
+std::vector<PassRecords> VisibilityLightCachePass::records() const {
+  struct Entry {
+    uint32_t region = 0;
+    uint32_t light = 0;
+    uint32_t age = 0;
+    uint32_t bucket = 0;
+  };
+  const auto read = [this] {
+    std::vector<Entry> entries;
+    for (uint32_t region = 0; region < caches_.buckets().size; ++region) {
+      const uint32_t buckets = caches_.buckets()[region].count;
+      if (buckets == 0) continue;
+      for (const uint32_t packed : caches_.list(region)) {
+        const LightId light = CachedLight::id(packed);
+        entries.push_back({region, light, CachedLight::age(packed), light % buckets});
+      }
+    }
+    return entries;
+  };
+  return {pass_records<Entry>("lights",
+                              "a light that a region lists: light number, frames since a sample saw it, and its bucket",
+                              {record_field("region", &Entry::region), record_field("light", &Entry::light),
+                               record_field("age", &Entry::age), record_field("bucket", &Entry::bucket)},
+                              read)};
+}
+
 void VisibilityLightCachePass::save(std::ostream& out) const {
   caches_.save(out);
   snapshot_.save(out);

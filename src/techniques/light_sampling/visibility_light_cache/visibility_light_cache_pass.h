@@ -26,6 +26,7 @@ class VisibilityLightCachePass final : public Pass {
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
+  std::vector<PassRecords> records() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 

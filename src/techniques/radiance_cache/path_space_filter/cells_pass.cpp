@@ -75,6 +75,17 @@ std::vector<PassStatistic> CellsPass::statistics() const {
           {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 
+std::vector<PassRecords> CellsPass::records() const {
+  using Record = HashGridRecord;
+  return {pass_records<Record>("cells",
+                               "a cell: its key, mean and mean square (of luminance) of its samples, their number, and "
+                               "frames since the last one",
+                               {record_field("key", &Record::key), record_field("mean", &Record::mean),
+                                record_field("mean-square", &Record::mean_square),
+                                record_field("samples", &Record::samples), record_field("age", &Record::age)},
+                               [this] { return grid_.records(); })};
+}
+
 std::vector<std::string> CellsPass::warnings() const {
   const HashGridStatistics s = grid_.statistics();
   std::vector<std::string> list;

@@ -34,6 +34,7 @@ class CellsPass final : public Pass {
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
+  std::vector<PassRecords> records() const override;
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;

@@ -273,6 +273,25 @@ void HashGrid::rebuild(Backend& backend, uint32_t slots) {
   ++rebuilds_;
 }
 
+std::vector<HashGridRecord> HashGrid::records() const {
+  std::vector<uint32_t> slots;
+  for (uint32_t slot = 0; slot < fingerprints_.size(); ++slot) {
+    if (fingerprints_[slot] != 0 && !histories_[slot].empty()) slots.push_back(slot);
+  }
+  std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return fingerprints_[a] < fingerprints_[b]; });
+  std::vector<HashGridRecord> records;
+  for (const uint32_t slot : slots) {
+    const CellHistory& cell = histories_[slot];
+    const uint64_t key = fingerprints_[slot];
+    records.push_back({{static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32)},
+                       cell.moments.mean,
+                       cell.moments.mean_square,
+                       cell.moments.count,
+                       cell.age});
+  }
+  return records;
+}
+
 HashGridStatistics HashGrid::statistics() const {
   HashGridStatistics s;
   s.slots = fingerprints_.size();

@@ -31,6 +31,15 @@ struct HashGridStatistics {
   size_t memory_bytes = 0;
 };
 
+/// A cell with samples.
+struct HashGridRecord {
+  UVec2 key{0};  ///< fingerprint: lower and upper half
+  Rgb mean{0};
+  float mean_square = 0;  ///< of the luminance
+  float samples = 0;      ///< number of samples
+  uint32_t age = 0;       ///< frames since the last sample
+};
+
 /// Limits by the image and the machine.
 struct HashGridBounds {
   uint64_t slots = 1 << 23;            ///< maximum number of slots kept from frame to frame if max-cells is 0
@@ -75,6 +84,8 @@ class HashGrid {
   void clear();
 
   HashGridStatistics statistics() const;
+  /// The cells as of the last advance(), sorted by key.
+  std::vector<HashGridRecord> records() const;
   /// Maximum number of slots kept from frame to frame.
   uint32_t limit() const { return limit_; }
 

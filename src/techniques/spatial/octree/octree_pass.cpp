@@ -102,6 +102,25 @@ std::vector<PassStatistic> OctreePass::statistics() const {
           {"place-bytes", static_cast<double>(stream_.place_bytes())}};
 }
 
+std::vector<PassRecords> OctreePass::records() const {
+  struct Leaf {
+    uint32_t region = 0;
+    Vec3 corner{0};
+    float edge = 0;
+  };
+  const auto read = [this] {
+    std::vector<Leaf> leaves;
+    for (uint32_t slot = 0; tree_ && slot < tree_->leaf_slots(); ++slot) {
+      if (tree_->is_leaf(slot)) leaves.push_back({slot, tree_->corner_of(slot), tree_->edge_of(slot)});
+    }
+    return leaves;
+  };
+  return {pass_records<Leaf>(
+      "leaves", "a leaf: its region number, low corner and edge in metres",
+      {record_field("region", &Leaf::region), record_field("corner", &Leaf::corner), record_field("edge", &Leaf::edge)},
+      read)};
+}
+
 void OctreePass::save(std::ostream& out) const {
   write_value(out, !tree_ ? kNoTree : prepared_ ? kPreparedTree : kTree);
   if (!tree_) return;

@@ -30,6 +30,7 @@ class OctreePass final : public Pass {
   uint32_t longest_epoch() const override { return epochs_ ? static_cast<uint32_t>(settings_.longest_epoch) : 1; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
+  std::vector<PassRecords> records() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 

@@ -36,6 +36,10 @@ class OctreeTree {
   /// Upper bound of leaf numbers; some numbers are unused.
   uint32_t leaf_slots() const { return 8 * node_count(); }
   uint32_t leaf_count() const;
+  bool is_leaf(uint32_t slot) const { return (octree_leaf_mask(nodes_[slot / 8]) >> (slot % 8)) & 1u; }
+  /// Low corner of a leaf, and its edge; metres.
+  Vec3 corner_of(uint32_t slot) const;
+  float edge_of(uint32_t slot) const;
   std::vector<uint8_t> leaf_depths() const;  ///< depths by slot; meaningless for unused slots
   uint32_t depth() const { return depth_; }  ///< depth of the deepest leaf
   const OctreeLinks& links() const { return links_; }
