@@ -1,4 +1,5 @@
-# cpack: the Debian packages `relume`, the program with its data, and `librelume-dev`, the static library with its headers.
+# cpack: the Debian packages `relume`, the program with its data, `librelume-dev`, the static library with its headers, and
+# `python3-relume`, if it is built.
 # Debian's standard environment variables set the maintainer.
 set(RELUME_MAINTAINER "relume maintainers <maintainers@relume.invalid>" CACHE STRING "Maintainer of the Debian packages")
 if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
@@ -73,5 +74,27 @@ relume renders glTF scenes by path tracing. Techniques that reuse samples
 across pixels, frames and paths can be combined and compared.
 
 This package contains the static library, its headers and its CMake package.${processor_note}")
+
+if(RELUME_HAS_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-relume)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= ${RELUME_PYTHON_VERSION}), python3 (<< ${RELUME_NEXT_PYTHON_VERSION}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-ipywidgets, python3-pandas, python3-tqdm")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_CURRENT_LIST_DIR}/debian/python/postinst;${CMAKE_CURRENT_LIST_DIR}/debian/python/prerm")
+  if(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA)
+    list(APPEND CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA})
+  endif()
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "path tracer that reuses samples across frames (Python 3)
+relume renders glTF scenes by path tracing. Techniques that reuse samples
+across pixels, frames and paths can be combined and compared.
+
+This package contains the Python module: scenes from files or NumPy arrays,
+images, the state of techniques, and comparisons.${processor_note}")
+endif()
 
 include(CPack)

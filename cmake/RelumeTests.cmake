@@ -12,6 +12,13 @@ if(RELUME_SANITIZE)
   set(RELUME_SLOW_TEST_TIMEOUT 20000)
 endif()
 
+# relume_skip_test(NAME REASON): adds a test that ctest reports as skipped on this machine.
+function(relume_skip_test name reason)
+  message(STATUS "${reason}: the test ${name} will be skipped")
+  add_test(NAME ${name} COMMAND sh -c "echo '${reason}' && exit 77")
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+endfunction()
+
 # relume_use_test_headers(TARGET): uses the precompiled headers of tests in every preset, which take a third of a test's
 # compilation.
 function(relume_use_test_headers target)

@@ -8,6 +8,12 @@ endif()
 set(stage ${CPACK_TEMPORARY_DIRECTORY})
 set(package_of_program relume)
 set(package_of_library librelume-dev)
+set(package_of_python python3-relume)
+set(components program library)
+if(IS_DIRECTORY ${stage}/python)
+  list(APPEND components python)
+endif()
+list(TRANSFORM components PREPEND ${stage}/ OUTPUT_VARIABLE folders)
 
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
@@ -16,7 +22,7 @@ endfunction()
 execute_process(COMMAND date -u -R -d ${CPACK_RELUME_VERSION_DATE} OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE
   COMMAND_ERROR_IS_FATAL ANY)
 
-foreach(component program library)
+foreach(component ${components})
   set(documents ${stage}/${component}/usr/share/doc/${package_of_${component}})
   file(MAKE_DIRECTORY ${documents})
   file(COPY ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${documents}
@@ -30,11 +36,11 @@ endforeach()
 
 # CPack strips programs, but keeps sections that only name the compiler; archives keep their symbols for linking.
 set(sections --remove-section=.comment --remove-section=.note --enable-deterministic-archives)
-file(GLOB programs ${stage}/program/usr/bin/*)
+file(GLOB programs ${stage}/program/usr/bin/* ${stage}/python/usr/lib/python3/dist-packages/relume/*.so)
 run(${CPACK_RELUME_STRIP} ${sections} ${programs})
 file(GLOB_RECURSE archives ${stage}/library/*.a)
 run(${CPACK_RELUME_STRIP} --strip-debug ${sections} ${archives})
 
-run(find ${stage}/program ${stage}/library -type d -empty -delete)
-run(chmod -R u=rwX,go=rX ${stage}/program ${stage}/library)
-run(find ${stage}/program ${stage}/library -exec touch -h -d ${CPACK_RELUME_VERSION_DATE}T00:00:00Z {} +)
+run(find ${folders} -type d -empty -delete)
+run(chmod -R u=rwX,go=rX ${folders})
+run(find ${folders} -exec touch -h -d ${CPACK_RELUME_VERSION_DATE}T00:00:00Z {} +)

@@ -79,8 +79,9 @@ class Repository(unittest.TestCase):
         self.write("src/render/a.h", '#include "compare/a.h"\n')
         self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
+        self.write("python/bindings/a.cpp", '#include "b.h"\n#include "relume/scene.h"\n#include "render/session.h"\n')
         self.assert_finds(
-            check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "core may include nothing", "not a path from src/ or lab/",
+            check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "the bindings include only", "core may include nothing", "not a path from src/ or lab/",
             "not in the table", "render may include", "only scene_io may use", "slow to compile", "include another technique")
 
     def test_table_of_layers(self):

@@ -48,6 +48,7 @@ class Packages(unittest.TestCase):
         cls.packages = pack(pathlib.Path(cls.folder.name))
         cls.program = cls.packages["relume"]
         cls.library = cls.packages["librelume-dev"]
+        cls.python = cls.packages.get("python3-relume")
 
     def test_names_and_dependencies(self):
         architecture = run("dpkg", "--print-architecture").strip()
@@ -76,6 +77,17 @@ class Packages(unittest.TestCase):
             self.assertTrue(any(file.endswith(ending) for file in files), ending)
         self.assertFalse([file for file in files if "/bin/" in file or "/testing/" in file])
 
+    def test_the_python_package_brings_module_and_types(self):
+        if self.python is None:
+            self.skipTest("the build has no Python package")
+        files = contents(self.python)
+        folder = "/usr/lib/python3/dist-packages/relume"
+        for file in ("__init__.py", "_core.pyi", "py.typed", "metrics.py"):
+            self.assertIn(f"{folder}/{file}", files)
+        self.assertEqual(len([file for file in files if file.startswith(f"{folder}/_core.cpython-")]), 1)
+        self.assertFalse([file for file in files if "__pycache__" in file])
+        self.assertRegex(field(self.python, "Depends"), r"python3 \(>= 3\.\d+\), python3 \(<< 3\.\d+\), python3-numpy")
+
     def test_modes_and_owners(self):
         for package in self.packages.values():
             for file, (mode, owner) in contents(package).items():
@@ -98,7 +110,7 @@ class Packages(unittest.TestCase):
             self.assertEqual((done.returncode, "AVX2" in done.stderr), (status, status == 1), flags)
 
     def test_lintian_finds_no_fault_in_the_program(self):
-        self.lint(self.program)
+        self.lint(self.program, *filter(None, [self.python]))
 
     def lint(self, *packages):
         done = subprocess.run(["lintian", "--no-cfg", "--allow-root", "--fail-on", "error,warning", *packages], capture_output=True, text=True, check=False)

@@ -1,0 +1,10 @@
+// Metrics, comparisons and experiments.
+#pragma once
+
+#include "conversions.h"
+
+namespace relume::python {
+
+void define_lab(py::module_& module);
+
+}  // namespace relume::python
