@@ -24,6 +24,7 @@ OTHER_PAGES = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "bench/README.md": "benchmarks.md",
+    "examples/README.md": "examples.md",
     "tests/README.md": "tests.md",
     "lab/experiments/README.md": "experiments.md",
     "docs/README.md": "all-pages.md",
