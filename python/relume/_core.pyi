@@ -17,7 +17,16 @@ class Texture:
     wrap_v: str
     filter: str
     texels: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        name: str = ...,
+        format: str = ...,
+        wrap_u: str = ...,
+        wrap_v: str = ...,
+        filter: str = ...,
+        texels: Any = ...,
+    ) -> None: ...
     def copy(self) -> Texture: ...
 
 class TextureRef:
@@ -26,7 +35,15 @@ class TextureRef:
     offset: Vector
     scale: Vector
     rotation_rad: float
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        texture: int = ...,
+        uv_set: int = ...,
+        offset: Vector = ...,
+        scale: Vector = ...,
+        rotation_rad: float = ...,
+    ) -> None: ...
     def copy(self) -> TextureRef: ...
 
 class Material:
@@ -81,7 +98,61 @@ class Material:
     diffuse_transmission_texture: TextureRef
     diffuse_transmission_color: Vector
     diffuse_transmission_color_texture: TextureRef
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        alpha_mode: str = ...,
+        microfacet_model: str = ...,
+        name: str = ...,
+        base_color: Vector = ...,
+        alpha: float = ...,
+        base_color_texture: TextureRef = ...,
+        metallic: float = ...,
+        roughness: float = ...,
+        metallic_roughness_texture: TextureRef = ...,
+        normal_texture: TextureRef = ...,
+        normal_scale: float = ...,
+        emission: Vector = ...,
+        emission_texture: TextureRef = ...,
+        alpha_cutoff: float = ...,
+        double_sided: bool = ...,
+        cull_back_faces: bool = ...,
+        unlit: bool = ...,
+        ior: float = ...,
+        dispersion: float = ...,
+        specular: float = ...,
+        specular_texture: TextureRef = ...,
+        specular_color: Vector = ...,
+        specular_color_texture: TextureRef = ...,
+        transmission: float = ...,
+        transmission_texture: TextureRef = ...,
+        thickness: float = ...,
+        attenuation_color: Vector = ...,
+        attenuation_distance: float = ...,
+        clearcoat: float = ...,
+        clearcoat_texture: TextureRef = ...,
+        clearcoat_roughness: float = ...,
+        clearcoat_roughness_texture: TextureRef = ...,
+        clearcoat_normal_texture: TextureRef = ...,
+        clearcoat_normal_scale: float = ...,
+        anisotropy: float = ...,
+        anisotropy_rotation_rad: float = ...,
+        anisotropy_texture: TextureRef = ...,
+        sheen_color: Vector = ...,
+        sheen_color_texture: TextureRef = ...,
+        sheen_roughness: float = ...,
+        sheen_roughness_texture: TextureRef = ...,
+        iridescence: float = ...,
+        iridescence_texture: TextureRef = ...,
+        iridescence_ior: float = ...,
+        iridescence_thickness_min_nm: float = ...,
+        iridescence_thickness_nm: float = ...,
+        iridescence_thickness_texture: TextureRef = ...,
+        diffuse_transmission: float = ...,
+        diffuse_transmission_texture: TextureRef = ...,
+        diffuse_transmission_color: Vector = ...,
+        diffuse_transmission_color_texture: TextureRef = ...,
+    ) -> None: ...
     def copy(self) -> Material: ...
 
 class MorphTarget:
@@ -89,7 +160,14 @@ class MorphTarget:
     positions: Any
     normals: Any
     tangents: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        name: str = ...,
+        positions: Any = ...,
+        normals: Any = ...,
+        tangents: Any = ...,
+    ) -> None: ...
     def copy(self) -> MorphTarget: ...
 
 class Mesh:
@@ -106,14 +184,36 @@ class Mesh:
     joints: Any
     weights: Any
     morph_targets: Sequence[MorphTarget]
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        name: str = ...,
+        material: int = ...,
+        positions: Any = ...,
+        normals: Any = ...,
+        tangents: Any = ...,
+        uv0: Any = ...,
+        uv1: Any = ...,
+        colors: Any = ...,
+        triangles: Any = ...,
+        influences_per_vertex: int = ...,
+        joints: Any = ...,
+        weights: Any = ...,
+        morph_targets: Sequence[MorphTarget] = ...,
+    ) -> None: ...
     def copy(self) -> Mesh: ...
 
 class Skin:
     name: str
     joints: Sequence[int]
     inverse_bind: Sequence[ArrayLike]
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        name: str = ...,
+        joints: Sequence[int] = ...,
+        inverse_bind: Sequence[ArrayLike] = ...,
+    ) -> None: ...
     def copy(self) -> Skin: ...
 
 class Light:
@@ -123,7 +223,16 @@ class Light:
     inner_cone_rad: float
     outer_cone_rad: float
     angular_diameter_rad: float
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        type: str = ...,
+        name: str = ...,
+        intensity: Vector = ...,
+        inner_cone_rad: float = ...,
+        outer_cone_rad: float = ...,
+        angular_diameter_rad: float = ...,
+    ) -> None: ...
     def copy(self) -> Light: ...
 
 class SunSky:
@@ -134,7 +243,17 @@ class SunSky:
     sun_scale: float
     sun_angular_diameter_rad: float
     ground_albedo: Vector
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        sun_elevation_rad: float = ...,
+        sun_azimuth_rad: float = ...,
+        turbidity: float = ...,
+        sky_scale: float = ...,
+        sun_scale: float = ...,
+        sun_angular_diameter_rad: float = ...,
+        ground_albedo: Vector = ...,
+    ) -> None: ...
     def copy(self) -> SunSky: ...
 
 class Environment:
@@ -143,7 +262,15 @@ class Environment:
     rotation_rad: float
     sun_sky: SunSky
     map: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        kind: str = ...,
+        color: Vector = ...,
+        rotation_rad: float = ...,
+        sun_sky: SunSky = ...,
+        map: Any = ...,
+    ) -> None: ...
     def copy(self) -> Environment: ...
 
 class Camera:
@@ -154,20 +281,41 @@ class Camera:
     aspect_ratio: float
     lens_radius: float
     focus_distance: float
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        projection: str = ...,
+        name: str = ...,
+        fov_y_rad: float = ...,
+        half_height: float = ...,
+        aspect_ratio: float = ...,
+        lens_radius: float = ...,
+        focus_distance: float = ...,
+    ) -> None: ...
     def copy(self) -> Camera: ...
 
 class CameraPose:
     camera: Camera
     to_world: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        camera: Camera = ...,
+        to_world: Any = ...,
+    ) -> None: ...
     def copy(self) -> CameraPose: ...
 
 class Transform:
     translation: Vector
     rotation: Vector
     scale: Vector
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        translation: Vector = ...,
+        rotation: Vector = ...,
+        scale: Vector = ...,
+    ) -> None: ...
     def copy(self) -> Transform: ...
 
 class Node:
@@ -182,7 +330,21 @@ class Node:
     meshes: Sequence[int]
     instances: Sequence[ArrayLike]
     morph_weights: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        name: str = ...,
+        parent: int = ...,
+        transform: Transform = ...,
+        matrix: Any = ...,
+        light: int = ...,
+        camera: int = ...,
+        skin: int = ...,
+        visible: bool = ...,
+        meshes: Sequence[int] = ...,
+        instances: Sequence[ArrayLike] = ...,
+        morph_weights: Any = ...,
+    ) -> None: ...
     def copy(self) -> Node: ...
 
 class AnimationChannel:
@@ -193,7 +355,17 @@ class AnimationChannel:
     clip: int
     times: Any
     values: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        property: str = ...,
+        interpolation: str = ...,
+        node: int = ...,
+        morph_target: int = ...,
+        clip: int = ...,
+        times: Any = ...,
+        values: Any = ...,
+    ) -> None: ...
     def copy(self) -> AnimationChannel: ...
 
 class ParameterChannel:
@@ -204,7 +376,17 @@ class ParameterChannel:
     clip: int
     times: Any
     values: Any
-    def __init__(self, **attributes: Any) -> None: ...
+    def __init__(
+        self,
+        *,
+        part: str = ...,
+        interpolation: str = ...,
+        index: int = ...,
+        parameter: str = ...,
+        clip: int = ...,
+        times: Any = ...,
+        values: Any = ...,
+    ) -> None: ...
     def copy(self) -> ParameterChannel: ...
 
 class NodeHandle:
