@@ -8,7 +8,7 @@ LETTER = ("................", ".XXXXXXXXX......", ".XXXXXXXXXXX....", ".XXX.....
           ".XXXXXXXXXXX....", ".XXXXXXXXX......", ".XXX...XXX......", ".XXX....XXX.....", ".XXX.....XXX....", ".XXX......XXX...",
           ".XXX.......XXX..", ".XXX........XX..", "................", "................")  # fmt: skip
 SIZE = len(LETTER)
-EQUAL_AREA_SIDE = 64
+EQUAL_AREA_SIDE = 128
 ROWS = 64  # of the equirectangular map
 HALF = 1   # type of a channel in EXR
 
@@ -66,7 +66,7 @@ def lobe(d, axis, sharpness):
 
 def sky(d):
     """Radiance from direction `d`, +Y up: a red, a green and a blue lobe."""
-    return (0.2 + 2.5 * lobe(d, (1, 1, 1), 6), 0.2 + 1.5 * lobe(d, (-1, 0.5, 0.7), 4), 0.3 + 0.15 * d[1] + 1.5 * lobe(d, (-0.2, 0.3, -1), 5))
+    return (0.1 + lobe(d, (1, 1, 1), 1.5), 0.1 + 0.8 * lobe(d, (-1, 0.5, 0.7), 1.5), 0.2 + 0.1 * d[1] + 0.9 * lobe(d, (-0.2, 0.3, -1), 1.5))
 
 
 def equirectangular_sky():
