@@ -4,9 +4,9 @@ import math
 import struct
 import zlib
 
-LETTER = ("................", ".XXXXXXXXX......", ".XXXXXXXXXXX....", ".XXX......XXX...", ".XXX.......XX...", ".XXX......XXX...",
-          ".XXXXXXXXXXX....", ".XXXXXXXXX......", ".XXX...XXX......", ".XXX....XXX.....", ".XXX.....XXX....", ".XXX......XXX...",
-          ".XXX.......XXX..", ".XXX........XX..", "................", "................")  # fmt: skip
+LETTER = ("................", ".#########......", ".###########....", ".###......###...", ".###.......##...", ".###......###...",
+          ".###########....", ".#########......", ".###...###......", ".###....###.....", ".###.....###....", ".###......###...",
+          ".###.......###..", ".###........##..", "................", "................")  # fmt: skip
 SIZE = len(LETTER)
 EQUAL_AREA_SIDE = 128
 ROWS = 64  # of the equirectangular map
@@ -49,14 +49,14 @@ def exr(rows):
 
 def letter_color(x, y):
     """An R on a background that grows red to the right and green downwards; sRGB-encoded."""
-    if LETTER[y][x] == "X":
+    if LETTER[y][x] == "#":
         return (20, 40, 160)
     return (90 + 10 * x, 90 + 10 * y, 70)
 
 
 def mask_value(x, y):
     """Opacity: 0 in the letter and 255 elsewhere."""
-    return 0 if LETTER[y][x] == "X" else 255
+    return 0 if LETTER[y][x] == "#" else 255
 
 
 def lobe(d, axis, sharpness):

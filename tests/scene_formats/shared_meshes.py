@@ -108,12 +108,18 @@ def buffer_of(shape):
 
 
 def ply_of(shape):
-    """ASCII PLY."""
-    names = "xyzuv" if shape.uv else "xyz"
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(shape.positions)}"]
+    """Triangles, because Mitsuba reads no other polygons: ASCII, or binary PLY of a shape with normals."""
+    names = ["x", "y", "z", *(["nx", "ny", "nz"] if shape.normals else []), *(["u", "v"] if shape.uv else [])]
+    triangles = triangles_of(shape)
+    encoding = "binary_little_endian" if shape.normals else "ascii"
+    lines = ["ply", f"format {encoding} 1.0", f"element vertex {len(shape.positions)}"]
     lines += [f"property float {name}" for name in names]
-    lines += [f"element face {len(shape.faces)}", "property list uchar int vertex_indices", "end_header"]
-    rows = [(*p, *uv) for p, uv in zip(shape.positions, shape.uv)] or shape.positions
-    lines += [" ".join(f"{x:g}" for x in row) for row in rows]
-    lines += [f"{len(face)} " + " ".join(map(str, face)) for face in shape.faces]
-    return "\n".join(lines) + "\n"
+    lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
+    header = ("\n".join(lines) + "\n").encode()
+    nothing = [()] * len(shape.positions)
+    rows = [(*p, *n, *uv) for p, n, uv in zip(shape.positions, shape.normals or nothing, shape.uv or nothing)]
+    if shape.normals:
+        vertices = b"".join(struct.pack(f"<{len(names)}f", *row) for row in rows)
+        return header + vertices + b"".join(struct.pack("<B3i", 3, *triangle) for triangle in triangles)
+    text = [" ".join(f"{x:g}" for x in row) for row in rows] + ["3 " + " ".join(map(str, t)) for t in triangles]
+    return header + ("\n".join(text) + "\n").encode()
