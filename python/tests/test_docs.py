@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import tomllib
 
 import relume
 
@@ -34,3 +35,8 @@ def test_the_readme_runs(tmp_path, monkeypatch):
         'budget="2s"', 'budget="100ms", width=64, height=36, repetitions=1, reference_samples=64')
     exec(compile(shortened, "README.md", "exec"), {})
     assert (tmp_path / "out.png").exists()
+
+
+def test_the_package_has_the_version_of_the_library():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["version"] == relume.__version__

@@ -7,18 +7,6 @@
 namespace relume {
 namespace {
 
-void add_face(Mesh& mesh, const Vec3& u, const Vec3& v) {
-  const Vec3 normal = glm::cross(u, v);
-  const auto first = static_cast<uint32_t>(mesh.positions.size());
-  for (const Vec2 corner : {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)}) {
-    mesh.positions.push_back(normal + (2 * corner.x - 1) * u + (2 * corner.y - 1) * v);
-    mesh.normals.push_back(normal);
-    mesh.uv0.emplace_back(corner.x, 1 - corner.y);
-  }
-  mesh.triangles.emplace_back(first, first + 1, first + 2);
-  mesh.triangles.emplace_back(first, first + 2, first + 3);
-}
-
 template <typename V>
 V bilinear(const std::array<V, 4>& c, float u, float v) {
   return (1 - v) * ((1 - u) * c[0] + u * c[1]) + v * ((1 - u) * c[2] + u * c[3]);
@@ -75,23 +63,13 @@ void add_patch(Mesh& mesh, const BilinearPatches& patches, const std::array<uint
 }  // namespace
 
 Mesh rectangle_mesh() {
-  Mesh mesh = cube_mesh();
-  for (auto* values : {&mesh.positions, &mesh.normals}) values->resize(4);
-  mesh.uv0.resize(4);
-  mesh.triangles.resize(2);
-  for (Vec3& p : mesh.positions) p.z = 0;
-  return mesh;
-}
-
-Mesh cube_mesh() {
-  constexpr Vec3 kX(1, 0, 0), kY(0, 1, 0), kZ(0, 0, 1);
   Mesh mesh;
-  add_face(mesh, kX, kY);
-  add_face(mesh, -kX, kY);
-  add_face(mesh, -kZ, kY);
-  add_face(mesh, kZ, kY);
-  add_face(mesh, kX, -kZ);
-  add_face(mesh, kX, kZ);
+  for (const Vec2 corner : {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)}) {
+    mesh.positions.emplace_back(2 * corner.x - 1, 2 * corner.y - 1, 0);
+    mesh.normals.emplace_back(0, 0, 1);
+    mesh.uv0.emplace_back(corner.x, 1 - corner.y);
+  }
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return mesh;
 }
 

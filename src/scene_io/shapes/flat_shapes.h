@@ -1,4 +1,4 @@
-// Meshes of rectangles, cubes and bilinear patches.
+// Meshes of rectangles and bilinear patches.
 #pragma once
 
 #include <array>
@@ -10,9 +10,6 @@ namespace relume {
 
 /// Square [-1, 1]² in the plane z = 0 that faces +Z; texture coordinates (u, 1 - v) with u along +X and v along +Y.
 Mesh rectangle_mesh();
-
-/// Cube [-1, 1]³ that faces outwards; each face has the texture coordinates of rectangle_mesh().
-Mesh cube_mesh();
 
 /// Corners of bilinear patches, four indices for each: at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1).
 struct BilinearPatches {

@@ -72,9 +72,7 @@ TEST(Tessellation, DisksAndCylinders) {
   expect_uv(cylinder, {0, 2, 4}, {0.5f, 0});
 }
 
-TEST(Tessellation, CubeAndRectangle) {
-  expect_consistent(cube_mesh());
-  EXPECT_DOUBLE_EQ(area(cube_mesh()), 24);
+TEST(Tessellation, Rectangle) {
   const Mesh rectangle = rectangle_mesh();
   expect_consistent(rectangle);
   EXPECT_DOUBLE_EQ(area(rectangle), 4);

@@ -16,14 +16,6 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
   return true;
 }
 
-DirectionalQuadtree Quadtrees::tree(uint32_t region) const {
-  DirectionalQuadtree tree{};
-  tree.bit_count = bit_count_;
-  const uint32_t words = bit_count_ / 32;
-  for (uint32_t w = 0; w < words; ++w) tree.bits.words[w] = words_[region * words + w];
-  return tree;
-}
-
 void Quadtrees::load(std::istream& in) {
   read_vector(in, words_);
   const QuadtreeArray trees = view();
@@ -119,9 +111,10 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
   };
   const auto read = [this] {
     std::vector<Leaf> leaves;
-    for (uint32_t region = 0; region < trees_.size(); ++region) {
+    Quadtrees trees = trees_;  // a copy, because their view can write
+    for (uint32_t region = 0; region < trees.size(); ++region) {
       if (!octree_.tree().is_leaf(region)) continue;
-      const DirectionalQuadtree tree = trees_.tree(region);
+      const DirectionalQuadtree tree = trees.view().load(region);
       for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
         if (tree.bits.get(bit)) continue;
         const QuadtreeCell cell = tree.cell_of(bit);

@@ -22,7 +22,6 @@ class Quadtrees {
   Quadtrees(uint32_t bit_count, uint32_t regions) : bit_count_(bit_count), words_(regions * (bit_count / 32)) {}
 
   QuadtreeArray view() { return {mutable_view_of(words_), bit_count_}; }
-  DirectionalQuadtree tree(uint32_t region) const;
   uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
   uint32_t bit_count() const { return bit_count_; }
   size_t memory_bytes() const { return words_.size() * sizeof(uint32_t); }

@@ -111,7 +111,9 @@ std::vector<PassRecords> OctreePass::records() const {
   const auto read = [this] {
     std::vector<Leaf> leaves;
     for (uint32_t slot = 0; tree_ && slot < tree_->leaf_slots(); ++slot) {
-      if (tree_->is_leaf(slot)) leaves.push_back({slot, tree_->corner_of(slot), tree_->edge_of(slot)});
+      if (!tree_->is_leaf(slot)) continue;
+      const OctreeCube cube = tree_->cube_of(slot);
+      leaves.push_back({slot, cube.corner, cube.edge});
     }
     return leaves;
   };

@@ -86,12 +86,9 @@ OctreeTree::OctreeTree(const Vec3& center, float edge)
 
 OctreeView OctreeTree::view() const { return {view_of(nodes_), corner_, scale_}; }
 
-Vec3 OctreeTree::corner_of(uint32_t slot) const {
-  return corner_ + Vec3(octree_cell_of(view_of(nodes_), view_of(links_.parents), slot).corner) / scale_;
-}
-
-float OctreeTree::edge_of(uint32_t slot) const {
-  return static_cast<float>(octree_cell_of(view_of(nodes_), view_of(links_.parents), slot).size()) / scale_;
+OctreeCube OctreeTree::cube_of(uint32_t slot) const {
+  const OctreeCell cell = octree_cell_of(view_of(nodes_), view_of(links_.parents), slot);
+  return {corner_ + Vec3(cell.corner) / scale_, static_cast<float>(cell.size()) / scale_};
 }
 
 uint32_t OctreeTree::leaf_count() const {

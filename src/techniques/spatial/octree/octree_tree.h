@@ -25,6 +25,12 @@ struct OctreeLinks {
   std::vector<uint32_t> previous;    ///< origin by leaf: the leaf of the previous tree from which data is copied
 };
 
+/// A cell in world space.
+struct OctreeCube {
+  Vec3 corner{0};  ///< low corner, metres
+  float edge = 0;  ///< metres
+};
+
 /// Owns nodes and links.
 class OctreeTree {
  public:
@@ -37,9 +43,7 @@ class OctreeTree {
   uint32_t leaf_slots() const { return 8 * node_count(); }
   uint32_t leaf_count() const;
   bool is_leaf(uint32_t slot) const { return (octree_leaf_mask(nodes_[slot / 8]) >> (slot % 8)) & 1u; }
-  /// Low corner of a leaf, and its edge; metres.
-  Vec3 corner_of(uint32_t slot) const;
-  float edge_of(uint32_t slot) const;
+  OctreeCube cube_of(uint32_t slot) const;   ///< cube of a leaf
   std::vector<uint8_t> leaf_depths() const;  ///< depths by slot; meaningless for unused slots
   uint32_t depth() const { return depth_; }  ///< depth of the deepest leaf
   const OctreeLinks& links() const { return links_; }
