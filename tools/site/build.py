@@ -26,6 +26,7 @@ OTHER_PAGES = {
     "bench/README.md": "benchmarks.md",
     "examples/README.md": "examples.md",
     "tests/README.md": "tests.md",
+    "tests/scene_formats/README.md": "scene-formats-tests.md",
     "lab/experiments/README.md": "experiments.md",
     "docs/README.md": "all-pages.md",
 }
