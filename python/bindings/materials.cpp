@@ -77,12 +77,12 @@ void define_textures(py::module_& module) {
   texture.def_property("texels", &texels_of, &set_texels,
                        "Array of shape (height, width, 4), row 0 on top: uint8 or linear float32. Reading gives a "
                        "read-only copy. RGB gets alpha 1.");
-  auto reference = keyword_class<TextureRef>(
-      module, "TextureRef", "A material's use of a texture, with a transform of its coordinates.");
+  auto reference = keyword_class<TextureRef>(module, "TextureRef",
+                                             "A material's use of a texture, with a transform of its coordinates.");
   reference.def_readwrite("texture", &TextureRef::texture, "Index in Scene.textures; -1: none.")
       .def_readwrite("uv_set", &TextureRef::uv_set, "0 or 1.")
-      .def_readwrite("offset", &TextureRef::offset)
-      .def_readwrite("scale", &TextureRef::scale)
+      .def_readwrite("offset", &TextureRef::offset, "(u, v), added after scale and rotation.")
+      .def_readwrite("scale", &TextureRef::scale, "Factors of (u, v).")
       .def_readwrite("rotation_rad", &TextureRef::rotation_rad, "Counter-clockwise, radians.");
 }
 
@@ -90,61 +90,66 @@ void define_textures(py::module_& module) {
 
 void define_materials(py::module_& module) {
   define_textures(module);
-  auto m = keyword_class<Material>(
-      module, "Material",
-      "A glTF 2.0 material with extensions. Colours are linear RGB in [0, 1], emission is a radiance. Textures multiply "
-      "their factors.");
+  auto m = keyword_class<Material>(module, "Material",
+                                   "A glTF 2.0 material with extensions. Colours are linear RGB in [0, 1], emission is "
+                                   "a radiance. Textures multiply their factors.");
   choice(m, "alpha_mode", &Material::alpha_mode, kAlphaModes, "'opaque', 'mask' or 'blend'.");
   choice(m, "microfacet_model", &Material::microfacet_model, kMicrofacetModels, "'ggx' or 'beckmann'.");
   m.def_readwrite("name", &Material::name)
-      .def_readwrite("base_color", &Material::base_color)
-      .def_readwrite("alpha", &Material::alpha)
+      .def_readwrite("base_color", &Material::base_color, "RGB.")
+      .def_readwrite("alpha", &Material::alpha, "Coverage, in [0, 1]; see alpha_mode.")
       .def_readwrite("base_color_texture", &Material::base_color_texture, "RGB colour, A alpha.")
-      .def_readwrite("metallic", &Material::metallic)
+      .def_readwrite("metallic", &Material::metallic, "In [0, 1].")
       .def_readwrite("roughness", &Material::roughness, "Perceptual, in [0, 1].")
       .def_readwrite("metallic_roughness_texture", &Material::metallic_roughness_texture, "G roughness, B metallic.")
-      .def_readwrite("normal_texture", &Material::normal_texture)
-      .def_readwrite("normal_scale", &Material::normal_scale)
+      .def_readwrite("normal_texture", &Material::normal_texture, "RGB: the normal in tangent space.")
+      .def_readwrite("normal_scale", &Material::normal_scale, "Factor of the X and Y of normal_texture.")
       .def_readwrite("emission", &Material::emission, "Radiance.")
-      .def_readwrite("emission_texture", &Material::emission_texture)
-      .def_readwrite("alpha_cutoff", &Material::alpha_cutoff)
+      .def_readwrite("emission_texture", &Material::emission_texture, "RGB.")
+      .def_readwrite("alpha_cutoff", &Material::alpha_cutoff, "'mask': smaller alpha is transparent.")
       .def_readwrite("double_sided", &Material::double_sided, "Whether the back emits, too.")
       .def_readwrite("cull_back_faces", &Material::cull_back_faces, "Whether the camera does not see back faces.")
       .def_readwrite("unlit", &Material::unlit, "Emits the base colour, reflects nothing.")
-      .def_readwrite("ior", &Material::ior)
+      .def_readwrite("ior", &Material::ior, "Index of refraction.")
       .def_readwrite("dispersion", &Material::dispersion, "20 / Abbe number.")
-      .def_readwrite("specular", &Material::specular)
-      .def_readwrite("specular_texture", &Material::specular_texture)
-      .def_readwrite("specular_color", &Material::specular_color)
-      .def_readwrite("specular_color_texture", &Material::specular_color_texture)
-      .def_readwrite("transmission", &Material::transmission)
-      .def_readwrite("transmission_texture", &Material::transmission_texture)
+      .def_readwrite("specular", &Material::specular, "Strength of the reflection of dielectrics, in [0, 1].")
+      .def_readwrite("specular_texture", &Material::specular_texture, "A.")
+      .def_readwrite("specular_color", &Material::specular_color,
+                     "RGB of the reflection of dielectrics at normal incidence.")
+      .def_readwrite("specular_color_texture", &Material::specular_color_texture, "RGB.")
+      .def_readwrite("transmission", &Material::transmission, "In [0, 1].")
+      .def_readwrite("transmission_texture", &Material::transmission_texture, "R.")
       .def_readwrite("thickness", &Material::thickness, "0: thin-walled, no refraction; otherwise a closed surface.")
-      .def_readwrite("attenuation_color", &Material::attenuation_color)
+      .def_readwrite("attenuation_color", &Material::attenuation_color,
+                     "RGB of white light after the attenuation distance.")
       .def_readwrite("attenuation_distance", &Material::attenuation_distance, "Metres.")
-      .def_readwrite("clearcoat", &Material::clearcoat)
-      .def_readwrite("clearcoat_texture", &Material::clearcoat_texture)
-      .def_readwrite("clearcoat_roughness", &Material::clearcoat_roughness)
-      .def_readwrite("clearcoat_roughness_texture", &Material::clearcoat_roughness_texture)
-      .def_readwrite("clearcoat_normal_texture", &Material::clearcoat_normal_texture)
-      .def_readwrite("clearcoat_normal_scale", &Material::clearcoat_normal_scale)
-      .def_readwrite("anisotropy", &Material::anisotropy)
-      .def_readwrite("anisotropy_rotation_rad", &Material::anisotropy_rotation_rad)
-      .def_readwrite("anisotropy_texture", &Material::anisotropy_texture)
-      .def_readwrite("sheen_color", &Material::sheen_color)
-      .def_readwrite("sheen_color_texture", &Material::sheen_color_texture)
-      .def_readwrite("sheen_roughness", &Material::sheen_roughness)
-      .def_readwrite("sheen_roughness_texture", &Material::sheen_roughness_texture)
-      .def_readwrite("iridescence", &Material::iridescence)
-      .def_readwrite("iridescence_texture", &Material::iridescence_texture)
-      .def_readwrite("iridescence_ior", &Material::iridescence_ior)
-      .def_readwrite("iridescence_thickness_min_nm", &Material::iridescence_thickness_min_nm)
-      .def_readwrite("iridescence_thickness_nm", &Material::iridescence_thickness_nm)
-      .def_readwrite("iridescence_thickness_texture", &Material::iridescence_thickness_texture)
-      .def_readwrite("diffuse_transmission", &Material::diffuse_transmission)
-      .def_readwrite("diffuse_transmission_texture", &Material::diffuse_transmission_texture)
-      .def_readwrite("diffuse_transmission_color", &Material::diffuse_transmission_color)
-      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture);
+      .def_readwrite("clearcoat", &Material::clearcoat, "Strength, in [0, 1].")
+      .def_readwrite("clearcoat_texture", &Material::clearcoat_texture, "R.")
+      .def_readwrite("clearcoat_roughness", &Material::clearcoat_roughness, "Perceptual, in [0, 1].")
+      .def_readwrite("clearcoat_roughness_texture", &Material::clearcoat_roughness_texture, "G.")
+      .def_readwrite("clearcoat_normal_texture", &Material::clearcoat_normal_texture,
+                     "As normal_texture; none: the unmapped normal.")
+      .def_readwrite("clearcoat_normal_scale", &Material::clearcoat_normal_scale, "Factor of its X and Y.")
+      .def_readwrite("anisotropy", &Material::anisotropy, "Strength, in [0, 1].")
+      .def_readwrite("anisotropy_rotation_rad", &Material::anisotropy_rotation_rad,
+                     "Counter-clockwise from the tangent.")
+      .def_readwrite("anisotropy_texture", &Material::anisotropy_texture, "RG direction, B strength.")
+      .def_readwrite("sheen_color", &Material::sheen_color, "RGB; black: no sheen.")
+      .def_readwrite("sheen_color_texture", &Material::sheen_color_texture, "RGB.")
+      .def_readwrite("sheen_roughness", &Material::sheen_roughness, "Perceptual, in [0, 1].")
+      .def_readwrite("sheen_roughness_texture", &Material::sheen_roughness_texture, "A.")
+      .def_readwrite("iridescence", &Material::iridescence, "Strength, in [0, 1].")
+      .def_readwrite("iridescence_texture", &Material::iridescence_texture, "R.")
+      .def_readwrite("iridescence_ior", &Material::iridescence_ior, "Index of refraction of the film.")
+      .def_readwrite("iridescence_thickness_min_nm", &Material::iridescence_thickness_min_nm,
+                     "Thickness where the texture is 0, nanometres.")
+      .def_readwrite("iridescence_thickness_nm", &Material::iridescence_thickness_nm,
+                     "Thickness where the texture is 1, or without a texture, nanometres.")
+      .def_readwrite("iridescence_thickness_texture", &Material::iridescence_thickness_texture, "G.")
+      .def_readwrite("diffuse_transmission", &Material::diffuse_transmission, "In [0, 1].")
+      .def_readwrite("diffuse_transmission_texture", &Material::diffuse_transmission_texture, "A.")
+      .def_readwrite("diffuse_transmission_color", &Material::diffuse_transmission_color, "RGB.")
+      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture, "RGB.");
 }
 
 }  // namespace relume::python

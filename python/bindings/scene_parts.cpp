@@ -63,7 +63,8 @@ void define_meshes(py::module_& module) {
         for (size_t i = 0; i < weights.size(); ++i) m.influences[i].weight = weights[i];
       },
       "As joints; the weights of a vertex sum to 1.");
-  tuple_property(mesh, "morph_targets", &Mesh::morph_targets, "Copies of the MorphTarget objects; assign a sequence to change them.");
+  tuple_property(mesh, "morph_targets", &Mesh::morph_targets,
+                 "Copies of the MorphTarget objects; assign a sequence to change them.");
   mesh.def("__repr__", [](const Mesh& m) {
     return "<relume.Mesh '" + m.name + "': " + std::to_string(m.positions.size()) + " vertices, " +
            std::to_string(m.triangles.size()) + " triangles>";
@@ -83,19 +84,19 @@ void define_lights(py::module_& module) {
       .def_readwrite("outer_cone_rad", &PunctualLight::outer_cone_rad, "Half-angle without light outside.")
       .def_readwrite("angular_diameter_rad", &PunctualLight::angular_diameter_rad, "Directional; 0: a delta light.");
   auto sky = keyword_class<SunSky>(module, "SunSky", "Daylight. A radiance of 1 is 1 kcd/m².");
-  sky.def_readwrite("sun_elevation_rad", &SunSky::sun_elevation_rad)
+  sky.def_readwrite("sun_elevation_rad", &SunSky::sun_elevation_rad, "Above the horizon.")
       .def_readwrite("sun_azimuth_rad", &SunSky::sun_azimuth_rad, "From +Z towards +X.")
       .def_readwrite("turbidity", &SunSky::turbidity, "1.7 (clear) to 10 (hazy).")
-      .def_readwrite("sky_scale", &SunSky::sky_scale)
-      .def_readwrite("sun_scale", &SunSky::sun_scale)
-      .def_readwrite("sun_angular_diameter_rad", &SunSky::sun_angular_diameter_rad)
-      .def_readwrite("ground_albedo", &SunSky::ground_albedo);
+      .def_readwrite("sky_scale", &SunSky::sky_scale, "Factor of the sky's radiance.")
+      .def_readwrite("sun_scale", &SunSky::sun_scale, "Factor of the sun's radiance.")
+      .def_readwrite("sun_angular_diameter_rad", &SunSky::sun_angular_diameter_rad, "0.00925 as seen from the Earth.")
+      .def_readwrite("ground_albedo", &SunSky::ground_albedo, "RGB, in [0, 1].");
   auto environment = keyword_class<Environment>(module, "Environment", "Light from infinity.");
   choice(environment, "kind", &Environment::kind, kEnvironmentKinds,
          "'none', 'constant', 'map', 'sun-sky', 'studio' or 'automatic'.");
   environment.def_readwrite("color", &Environment::color, "'constant': radiance; others: factor.")
       .def_readwrite("rotation_rad", &Environment::rotation_rad, "About +Y, counter-clockwise from above.")
-      .def_readwrite("sun_sky", &Environment::sun_sky);
+      .def_readwrite("sun_sky", &Environment::sun_sky, "'sun-sky': the daylight.");
   environment.def_property(
       "map",
       [](const Environment& e) {
@@ -126,7 +127,7 @@ void define_cameras(py::module_& module) {
       .def_readwrite("lens_radius", &Camera::lens_radius, "Metres; 0: pinhole.")
       .def_readwrite("focus_distance", &Camera::focus_distance, "Metres.");
   auto pose = keyword_class<CameraPose>(module, "CameraPose", "A camera and its place in the world.");
-  pose.def_readwrite("camera", &CameraPose::camera)
+  pose.def_readwrite("camera", &CameraPose::camera, "Projection and lens.")
       .def_readwrite("to_world", &CameraPose::to_world, "(4, 4) matrix from the camera to the world.");
 }
 
@@ -134,16 +135,16 @@ void define_nodes(py::module_& module) {
   auto transform = keyword_class<Transform>(module, "Transform", "From a node to its parent.");
   transform.def_readwrite("translation", &Transform::translation, "Metres.")
       .def_readwrite("rotation", &Transform::rotation, "Unit quaternion (x, y, z, w).")
-      .def_readwrite("scale", &Transform::scale);
+      .def_readwrite("scale", &Transform::scale, "Factors of (x, y, z).");
   auto node = keyword_class<Node>(module, "Node", "A place in the hierarchy. References are indices; -1: none.");
   node.def_readwrite("name", &Node::name)
-      .def_readwrite("parent", &Node::parent)
-      .def_readwrite("transform", &Node::transform)
+      .def_readwrite("parent", &Node::parent, "Index in Scene.nodes.")
+      .def_readwrite("transform", &Node::transform, "From the node to its parent.")
       .def_readwrite("matrix", &Node::matrix, "(4, 4) matrix that replaces the transform, or None.")
-      .def_readwrite("light", &Node::light)
-      .def_readwrite("camera", &Node::camera)
-      .def_readwrite("skin", &Node::skin)
-      .def_readwrite("visible", &Node::visible);
+      .def_readwrite("light", &Node::light, "Index in Scene.lights.")
+      .def_readwrite("camera", &Node::camera, "Index in Scene.cameras.")
+      .def_readwrite("skin", &Node::skin, "Index in Scene.skins.")
+      .def_readwrite("visible", &Node::visible, "Whether the node and its descendants are rendered.");
   tuple_property(node, "meshes", &Node::meshes, "Indices in Scene.meshes.");
   tuple_property(node, "instances", &Node::instances, "A (4, 4) matrix per copy of the meshes; empty: one copy.");
   array_property<float>(node, "morph_weights", &Node::morph_weights, "(n).");
@@ -164,14 +165,14 @@ void define_animation(py::module_& module) {
          "'translation', 'rotation', 'scale', 'morph-weight' or 'visible'.");
   choice(channel, "interpolation", &AnimationChannel::interpolation, kInterpolations,
          "'step', 'linear' or 'cubic-spline'.");
-  channel.def_readwrite("node", &AnimationChannel::node)
-      .def_readwrite("morph_target", &AnimationChannel::morph_target)
+  channel.def_readwrite("node", &AnimationChannel::node, "Index in Scene.nodes.")
+      .def_readwrite("morph_target", &AnimationChannel::morph_target, "'morph-weight': its number.")
       .def_readwrite("clip", &AnimationChannel::clip, "Index in Scene.clips; -1: part of every clip.");
   array_property<float>(channel, "times", &AnimationChannel::times, "(n), seconds, strictly increasing.");
   array_property<float>(channel, "values", &AnimationChannel::values,
                         "(n, 4), one row per key; (3n, 4) for 'cubic-spline': in-tangent, value, out-tangent.");
-  auto parameter =
-      keyword_class<ParameterChannel>(module, "ParameterChannel", "Key frames of a parameter of a material, light or camera.");
+  auto parameter = keyword_class<ParameterChannel>(module, "ParameterChannel",
+                                                   "Key frames of a parameter of a material, light or camera.");
   choice(parameter, "part", &ParameterChannel::part, kAnimatedParts, "'material', 'light' or 'camera'.");
   choice(parameter, "interpolation", &ParameterChannel::interpolation, kInterpolations,
          "'step', 'linear' or 'cubic-spline'.");

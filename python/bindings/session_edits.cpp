@@ -13,7 +13,7 @@ template <typename Part>
 void define_handle(py::module_& module, const char* name) {
   py::class_<Handle<Part>>(module, name)
       .def(py::init([](Index index) { return Handle<Part>(index); }))
-      .def_readonly("index", &Handle<Part>::index)
+      .def_readonly("index", &Handle<Part>::index, "In the scene's list of such parts.")
       .def(py::self == py::self)
       .def("__hash__", [](const Handle<Part>& handle) { return py::hash(py::make_tuple(handle.index, handle.session)); })
       .def("__repr__", [name](const Handle<Part>& handle) {

@@ -98,6 +98,7 @@ def compare(scene: Scene, contenders: Mapping[str, Contender], *, budget: Union[
     as "2s"), each contender gets that time in each repetition, otherwise `samples` per pixel. Further keyword arguments are
     settings of all contenders. `reference` is an EXR file or an image; without one, a reference of `reference_samples` per
     pixel is rendered and kept in `reference_folder`, by default that of the program. `times_s`: scene times of an animation.
+    Raises Error for unknown presets or settings, invalid values, and a reference of another size.
 
     >>> scores = relume.compare(relume.builtin("cornell"), {"uniform": {"lights": "uniform"}, "vlc": {"lights": "vlc"}})
     >>> min(scores, key=lambda score: score["mse"])["name"]
@@ -195,7 +196,8 @@ def experiments() -> dict[str, str]:
 
 def experiment(name: str, quick: bool = False, *, scenes: Optional[Path] = None, reference_folder: Optional[Path] = None,
                progress: bool = False) -> ExperimentReport:
-    """Runs an experiment; many take hours unless `quick`. `scenes`: folder that contains sponza/sponza.gltf."""
+    """Runs an experiment; many take hours unless `quick`. `scenes`: folder that contains sponza/sponza.gltf. Raises Error
+    for an unknown name, and if the experiment needs that folder and it is missing."""
     if name not in experiments():
         raise Error(f"there is no experiment '{name}'{suggestion(name, experiments())}", "not-found")
     with _stages(progress) as report:

@@ -14,6 +14,10 @@ class Error(RuntimeError):
 
     @property
     def remedy(self) -> str:
-        """What to do: the part of the message after its last semicolon; empty if the message has none."""
-        _, semicolon, remedy = str(self).rpartition("; ")
-        return remedy if semicolon else ""
+        """What to do, or what would be valid: the message's end, after its last semicolon or "but"; empty without either."""
+        message = str(self)
+        for separator in ("; ", ", but "):
+            before, _, remedy = message.rpartition(separator)
+            if before:
+                return remedy
+        return ""

@@ -53,7 +53,8 @@ def tone_map(image: Any, curve: str = "agx", exposure: float = 0) -> Image:
 
 
 def read_image(file: Path) -> Image:
-    """Reads an EXR, HDR, PNG, JPEG, TGA, BMP, KTX2 or WebP file as linear values."""
+    """Reads an EXR, HDR, PNG, JPEG, TGA, BMP, KTX2 or WebP file as linear values. Raises Error if the file is missing or
+    malformed."""
     return as_image(_core.read_image(os.fspath(file)))
 
 
@@ -61,12 +62,14 @@ def write_image(file: Path, image: Any) -> None:
     """Writes an image; the extension selects the format.
 
     .exr and .hdr store linear values. .png, .jpg and .tga expect display-linear values, as tone_map() returns them.
+    Raises Error for other extensions, and if the file cannot be written.
     """
     _core.write_image(os.fspath(file), image)
 
 
 def read_exr(file: Path) -> dict[str, NDArray[Any]]:
-    """The channels of an EXR file by name ("R", "albedo.R", "depth.Z"), each of shape (height, width)."""
+    """The channels of an EXR file by name ("R", "albedo.R", "depth.Z"), each float32 of shape (height, width).
+    Raises Error if the file is missing or malformed."""
     return _core.read_exr_channels(os.fspath(file))
 
 

@@ -124,11 +124,11 @@ class Scene:
                                                interpolation=interpolation, morph_target=morph_target, clip=clip))
 
     def choose_variant(self, name: str) -> None:
-        """Gives every mesh its material in the named variant; "": the default materials."""
+        """Gives every mesh its material in the named variant; "": the default materials. Raises Error for other names."""
         _core.choose_variant(self, name)
 
     def world_matrices(self, time_s: float = 0) -> NDArray[Any]:
-        """Matrix from each node to the world at a time: shape (nodes, 4, 4)."""
+        """Matrix from each node to the world at a time: float32, (nodes, 4, 4)."""
         return np.asarray(_core.world_matrices(self, time_s), np.float32).reshape(-1, 4, 4)
 
     @property
@@ -137,7 +137,7 @@ class Scene:
         return _core.animation_end(self)
 
     def find_node(self, name: str) -> int:
-        """Index of the first node with that name."""
+        """Index of the first node with that name. Raises Error if there is none."""
         for index, node in enumerate(self.nodes):
             if node.name == name:
                 return index
@@ -152,18 +152,22 @@ class Scene:
         _core.validate(self)
 
     def save(self, file: Path) -> list[str]:
-        """Writes .gltf, .glb or .pbrt. Returns the parts that the format stores inexactly, one sentence each."""
+        """Writes .gltf, .glb or .pbrt. Returns the parts that the format stores inexactly, one sentence each. Raises Error
+        for other formats, invalid scenes, and if the file cannot be written."""
         return _core.write_scene(os.fspath(file), self)
 
 
 def load(file: Path) -> Scene:
-    """Reads a scene file (glTF, pbrt, Mitsuba XML, OBJ, …; docs/scene-formats.md). Scene.warnings lists ignored parts."""
+    """Reads a scene file (glTF, pbrt, Mitsuba XML, OBJ, …; docs/scene-formats.md). Scene.warnings lists ignored parts.
+
+    Raises Error if the file is missing or malformed.
+    """
     scene: Scene = _core.load_scene(os.fspath(file))
     return scene
 
 
 def builtin(name: str) -> Scene:
-    """Builds one of the built-in scenes, such as "cornell"."""
+    """Builds one of the built-in scenes, such as "cornell". Raises Error for an unknown name."""
     scene: Scene = _core.builtin_scene(name)
     return scene
 
@@ -174,7 +178,7 @@ def builtin_scenes() -> dict[str, str]:
 
 
 def load_environment(file: Path) -> Environment:
-    """Reads an equirectangular EXR or HDR file."""
+    """Reads an equirectangular EXR or HDR file. Raises Error if the file is missing or malformed."""
     return _core.load_environment_map(os.fspath(file))
 
 

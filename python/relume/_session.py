@@ -119,7 +119,7 @@ class Session:
 
     @property
     def image(self) -> Image:
-        """Mean radiance of the last complete frame, denoised if a denoiser is set: (height, width, 3), read-only.
+        """Mean radiance of the last complete frame, denoised if a denoiser is set: float32, (height, width, 3), read-only.
 
         Later frames never change an image that was returned. Until the next change, the same memory is returned.
         """
@@ -178,11 +178,11 @@ class Session:
         self._core.restart(int(self._settings["seed"]))
 
     def save_checkpoint(self, file: Path) -> None:
-        """Writes the state from which rendering continues bit for bit."""
+        """Writes the state from which rendering continues bit for bit. Raises Error if the file cannot be written."""
         self._core.save_checkpoint(os.fspath(file))
 
     def load_checkpoint(self, file: Path) -> None:
-        """Reads such a state. Raises Error if the scene or the settings differ."""
+        """Continues from such a state. Raises Error if the file is damaged, or the scene or the settings differ."""
         self._core.load_checkpoint(os.fspath(file))
 
     # --- The state of techniques ---
@@ -193,8 +193,8 @@ class Session:
         return list(self._settings._core.aov_names())
 
     def aov(self, name: str) -> NDArray[Any]:
-        """A layer as of the last frame, (height, width) or (height, width, channels). Layers that accumulate, such as
-        "albedo", are means over the frames since the last change."""
+        """A layer as of the last frame: float32, (height, width) or (height, width, channels). Layers that accumulate, such
+        as "albedo", are means over the frames since the last change. Raises Error for names that are not in `aovs`."""
         return self._core.aov(name)
 
     @property
@@ -203,16 +203,19 @@ class Session:
         return self._core.buffers()
 
     def buffer(self, name: str) -> NDArray[Any]:
-        """A copy of a buffer's content, (height, width) or (height, width, channels)."""
+        """A copy of a buffer's content: float32 or uint32, (height, width) or (height, width, channels). Raises Error for
+        names that are not in `buffers`."""
         return self._core.buffer(name)
 
     def write_buffer(self, name: str, values: Any) -> None:
-        """Replaces a buffer's content. In a hook of after(), later passes of the frame read it."""
+        """Replaces a buffer's content. In a hook of after(), later passes of the frame read it. Raises Error unless
+        `values` has the shape that buffer() returns."""
         self._core.write_buffer(name, values)
 
     def replace_image(self, image: Any) -> None:
         """Shows `image`, (height, width, 3), in place of the session's until the next frame begins. In a hook of
-        after(), this is how a denoiser of your own shows its result. Histories keep their content."""
+        after(), this is how a denoiser of your own shows its result. Histories keep their content. Raises Error for
+        other shapes."""
         self._core.replace_image(image)
 
     @property
@@ -221,7 +224,8 @@ class Session:
         return self._core.record_tables()
 
     def records(self, name: str) -> NDArray[Any]:
-        """Records of a technique's data structure, such as "octree.leaves": a structured array."""
+        """Records of a technique's data structure, such as "octree.leaves": a copy as a structured array, one element per
+        record; its dtype has the names of the fields. Raises Error for names that are not in `record_tables`."""
         return self._core.records(name)
 
     @property
@@ -289,7 +293,7 @@ class Session:
         self._core.set_transform(node, transform if transform is not None else Transform(**attributes))
 
     def set_light(self, light: Union[LightHandle, int], value: Light) -> None:
-        """Replaces a light of the scene."""
+        """Replaces a light of the scene. Raises Error for a missing index or an invalid value, as all edits do."""
         self._core.set_light(light, value)
 
     def set_material(self, material: Union[MaterialHandle, int], value: Material) -> None:
@@ -317,11 +321,11 @@ class Session:
         return self._core.add_node(node)
 
     def remove(self, part: Union[NodeHandle, MeshHandle, LightHandle]) -> None:
-        """Removes a node with its descendants, or a mesh or light that no node uses."""
+        """Removes a node with its descendants, or a mesh or light; raises Error if a node uses it."""
         self._core.remove(part)
 
     def find_node(self, name: str) -> NodeHandle:
-        """The first node with that name."""
+        """The first node with that name. Raises Error if there is none."""
         return self._core.find_node(name)
 
     def _repr_png_(self) -> Union[bytes, None]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Union
 
 from . import _core
 from ._errors import Error
-from ._names import suggestion
+from ._names import nearest
 
 Value = Union[str, int, float, bool]
 
@@ -47,8 +47,9 @@ def full_name(name: str) -> str:
     """Name of a setting on the command line. `name` may be that name or the keyword argument."""
     keyword = keyword_of(name)
     if keyword not in _NAMES:
-        near = suggestion(keyword, _NAMES) or "; relume.settings() lists all"
-        raise Error(f"there is no setting '{name}'{near}", "not-found")
+        near = nearest(keyword, _NAMES)
+        remedy = f"did you mean '{near}'?" if near else "relume.settings() lists all"
+        raise Error(f"there is no setting '{name}'; {remedy}", "not-found")
     return _NAMES[keyword]
 
 
@@ -92,6 +93,7 @@ class Settings(Mapping[str, str]):
         return len(_NAMES)
 
     def copy(self) -> "Settings":
+        """Independent settings with the same values."""
         copied = Settings()
         copied._core = _core.SettingsCore(self._core)
         return copied

@@ -1,6 +1,7 @@
 """Error metrics of an image against a reference: means over all pixels and channels of linear values.
 
 Pixels that are not finite in either image are excluded. Both arguments have the shape (height, width, 3).
+Functions raise Error for other shapes, and if the shapes differ.
 """
 
 from typing import Any

@@ -95,7 +95,7 @@ def test_scores_become_a_data_frame(tmp_path):
 def test_experiments_run(tmp_path):
     names = relume.experiments()
     assert len(names) > 10
-    with pytest.raises(relume.Error, match="no experiment 'mystery'"):
+    with pytest.raises(relume.Error, match="no experiment 'mystery'; there are"):
         relume.experiment("mystery", reference_folder=tmp_path)
     report = relume.experiment("guide-cost", quick=True, reference_folder=tmp_path)
     assert report.claims

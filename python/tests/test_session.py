@@ -63,7 +63,7 @@ def test_layers_and_buffers(cornell):
     assert (cornell.buffer("samples") == 2).all()
     np.testing.assert_array_equal(cornell.buffer("mean"), cornell.image)
     assert "radiance" in cornell.buffers["mean"]
-    with pytest.raises(relume.Error, match="albdo"):
+    with pytest.raises(relume.Error, match="no AOV 'albdo' with these settings; did you mean 'albedo'"):
         cornell.aov("albdo")
 
 
@@ -78,8 +78,11 @@ def test_settings_are_keyword_arguments():
         relume.Settings(psf_cel_size=4)
     with pytest.raises(relume.Error, match="did you mean"):
         relume.Session(relume.builtin("cornell"), preset="interactive-2")
-    with pytest.raises(relume.Error, match="psf.cell-size"):
+    with pytest.raises(relume.Error, match="psf.cell-size") as caught:
         relume.Settings(psf_cell_size=-1)
+    assert caught.value.remedy == "must be from 0.5 to 1024"
+    with pytest.raises(relume.Error, match=r"no records 'octree.leafs' with these settings; there are"):
+        session.records("octree.leafs")
     with pytest.raises(relume.Error, match="another session"):
         session.set(camera="1")
     assert len({info.keyword for info in relume.settings()}) == len(relume.settings()), "keywords are unique"

@@ -1,4 +1,4 @@
-"""The stub of the extension module has the module's names."""
+"""The stub of the extension module has the module's names, and help() has a text for each public one."""
 
 import ast
 import inspect
@@ -37,3 +37,14 @@ def test_attributes_are_those_of_the_parts():
 def test_methods_are_those_of_the_classes():
     for name in ("SessionCore", "SettingsCore"):
         assert public(names(CLASSES[name].body, ast.FunctionDef)) == public(vars(getattr(_core, name))), name
+
+
+def test_all_public_names_have_a_description():
+    for name in relume.__all__:
+        value = getattr(relume, name)
+        if not inspect.ismodule(value) and (callable(value) or inspect.isclass(value)):
+            assert inspect.getdoc(value), name
+        members = {member: each for member, each in vars(value).items() if public([member])} if inspect.isclass(value) else {}
+        for member, each in members.items():
+            if member != "name" and (isinstance(each, property) or callable(each)):
+                assert (each.__doc__ or "").strip(), f"{name}.{member}"

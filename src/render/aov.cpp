@@ -7,6 +7,7 @@
 
 #include "framebuffer/pixel_moments.h"
 #include "relume/error.h"
+#include "settings/nearest_name.h"
 
 namespace relume {
 namespace {
@@ -37,6 +38,15 @@ std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
   return {plane};
 }
 
+std::vector<std::string> displayed_names(const BufferTable& buffers) {
+  std::vector<std::string> names{"variance"};
+  for (const auto& buffer : buffers.all()) {
+    const BufferDescription& b = buffer->description();
+    if (b.display != BufferDisplay::hidden) names.emplace_back(b.id.name);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes) {
@@ -60,8 +70,8 @@ std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string
   if (name == "variance") return variance_planes(buffers);
   const Buffer* buffer = buffers.find(name);
   if (!buffer || buffer->description().display == BufferDisplay::hidden) {
-    throw Error(ErrorCode::not_found,
-                fmt::format("there is no AOV '{}' with these settings; the list of AOVs has those that exist", name));
+    throw Error(ErrorCode::not_found, fmt::format("there is no AOV '{}' with these settings{}", name,
+                                                  suggestion(name, displayed_names(buffers))));
   }
   const BufferDescription& description = buffer->description();
   const size_t count = size_t{buffers.width()} * buffers.height();

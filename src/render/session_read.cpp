@@ -7,6 +7,7 @@
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
 #include "render/session_state.h"
+#include "settings/nearest_name.h"
 
 namespace relume {
 namespace {
@@ -20,6 +21,15 @@ void write_pixel(const Rgb& radiance, std::byte* target, const ImageTarget& form
   }
   const Vec4 values(radiance, 1.0f);
   std::copy_n(reinterpret_cast<const std::byte*>(&values), pixel_bytes(format.layout), target);
+}
+
+/// The error for a name that is not in `list`; `what`: "is no buffer".
+template <typename Info>
+Error missing(std::string_view what, const std::string& name, const std::vector<Info>& list) {
+  std::vector<std::string> names;
+  for (const Info& info : list) names.push_back(info.name);
+  return {ErrorCode::not_found,
+          fmt::format("there {} '{}' with these settings{}", what, name, suggestion(name, names))};
 }
 
 void check_target(const ImageTarget& target, const BufferTable& buffers) {
@@ -102,10 +112,7 @@ std::vector<BufferInfo> Session::buffers() const {
 
 BufferData Session::buffer(const std::string& name) const {
   const Buffer* buffer = std::as_const(*state_->buffers).find(name);
-  if (!buffer || !is_inspectable(buffer->description()))
-    throw Error(
-        ErrorCode::not_found,
-        fmt::format("there is no buffer '{}' with these settings; the list of buffers has those that exist", name));
+  if (!buffer || !is_inspectable(buffer->description())) throw missing("is no buffer", name, buffers());
   return {info_of(*buffer, *state_->buffers), buffer->bytes()};
 }
 
@@ -124,10 +131,7 @@ RecordData Session::records(const std::string& name) const {
   for (const PassRecords& records : state_->passes.pipeline.records()) {
     if (records.table.name == name) return {records.table, records.read()};
   }
-  throw Error(
-      ErrorCode::not_found,
-      fmt::format("there are no records '{}' with these settings; the list of record tables has those that exist",
-                  name));
+  throw missing("are no records", name, record_tables());
 }
 
 std::vector<PassInfo> Session::passes() const {

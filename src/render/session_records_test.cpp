@@ -188,7 +188,13 @@ TEST(SessionRecords, HooksEditBuffersBetweenPasses) {
   for (size_t i = 0; i < before.pixels.size(); ++i) {
     for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(after.pixels[i][c], 2 * before.pixels[i][c]);
   }
-  EXPECT_THROW(session.edit_buffer("nothing"), Error);
+  try {
+    session.edit_buffer("sample");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::not_found);
+    EXPECT_STREQ(error.what(), "there is no buffer 'sample' with these settings; did you mean 'samples'?");
+  }
 }
 
 TEST(BuiltinScenes, UnknownNamesSuggestTheNearest) {
