@@ -1,6 +1,7 @@
 #include "render_job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -59,6 +60,20 @@ class TevDisplay {
   double last_s_ = 0;
 };
 
+/// Pixels of a part of the image; empty: all of them.
+PixelWindow pixels_of(const ImagePart& part, int width, int height) {
+  if (part == ImagePart{}) return {};
+  const auto pixel = [](float fraction, int size) {
+    return static_cast<int>(std::lround(fraction * static_cast<float>(size)));
+  };
+  PixelWindow window;
+  window.x = std::min(pixel(part.left, width), width - 1);
+  window.y = std::min(pixel(part.top, height), height - 1);
+  window.width = std::max(pixel(part.right, width) - window.x, 1);
+  window.height = std::max(pixel(part.bottom, height) - window.y, 1);
+  return window;
+}
+
 class RenderJob {
  public:
   RenderJob(const RenderOptions& options, const Verbosity& verbosity, RenderPlan plan)
@@ -87,6 +102,7 @@ class RenderJob {
 
  private:
   void load();
+  PixelWindow choose_window(const Scene& scene) const;
   void build(Scene scene);
   void resume();
   size_t image_of_checkpoint() const;
@@ -148,11 +164,29 @@ void RenderJob::load() {
   settings_.render.time_s = time_of(0);
   time_of(plan_.files.size() - 1);  // fails before rendering
   settings_.render.auxiliary = !plan_.aovs.empty();
-  settings_.render.crop = plan_.crop;
+  settings_.render.crop = choose_window(scene);
   build(std::move(scene));
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);
   if (plan_.ocio && !plan_.ocio->note().empty()) log_info(verbosity_, plan_.ocio->note());
   if (std::error_code failure; std::filesystem::exists(options_.checkpoint, failure)) resume();
+}
+
+/// The window of --crop, or else the part that the scene's file requests, if the techniques allow it.
+PixelWindow RenderJob::choose_window(const Scene& scene) const {
+  if (!plan_.crop.empty()) return plan_.crop;
+  RenderSettings cropped = settings_.render;
+  cropped.crop = pixels_of(scene.crop, cropped.width, cropped.height);
+  const PixelWindow& w = cropped.crop;
+  if (w.empty() || !refusal(settings_.render).empty()) return {};
+  const std::string request =
+      fmt::format("{} requests the crop {},{},{},{}", options_.scene, w.x, w.y, w.width, w.height);
+  if (const std::string conflict = refusal(cropped); !conflict.empty()) {
+    log_info(verbosity_, fmt::format("{}, but the whole image is rendered: {}", request, conflict));
+    return {};
+  }
+  log_info(verbosity_,
+           fmt::format("{}; --crop 0,0,{},{} renders the whole image", request, cropped.width, cropped.height));
+  return w;
 }
 
 void RenderJob::build(Scene scene) {
@@ -316,7 +350,7 @@ void RenderJob::report(StopReason reason) const {
       .scene = options_.scene,
       .width = settings_.render.width,
       .height = settings_.render.height,
-      .crop = plan_.crop,
+      .crop = settings_.render.crop,
       .samples_per_pixel = session_->image_samples(),
       .stopped_by = name_of(reason),
       .estimated_error = session_->estimated_error(),

@@ -21,7 +21,7 @@ struct RenderPlan {
   std::vector<std::filesystem::path> files;  ///< one per frame
   SettingSources sources;
   FileRoles roles;
-  PixelWindow crop;
+  PixelWindow crop;                      ///< of --crop; empty: that of the scene's file, or the whole image
   std::shared_ptr<const OcioView> ocio;  ///< nullptr: the tone map
   int threads = 0;
 };

@@ -282,6 +282,16 @@ struct ParameterChannel {
   Index clip = kNone;        ///< index in Scene::clips; kNone: part of every clip
 };
 
+/// Part of an image, in fractions of its width from the left and of its height from the top.
+struct ImagePart {
+  float left = 0;
+  float top = 0;
+  float right = 1;
+  float bottom = 1;
+
+  friend bool operator==(const ImagePart&, const ImagePart&) = default;
+};
+
 struct Scene {
   std::string name;
   std::vector<Texture> textures;
@@ -297,6 +307,7 @@ struct Scene {
   Environment environment;
   std::vector<std::string> variants;                ///< names of alternative sets of materials (KHR_materials_variants)
   std::string settings_json;                        ///< settings that the file requests, a JSON object; empty: none
+  ImagePart crop;                                   ///< part of the image that the file requests
   std::vector<std::string> warnings;                ///< ignored or repaired input, one sentence each
   std::vector<std::string> notes;                   ///< ignored input without effect on images, one sentence each
   std::vector<std::filesystem::path> source_files;  ///< files that load_scene() read, including missing ones

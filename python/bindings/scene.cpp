@@ -84,6 +84,7 @@ py::object scene_to_python(Scene&& scene) {
   result.attr("clips") = scene.clips;
   result.attr("variants") = scene.variants;
   result.attr("settings_json") = scene.settings_json;
+  result.attr("crop") = py::make_tuple(scene.crop.left, scene.crop.top, scene.crop.right, scene.crop.bottom);
   result.attr("warnings") = scene.warnings;
   result.attr("notes") = scene.notes;
   py::list files;
@@ -108,6 +109,8 @@ Scene scene_from_python(const py::object& source) {
   scene.clips = strings(source, "clips");
   scene.variants = strings(source, "variants");
   scene.settings_json = source.attr("settings_json").cast<std::string>();
+  const auto crop = source.attr("crop").cast<std::array<float, 4>>();
+  scene.crop = {crop[0], crop[1], crop[2], crop[3]};
   for (const py::handle& file : source.attr("source_files"))
     scene.source_files.push_back(file.cast<std::filesystem::path>());
   return scene;

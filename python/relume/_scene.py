@@ -29,9 +29,28 @@ class Scene:
     indices in these lists; the `add` methods return them.
     """
 
-    __slots__ = ("name", "textures", "materials", "meshes", "lights", "cameras", "nodes", "skins", "animation",
-                 "parameter_animation", "environment", "clips", "variants", "settings_json", "warnings", "notes",
-                 "source_files", "__weakref__")
+    __slots__ = {
+        "name": "For messages.",
+        "textures": "List of Texture.",
+        "materials": "List of Material.",
+        "meshes": "List of Mesh.",
+        "lights": "List of Light.",
+        "cameras": "List of Camera.",
+        "nodes": "List of Node, in any order.",
+        "skins": "List of Skin.",
+        "animation": "List of AnimationChannel.",
+        "parameter_animation": "List of ParameterChannel.",
+        "environment": "Light from infinity.",
+        "clips": "Names of the animations.",
+        "variants": "Names for choose_variant().",
+        "settings_json": "Settings that the file requests, a JSON object; empty: none. Sessions apply them before the preset.",
+        "crop": "Part of the image that the file requests: left, top, right and bottom in fractions of its size. `relume render` "
+                "follows it; sessions have their own argument, in pixels.",
+        "warnings": "Ignored or repaired input of the file, one sentence each.",
+        "notes": "Ignored input without effect on images, one sentence each.",
+        "source_files": "Files that were read, including missing ones.",
+        "__weakref__": "",
+    }
 
     def __init__(self, name: str = "") -> None:
         self.name = name
@@ -48,6 +67,7 @@ class Scene:
         self.clips: list[str] = []
         self.variants: list[str] = []
         self.settings_json = ""
+        self.crop: tuple[float, float, float, float] = (0, 0, 1, 1)
         self.warnings: list[str] = []
         self.notes: list[str] = []
         self.source_files: list[str] = []

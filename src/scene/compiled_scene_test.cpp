@@ -1,5 +1,7 @@
 #include "scene/compiled_scene.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
@@ -338,6 +340,18 @@ TEST(CompiledScene, RejectsSunsAboveTheRadianceLimit) {
   scene.environment.sun_sky.sun_scale = 1e8f;
   scene.environment.sun_sky.sun_angular_diameter_rad = 3e-6f;
   EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
+}
+
+TEST(CompiledScene, RejectsCropsThatAreNoPartOfTheImage) {
+  Scene scene = plate();
+  scene.crop = {.left = 0.25f, .top = 0.5f, .right = 0.75f, .bottom = 1};
+  EXPECT_EQ(problem_of([&] { validate(scene, "a"); }), "");
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const ImagePart& crop : {ImagePart{.left = 0.5f, .right = 0.5f}, ImagePart{.left = -0.1f},
+                                ImagePart{.bottom = 1.1f}, ImagePart{.top = nan}}) {
+    scene.crop = crop;
+    EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("is not a part of the image"), std::string::npos);
+  }
 }
 
 TEST(CompiledScene, CountsItsMemory) {

@@ -46,6 +46,7 @@ class Validator {
     for (size_t i = 0; i < scene_.nodes.size(); ++i) check_node(i);
     for (size_t i = 0; i < scene_.animation.size(); ++i) check_channel(i);
     for (size_t i = 0; i < scene_.parameter_animation.size(); ++i) check_parameter_channel(i);
+    check_crop();
     check_cycles();
     check_placement(scene_, world_matrices(scene_, 0), place_);
   }
@@ -232,6 +233,15 @@ class Validator {
     return std::any_of(meshes.begin(), meshes.end(), [&](Index mesh) {
       return in_range(c.morph_target, scene_.meshes[static_cast<size_t>(mesh)].morph_targets.size());
     });
+  }
+
+  void check_crop() const {
+    const ImagePart& c = scene_.crop;
+    const bool is_part =
+        c.left >= 0 && c.left < c.right && c.right <= 1 && c.top >= 0 && c.top < c.bottom && c.bottom <= 1;
+    if (!is_part)
+      fail("the crop from ({}, {}) to ({}, {}) is not a part of the image [0, 1] x [0, 1]", c.left, c.top, c.right,
+           c.bottom);
   }
 
   /// Walks up from every node. A walk longer than the number of nodes is in a cycle.

@@ -68,6 +68,7 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
       output.warn("the scene's settings are not a JSON object and are not written");
     }
   }
+  if (scene.crop != ImagePart{}) output.warn("the crop of the image is not written; render with --crop");
   return extras;
 }
 

@@ -72,6 +72,14 @@ TEST(GltfWriter, DefaultMaterialsStayEmpty) {
   EXPECT_FALSE(gltf.contains("extensionsUsed"));
 }
 
+TEST(GltfWriter, NamesTheCropThatItDoesNotWrite) {
+  const TempFolder folder;
+  Scene scene = small_scene({});
+  EXPECT_TRUE(write_gltf(folder / "a.gltf", scene).empty());
+  scene.crop.right = 0.5f;
+  EXPECT_EQ(write_gltf(folder / "a.gltf", scene).size(), 1u);
+}
+
 TEST(GltfWriter, ReplacesInvalidUtf8InNames) {
   const TempFolder folder;
   Material material;
