@@ -30,14 +30,14 @@ int hex_value(char c) {
 
 }  // namespace
 
-Bytes read_file_bytes(const std::filesystem::path& file) {
+Bytes read_file_bytes(const std::filesystem::path& file, uint64_t max_bytes) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (error || !std::filesystem::exists(status))
     throw Error(ErrorCode::not_found, fmt::format("{}: the file does not exist; check its path", file.string()));
   if (!std::filesystem::is_regular_file(status))
     throw Error(fmt::format("{}: this is not a regular file; give the path of a file", file.string()));
-  return read_file(file);
+  return read_file(file, max_bytes);
 }
 
 std::string missing_reason(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,9 +13,9 @@ namespace relume {
 
 using Bytes = std::vector<std::byte>;
 
-/// Reads the whole file. Throws Error if it does not exist, is not a regular file (devices may be endless) or cannot be
-/// read.
-Bytes read_file_bytes(const std::filesystem::path& file);
+/// Reads the whole file. Throws Error if it does not exist, is not a regular file (devices may be endless), is larger
+/// than `max_bytes` or cannot be read.
+Bytes read_file_bytes(const std::filesystem::path& file, uint64_t max_bytes = uint64_t{1} << 33);
 
 /// Reason why `file` cannot be found, for use after its name: "does not exist" or "cannot be reached (Permission
 /// denied)"; empty if it exists.

@@ -74,9 +74,7 @@ class NestingCheck {
 }  // namespace
 
 std::string Document::place_of(const Object& object) const {
-  const SourceFile& file = files[object.file];
-  const auto line = std::upper_bound(file.line_starts.begin(), file.line_starts.end(), object.offset);
-  return fmt::format("{}:{}", file.name, line - file.line_starts.begin());
+  return fmt::format("{}:{}", files[object.file], object.line);
 }
 
 Document read_document(std::span<const std::byte> file, Files& files, const std::string& place, Warnings& warnings) {

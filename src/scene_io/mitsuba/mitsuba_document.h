@@ -45,8 +45,8 @@ struct Object {
   std::string tag;   ///< "bsdf", "shape", …
   std::string type;  ///< "diffuse", "sphere", …; "scene" for the root
   std::string id;
-  size_t file = 0;    ///< index in Document::files
-  size_t offset = 0;  ///< of its element in the file
+  size_t file = 0;  ///< index in Document::files
+  size_t line = 1;  ///< of its element in the file
   std::vector<Property> properties;
   std::vector<Child> children;
   mutable bool read = false;  ///< whether the reader has met it
@@ -54,15 +54,13 @@ struct Object {
 
 inline constexpr int kMaxNesting = 32;
 
-struct SourceFile {
-  std::string name;
-  std::vector<size_t> line_starts;
-};
+/// Largest size of all texts of a scene together: its file, included files and spectra.
+inline constexpr uint64_t kMaxTextBytes = uint64_t{1} << 28;
 
 struct Document {
   std::deque<Object> objects;
   const Object* root = nullptr;
-  std::vector<SourceFile> files;
+  std::vector<std::string> files;  ///< names
 
   /// "scene.xml:12"
   std::string place_of(const Object& object) const;

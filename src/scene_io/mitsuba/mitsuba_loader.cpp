@@ -57,7 +57,7 @@ Scene load_mitsuba_from_memory(std::span<const std::byte> file, const std::files
 }
 
 Scene load_mitsuba(const std::filesystem::path& file) {
-  return load_mitsuba_from_memory(read_file_bytes(file), file.parent_path(), file.string());
+  return load_mitsuba_from_memory(read_file_bytes(file, mitsuba::kMaxTextBytes), file.parent_path(), file.string());
 }
 
 }  // namespace relume

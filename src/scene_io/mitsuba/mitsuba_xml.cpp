@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kMaxOpenFiles = 15;  // as in Mitsuba
 constexpr size_t kMaxFiles = 1000;
-constexpr size_t kMaxFileBytes = size_t{1} << 28;
-constexpr size_t kMaxObjects = size_t{1} << 22;
-constexpr size_t kMaxTextBytes = size_t{1} << 20;
+constexpr uint64_t kMaxMarkup = uint64_t{1} << 23;
+constexpr size_t kMaxParts = size_t{1} << 21;
+constexpr size_t kMaxValueBytes = size_t{1} << 20;
 constexpr size_t kMaxSubstitutedBytes = size_t{1} << 27;
 constexpr int kMaxDepth = 64;
 
@@ -40,14 +40,6 @@ bool is_object(const pugi::xml_node& element) {
 }
 
 std::string attribute_of(const pugi::xml_node& element, const char* name) { return element.attribute(name).value(); }
-
-std::vector<size_t> line_starts_of(std::string_view text) {
-  std::vector<size_t> starts = {0};
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '\n') starts.push_back(i + 1);
-  }
-  return starts;
-}
 
 /// Version before 2, whose names are in camelCase. Throws Error if it is no version.
 bool is_old_version(const std::string& version) {
@@ -105,7 +97,7 @@ std::string Substitution::apply(const std::string& text) {
       result += known->second;
       i += length;
     }
-    if (result.size() > kMaxTextBytes) throw Error("parameters make a value longer than 1 MiB; shorten it");
+    if (result.size() > kMaxValueBytes) throw Error("parameters make a value longer than 1 MiB; shorten it");
   }
   substituted_bytes_ += result.size();
   if (substituted_bytes_ > kMaxSubstitutedBytes)
@@ -113,21 +105,46 @@ std::string Substitution::apply(const std::string& text) {
   return result;
 }
 
+size_t LineCounter::line_at(ptrdiff_t offset) {
+  const size_t end = std::min(static_cast<size_t>(std::max<ptrdiff_t>(offset, 0)), text_.size());
+  if (end < counted_) *this = LineCounter(text_);
+  const std::string_view next = text_.substr(counted_, end - counted_);
+  line_ += static_cast<size_t>(std::count(next.begin(), next.end(), '\n'));
+  counted_ = end;
+  return line_;
+}
+
+/// Throws Error before the parser allocates more for a file than its share of the scene.
+void XmlReader::check_size(std::span<const std::byte> bytes, const std::string& name) {
+  text_bytes_ += bytes.size();
+  if (text_bytes_ > kMaxTextBytes)
+    throw Error(fmt::format("{}: the scene has more than {} MiB of text; split it", name, kMaxTextBytes >> 20));
+  markup_ += static_cast<uint64_t>(std::count_if(
+      bytes.begin(), bytes.end(), [](std::byte byte) { return byte == std::byte{'<'} || byte == std::byte{'='}; }));
+  if (markup_ > kMaxMarkup)
+    throw Error(fmt::format("{}: the scene has more than {} elements and attributes; join meshes, or use instances",
+                            name, kMaxMarkup));
+}
+
+void XmlReader::count_part() {
+  if (++parts_ > kMaxParts)
+    throw Error(
+        fmt::format("the scene has more than {} objects and parameters; join meshes, or use instances", kMaxParts));
+}
+
 void XmlReader::read_file(std::span<const std::byte> bytes, const std::filesystem::path& folder,
                           const std::string& name, Object* parent) {
-  if (bytes.size() > kMaxFileBytes) throw Error(fmt::format("{}: the file is larger than 256 MiB; split it", name));
+  check_size(bytes, name);
   if (document_.files.size() >= kMaxFiles)
     throw Error(fmt::format("{}: the scene includes more than {} files; join them", name, kMaxFiles));
-  document_.files.push_back({name, line_starts_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()})});
-  Source source{document_.files.size() - 1, folder, false};
-  Object whole;
-  whole.file = source.file;
+  document_.files.push_back(name);
+  LineCounter lines({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  Source source{document_.files.size() - 1, folder, false, &lines};
   pugi::xml_document xml;
   const pugi::xml_parse_result parsed = xml.load_buffer(bytes.data(), bytes.size());
-  whole.offset = static_cast<size_t>(std::max<ptrdiff_t>(parsed.offset, 0));
   if (!parsed)
-    throw Error(
-        fmt::format("{}: the XML is malformed ({}); correct it", document_.place_of(whole), parsed.description()));
+    throw Error(fmt::format("{}:{}: the XML is malformed ({}); correct it", name, lines.line_at(parsed.offset),
+                            parsed.description()));
   pugi::xml_node root = xml.document_element();
   if (!is_object(root) || (parent == nullptr && std::string_view(root.name()) != "scene"))
     throw Error(fmt::format("{}: its root element is <{}>, not <scene>; of .xml files, only scenes of Mitsuba are read",
@@ -163,10 +180,8 @@ void XmlReader::read_children(pugi::xml_node& element, const Source& source, Obj
     } catch (const Located&) {
       throw;
     } catch (const Error& error) {
-      Object at;
-      at.file = source.file;
-      at.offset = static_cast<size_t>(std::max<ptrdiff_t>(child.offset_debug(), 0));
-      throw Located(fmt::format("{}: {}", document_.place_of(at), error.what()));
+      throw Located(fmt::format("{}:{}: {}", document_.files[source.file], source.lines->line_at(child.offset_debug()),
+                                error.what()));
     }
   }
 }
@@ -186,18 +201,18 @@ void XmlReader::read_element(pugi::xml_node& element, const Source& source, Obje
     std::string name = attribute_of(element, "name");
     if (name.empty()) throw Error(fmt::format("<{}> has no name; add one", element.name()));
     if (source.is_old) name = underscore_name(name);
+    count_part();
     Value value = std::string_view(element.name()) == "transform" ? transform_of(element) : value_of(element, source);
     parent.properties.push_back({std::move(name), std::move(value)});
   }
 }
 
 Object& XmlReader::add_object(const pugi::xml_node& element, const Source& source) {
-  if (document_.objects.size() >= kMaxObjects)
-    throw Error(fmt::format("the scene has more than {} objects; join meshes, or use instances", kMaxObjects));
+  count_part();
   Object& object = document_.objects.emplace_back();
   object.tag = element.name();
   object.file = source.file;
-  object.offset = static_cast<size_t>(std::max<ptrdiff_t>(element.offset_debug(), 0));
+  object.line = source.lines->line_at(element.offset_debug());
   return object;
 }
 
@@ -220,6 +235,7 @@ bool XmlReader::read_directive(pugi::xml_node& element, const Source& source, Ob
   if (tag == "ref") {
     std::string name = attribute_of(element, "name");
     if (source.is_old) name = underscore_name(name);
+    count_part();
     parent.children.push_back({std::move(name), attribute_of(element, "id"), nullptr});
   } else if (tag == "default") {
     substitution_.set_default(attribute_of(element, "name"), attribute_of(element, "value"));
@@ -250,7 +266,7 @@ void XmlReader::include(const pugi::xml_node& element, const Source& source, Obj
   if (open_files_ >= kMaxOpenFiles)
     throw Error(fmt::format("files include each other more than {} levels deep; remove the cycle", kMaxOpenFiles));
   try {
-    read_file(read_file_bytes(*file), file->parent_path(), file->string(), &parent);
+    read_file(read_file_bytes(*file, kMaxTextBytes), file->parent_path(), file->string(), &parent);
   } catch (const Error& error) {
     throw Located(error.what());  // names the included file
   }
@@ -272,7 +288,8 @@ SpectrumText XmlReader::spectrum_of(const pugi::xml_node& element, const Source&
   if (reference.empty()) {
     spectrum = parse_spectrum(attribute_of(element, "value"));
   } else if (const std::optional<std::filesystem::path> file = files_.find(source.folder, reference)) {
-    const Bytes bytes = read_file_bytes(*file);
+    const Bytes bytes = read_file_bytes(*file, kMaxTextBytes);
+    check_size(bytes, file->string());
     spectrum = parse_spd({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   if (!spectrum)

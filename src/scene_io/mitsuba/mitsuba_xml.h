@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "scene_io/mitsuba/mitsuba_document.h"
 
@@ -28,6 +29,19 @@ class Substitution {
   size_t substituted_bytes_ = 0;
 };
 
+/// Line numbers of a text. Calls with growing offsets read the text once.
+class LineCounter {
+ public:
+  explicit LineCounter(std::string_view text) : text_(text) {}
+
+  size_t line_at(ptrdiff_t offset);
+
+ private:
+  std::string_view text_;
+  size_t counted_ = 0;  ///< bytes
+  size_t line_ = 1;     ///< after these bytes
+};
+
 class XmlReader {
  public:
   XmlReader(Document& document, Files& files, Warnings& warnings)
@@ -46,8 +60,11 @@ class XmlReader {
     size_t file;
     std::filesystem::path folder;
     bool is_old;  ///< camelCase names, before version 2
+    LineCounter* lines;
   };
 
+  void check_size(std::span<const std::byte> bytes, const std::string& name);
+  void count_part();
   void read_element(pugi::xml_node& element, const Source& source, Object& parent, int depth);
   void read_children(pugi::xml_node& element, const Source& source, Object& parent, int depth);
   void read_object(pugi::xml_node& element, const Source& source, Object& parent, int depth);
@@ -65,6 +82,9 @@ class XmlReader {
   Substitution substitution_;
   std::map<std::string, Object*> ids_;
   int open_files_ = 0;
+  uint64_t text_bytes_ = 0;  ///< of all files
+  uint64_t markup_ = 0;      ///< elements and attributes of all files
+  size_t parts_ = 0;         ///< objects, properties and references
 };
 
 }  // namespace relume::mitsuba
