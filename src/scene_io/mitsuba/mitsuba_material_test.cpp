@@ -356,8 +356,23 @@ TEST(MitsubaTextures, BumpsTiltNormalsByTheirSlope) {
   std::memcpy(&texel, &t.texels[(8 * 4 + 4) * sizeof(Vec4)], sizeof texel);
   const Vec3 normal = Vec3(texel) * 2.0f - Vec3(1);
   // ∂h/∂u = 8 / 255 per unit of u, which is 6 m long.
-  EXPECT_NEAR(normal.x / normal.z, -30 * 8 / 255.0 / 6, 1e-4);
+  EXPECT_NEAR(scene.materials[0].normal_scale * normal.x / normal.z, -30 * 8 / 255.0 / 6, 1e-4);
   EXPECT_NEAR(normal.y, 0, 1e-6f);
+}
+
+TEST(MitsubaTextures, ShapesOfSimilarSizesShareBumps) {
+  const SceneFolder folder;
+  folder.write("a.png", png(2, 2, std::vector<uint8_t>(16, 100)));
+  std::string text =
+      "<bsdf type=\"bumpmap\" id=\"b\"><texture type=\"bitmap\"><string name=\"filename\" value=\"a.png\"/></texture>"
+      "<bsdf type=\"diffuse\"/></bsdf>";
+  for (const char* scale : {"1.1", "1.3", "1.9", "2.1"})
+    text += "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"" + std::string(scale) +
+            "\"/></transform><ref id=\"b\"/></shape>";
+  const Scene scene = load_mitsuba_text(text, folder.path());
+  ASSERT_EQ(scene.materials.size(), 4u);
+  EXPECT_EQ(scene.textures.size(), 2u);  // slopes of 0.25 to 0.5, and below 0.25
+  EXPECT_FLOAT_EQ(scene.materials[0].normal_scale / scene.materials[1].normal_scale, 1.3f / 1.1f);
 }
 
 TEST(MitsubaTextures, VertexColours) {

@@ -1,9 +1,27 @@
 #include "scene_io/mitsuba/mitsuba_materials.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
+#include "relume/error.h"
+
 namespace relume::mitsuba {
+namespace {
+
+/// The part of a bump map's slope that a material's normal_scale can hold, from 1 to 2. The rest is a power of two
+/// along u, and a rounded ratio along v, so that shapes of similar sizes share a texture.
+float take_scale(Vec2& slope) {
+  const float u = std::fabs(slope.x);
+  if (!(u > 1e-30f && u < 1e30f && std::fabs(slope.y) < 1e30f)) return 1;
+  constexpr float kRatioSteps = 4096;
+  const float unit = std::exp2(std::floor(std::log2(u)));
+  slope = Vec2(std::copysign(unit, slope.x), unit * std::round(slope.y / u * kRatioSteps) / kRatioSteps);
+  return u / unit;
+}
+
+}  // namespace
 
 Emission Materials::emission(const Object& emitter) {
   const Parameters p(import_, emitter);
@@ -42,7 +60,9 @@ Material Materials::finish(const Surface& surface, const Emission& emission, con
     const TextureRef& placement = surface.bumps->placement;
     if (placement.rotation_rad != 0)
       import_.warnings.add("a bump map whose to_uv rotates is not supported; its bumps are rotated");
-    m.normal_texture = textures_.bumps(*surface.bumps, surface.bump_scale * placement.scale / stretch);
+    Vec2 slope = surface.bump_scale * placement.scale / stretch;
+    m.normal_scale = take_scale(slope);
+    m.normal_texture = textures_.bumps(*surface.bumps, slope);
   }
   m.emission = emission.radiance;
   if (emission.texture) m.emission_texture = textures_.color(emission.texture);
@@ -53,7 +73,13 @@ Index Materials::find(const Surface& surface, const Emission& emission, const Ob
   const Vec2 relevant = surface.bumps ? stretch : Vec2(1);
   const auto [known, is_new] = known_.try_emplace({&surface, emitter, relevant.x, relevant.y},
                                                   static_cast<Index>(import_.scene.materials.size()));
-  if (is_new) import_.scene.materials.push_back(finish(surface, emission, stretch));
+  if (is_new) {
+    constexpr size_t kMaxMaterials = size_t{1} << 17;
+    if (import_.scene.materials.size() >= kMaxMaterials)
+      throw Error(fmt::format("{}: the scene has more than {} materials; let shapes refer to common BSDFs",
+                              import_.document.files[0], kMaxMaterials));
+    import_.scene.materials.push_back(finish(surface, emission, stretch));
+  }
   return known->second;
 }
 

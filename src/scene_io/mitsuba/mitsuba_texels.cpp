@@ -12,9 +12,6 @@
 namespace relume::mitsuba {
 namespace {
 
-/// Larger normal maps have 8 bits per channel.
-constexpr int64_t kMaxFloatTexels = int64_t{1} << 22;
-
 int wrapped(int i, int size, WrapMode wrap) {
   if (wrap == WrapMode::clamp) return std::clamp(i, 0, size - 1);
   const int period = wrap == WrapMode::mirror ? 2 * size : size;
@@ -147,7 +144,7 @@ void spread_luminance(const Texels& source, Texture& texture) {
 void make_normals(const Texels& heights, const Vec2& slope, Texture& texture) {
   const int width = heights.width();
   const int height = heights.height();
-  const bool fits = int64_t{width} * height <= kMaxFloatTexels;
+  const bool fits = static_cast<uint64_t>(int64_t{width} * height) <= kMaxFloatTexels;
   const auto h = [&](int x, int y) { return luminance(Rgb(heights.at(x, y))); };
   fill(texture, width, height, fits ? PixelFormat::rgba32_float : PixelFormat::rgba8_linear, [&](int x, int y) {
     const float du = (h(x + 1, y) - h(x - 1, y)) * 0.5f * static_cast<float>(width) * slope.x;

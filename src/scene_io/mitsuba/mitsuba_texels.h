@@ -2,11 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "core/vec.h"
 #include "scene/scene.h"
 
 namespace relume::mitsuba {
+
+/// Bump maps of more texels become normal maps of 8 bits per channel instead of 32.
+inline constexpr uint64_t kMaxFloatTexels = uint64_t{1} << 22;
 
 /// A decoded image as linear values.
 class Texels {

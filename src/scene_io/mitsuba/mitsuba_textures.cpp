@@ -196,7 +196,8 @@ void Textures::limit(std::vector<ImageFiles>& files) const {
   DecodeBudget budget;
   for (size_t i = 0; i < files.size(); ++i) {
     for (ImageFile& file : files[i]) {
-      if (!file.bytes || budget.take(file.texels, file.bytes->size())) continue;
+      const bool is_float = requests_[i].recipe == Recipe::bumps && file.texels <= kMaxFloatTexels;
+      if (!file.bytes || budget.take(is_float ? 4 * file.texels : file.texels, file.bytes->size())) continue;
       file.bytes = nullptr;
       file.problem = fmt::format(
           "{}: {} texels exceed the limit for the images of a scene, 2^29 texels and {} per byte of their files; scale "
