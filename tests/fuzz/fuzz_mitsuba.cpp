@@ -13,7 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   try {
     if (size > 0 && data[0] == 0) {
-      relume::mitsuba::read_serialized(bytes.subspan(1), 0, "fuzz.serialized");
+      uint64_t inflatable = relume::mitsuba::largest_inflated(size);
+      relume::mitsuba::read_serialized(bytes.subspan(1), 0, "fuzz.serialized", inflatable);
     } else if (size > 0 && data[0] == 1) {
       relume::mitsuba::read_obj(bytes.subspan(1), true, "fuzz.obj");
     } else {

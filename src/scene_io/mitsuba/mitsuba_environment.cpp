@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
 #include "core/parallel.h"
-#include "files/bytes.h"
+#include "relume/error.h"
 #include "relume/scene_io.h"
 #include "scene_io/mitsuba/mitsuba_emitters.h"
 
@@ -65,6 +66,8 @@ void import_environment_map(const Parameters& p, Import& import) {
   const std::optional<std::filesystem::path> file = import.files.find(reference);
   if (!file) p.fail(fmt::format("its filename '{}' names no file; correct it", reference.substr(0, 80)));
   try {
+    if (std::error_code error; std::filesystem::exists(*file, error) && !std::filesystem::is_regular_file(*file, error))
+      throw Error(fmt::format("{}: this is not a regular file", file->string()));  // devices and pipes are endless
     load_environment_map(*file, environment);
   } catch (const std::exception& error) {
     environment.kind = EnvironmentKind::automatic;

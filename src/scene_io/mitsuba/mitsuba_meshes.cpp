@@ -1,7 +1,7 @@
 #include "scene_io/mitsuba/mitsuba_meshes.h"
 
 #include <algorithm>
-#include <map>
+#include <numeric>
 #include <tuple>
 
 #include <glm/common.hpp>
@@ -84,11 +84,15 @@ void flip(Mesh& mesh) {
 }
 
 void add_smooth_normals(Mesh& mesh) {
-  std::map<std::tuple<float, float, float>, uint32_t> first;
-  std::vector<uint32_t> shared(mesh.positions.size());
-  for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Vec3& p = mesh.positions[i];
-    shared[i] = first.try_emplace({p.x, p.y, p.z}, static_cast<uint32_t>(i)).first->second;
+  const std::vector<Vec3>& p = mesh.positions;
+  std::vector<uint32_t> by_position(p.size());
+  std::iota(by_position.begin(), by_position.end(), 0u);
+  const auto key = [&](uint32_t i) { return std::tie(p[i].x, p[i].y, p[i].z, i); };
+  std::sort(by_position.begin(), by_position.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+  std::vector<uint32_t> shared(p.size());
+  for (size_t k = 0; k < by_position.size(); ++k) {
+    const uint32_t i = by_position[k];
+    shared[i] = k > 0 && p[by_position[k - 1]] == p[i] ? shared[by_position[k - 1]] : i;
   }
   Mesh joined;
   joined.positions = mesh.positions;

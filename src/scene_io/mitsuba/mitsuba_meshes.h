@@ -13,8 +13,13 @@ namespace relume::mitsuba {
 /// Normals are those of the file if all corners have one. Throws Error with `place`.
 Mesh read_obj(std::span<const std::byte> file, bool flips_v, const std::string& place);
 
-/// Mesh number `index` of a file in Mitsuba's "serialized" format, versions 3 to 5. Throws Error with `place`.
-Mesh read_serialized(std::span<const std::byte> file, int64_t index, const std::string& place);
+/// Bytes to which all meshes of a "serialized" file of this size may decompress together. Real meshes compress to more
+/// than a thirtieth.
+constexpr uint64_t largest_inflated(uint64_t file_bytes) { return (uint64_t{1} << 24) + 32 * file_bytes; }
+
+/// Mesh number `index` of a file in Mitsuba's "serialized" format, versions 3 to 5. Takes its decompressed size from
+/// `inflatable`. Throws Error with `place`, also if that is not enough.
+Mesh read_serialized(std::span<const std::byte> file, int64_t index, const std::string& place, uint64_t& inflatable);
 
 /// Mesh of "rectangle", "cube", "sphere", "disk" or "cylinder" of unit size: Mitsuba's shape before its parameters and
 /// transform. Empty for other types. `segments`: of a full turn.

@@ -13,9 +13,6 @@ namespace relume::mitsuba {
 namespace {
 
 constexpr uint64_t kMagic = 0x041c;
-/// Limits of the decompressed size. Real meshes compress to more than a hundredth.
-constexpr uint64_t kFreeBytes = uint64_t{1} << 26;
-constexpr uint64_t kMaxRatio = 128;
 constexpr size_t kMaxName = 4096;
 
 constexpr uint32_t kNormals = 0x1;
@@ -29,8 +26,7 @@ constexpr uint32_t kDouble = 0x2000;
 /// Decompresses a zlib stream piece by piece.
 class Inflater {
  public:
-  Inflater(std::span<const std::byte> data, const std::string& place)
-      : place_(place), left_(kFreeBytes + kMaxRatio * data.size()) {
+  Inflater(std::span<const std::byte> data, const std::string& place, uint64_t& left) : place_(place), left_(left) {
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
     stream_.avail_in = static_cast<uInt>(std::min<size_t>(data.size(), std::numeric_limits<uInt>::max()));
     if (inflateInit(&stream_) != Z_OK) fail("it cannot be decompressed");
@@ -90,12 +86,13 @@ class Inflater {
  private:
   /// Throws Error before an allocation that the file cannot fill, or that is beyond the limits.
   void check(uint64_t count, uint64_t bytes) {
-    if (count > left_ / bytes) fail(fmt::format("{} values do not fit into the file", count));
+    if (count > left_ / bytes)
+      fail(fmt::format("{} values do not fit into the file, which may decompress to {} more bytes", count, left_));
     left_ -= count * bytes;
   }
 
   const std::string& place_;
-  uint64_t left_;  ///< bytes that may still be decompressed
+  uint64_t& left_;  ///< bytes that may still be decompressed
   z_stream stream_{};
 };
 
@@ -162,7 +159,7 @@ Mesh read_packed(Inflater& in) {
 
 }  // namespace
 
-Mesh read_serialized(std::span<const std::byte> file, int64_t index, const std::string& place) {
+Mesh read_serialized(std::span<const std::byte> file, int64_t index, const std::string& place, uint64_t& inflatable) {
   const auto fail = [&](const std::string& problem) {
     throw Error(fmt::format("{}: {}; export or copy the file again", place, problem));
   };
@@ -180,7 +177,7 @@ Mesh read_serialized(std::span<const std::byte> file, int64_t index, const std::
     start = number(file.size() - 4 - entry * (count - static_cast<uint64_t>(index)), entry);
     if (start + kHead > file.size() || start + kHead < start) fail("its list of meshes is damaged");
   }
-  Inflater in(file.subspan(start + kHead), place);
+  Inflater in(file.subspan(start + kHead), place, inflatable);
   Mesh mesh = version == 5 ? read_packed(in) : read_separate(in, version);
   if (mesh.triangles.empty()) fail("it has no triangles");
   return mesh;

@@ -20,7 +20,10 @@ namespace {
 
 /// Vertices and triangles of all meshes together.
 constexpr uint64_t kMaxElements = uint64_t{1} << 27;
-constexpr uint64_t kMaxInstances = uint64_t{1} << 24;
+/// The same for further copies of a mesh, which differ in their materials.
+constexpr uint64_t kMaxCopied = uint64_t{1} << 25;
+constexpr uint64_t kMaxShapes = uint64_t{1} << 20;  // outside groups
+constexpr uint64_t kMaxInstances = uint64_t{1} << 22;
 
 bool is_file_type(const std::string& type) { return type == "obj" || type == "ply" || type == "serialized"; }
 bool is_quadric(const std::string& type) { return type == "sphere" || type == "disk" || type == "cylinder"; }
@@ -43,7 +46,8 @@ int segments_for(const Document& document) {
   const auto count = std::count_if(document.objects.begin(), document.objects.end(), [](const Object& object) {
     return object.tag == "shape" && is_quadric(object.type);
   });
-  return count > 20000 ? kQuadricSegments / 4 : count > 2000 ? kQuadricSegments / 2 : kQuadricSegments;
+  if (count > 32000) return kQuadricSegments / 8;
+  return count > 8000 ? kQuadricSegments / 4 : count > 2000 ? kQuadricSegments / 2 : kQuadricSegments;
 }
 
 }  // namespace
@@ -65,9 +69,9 @@ std::optional<Mesh> Shapes::load(const Parameters& p, const std::filesystem::pat
     import_.warnings.add(fmt::format("{}: the file {}; its shape is left out", place, reason));
     return std::nullopt;
   }
+  if (type == "serialized") return load_serialized(p, place);
   const Bytes bytes = read_file_bytes(file);
   if (type == "obj") return read_obj(bytes, p.boolean("flip_tex_coords", true), place);
-  if (type == "serialized") return read_serialized(bytes, p.integer("shape_index", 0), place);
   Warnings warnings(place);
   Mesh mesh = read_ply_mesh(bytes, place, warnings);
   for (const std::string& warning : warnings.take()) import_.warnings.add(warning);
@@ -76,6 +80,15 @@ std::optional<Mesh> Shapes::load(const Parameters& p, const std::filesystem::pat
     for (Vec2& uv : mesh.uv0) uv.y = 1 - uv.y;
   }
   return mesh;
+}
+
+Mesh Shapes::load_serialized(const Parameters& p, const std::string& place) {
+  if (place != serialized_place_) {
+    serialized_ = read_file_bytes(place);
+    serialized_place_ = place;
+  }
+  const auto inflatable = inflatable_.try_emplace(place, largest_inflated(serialized_.size())).first;
+  return read_serialized(serialized_, p.integer("shape_index", 0), place, inflatable->second);
 }
 
 const Mesh* Shapes::geometry(const Parameters& p, std::string* key) {
@@ -90,8 +103,8 @@ const Mesh* Shapes::geometry(const Parameters& p, std::string* key) {
     file = *found;
   }
   const bool flips_v = type != "serialized" && p.boolean("flip_tex_coords", type == "obj");
-  *key = fmt::format("{}|{}|{}|{}|{}|{}", type, file.string(), p.integer("shape_index", 0), flips_v, has_face_normals,
-                     is_flipped);
+  const int64_t index = type == "serialized" ? p.integer("shape_index", 0) : 0;
+  *key = fmt::format("{}|{}|{}|{}|{}|{}", type, file.string(), index, flips_v, has_face_normals, is_flipped);
   const auto [known, is_new] = geometries_.try_emplace(*key);
   std::optional<Mesh>& mesh = known->second;
   if (is_new) {
@@ -102,17 +115,17 @@ const Mesh* Shapes::geometry(const Parameters& p, std::string* key) {
       if (has_face_normals) mesh->normals.clear();
       if (mesh->normals.empty() && !has_face_normals) add_smooth_normals(*mesh);
       if (is_flipped) flip(*mesh);
-      check_size(*mesh);
+      count_elements(*mesh, elements_, kMaxElements);
     }
   }
   return mesh && !mesh->triangles.empty() ? &*mesh : nullptr;
 }
 
-void Shapes::check_size(const Mesh& mesh) {
-  elements_ += mesh.positions.size() + mesh.triangles.size();
-  if (elements_ > kMaxElements)
-    throw Error(fmt::format("{}: the meshes have more than {} vertices and triangles; use instances",
-                            import_.document.files[0].name, kMaxElements));
+void Shapes::count_elements(const Mesh& mesh, uint64_t& count, uint64_t limit) const {
+  count += mesh.positions.size() + mesh.triangles.size();
+  if (count > limit)
+    throw Error(fmt::format("{}: the meshes{} have more than {} vertices and triangles; use instances",
+                            import_.document.files[0], &count == &copied_ ? " of further materials" : "", limit));
 }
 
 glm::dmat4 Shapes::own_transform(const Parameters& p) {
@@ -152,7 +165,7 @@ Index Shapes::mesh_of(const Parameters& p, const Mesh& geometry, const std::stri
   const Index material = materials_.find(surface, emission, emission.is_black() ? nullptr : emitters[0], scale);
   const auto [known, is_new] = meshes_.try_emplace({key, material}, static_cast<Index>(import_.scene.meshes.size()));
   if (!is_new) return known->second;
-  check_size(geometry);
+  if (!used_.insert(key).second) count_elements(geometry, copied_, kMaxCopied);
   Mesh mesh = geometry;
   mesh.material = material;
   if (!surface.uses_vertex_colors) mesh.colors.clear();
@@ -215,6 +228,9 @@ void Shapes::add(const Object& shape, Index parent) {
     for (const Object* part : p.children({"shape"})) add(*part, parent);
     return;
   }
+  if (++shapes_ > kMaxShapes)
+    throw Error(fmt::format("{}: the scene has more than {} shapes; use instances", import_.document.place_of(shape),
+                            kMaxShapes));
   const std::optional<Placed> placed = place(shape);
   if (!placed) return;
   Node node;

@@ -1,6 +1,9 @@
 // Shapes of Mitsuba scenes as nodes with meshes.
 #pragma once
 
+#include <set>
+
+#include "files/bytes.h"
 #include "scene_io/mitsuba/mitsuba_materials.h"
 
 namespace relume::mitsuba {
@@ -27,9 +30,11 @@ class Shapes {
   void add_instance(const Object& instance);
   const Mesh* geometry(const Parameters& p, std::string* key);
   std::optional<Mesh> load(const Parameters& p, const std::filesystem::path& file);
+  Mesh load_serialized(const Parameters& p, const std::string& place);
   glm::dmat4 own_transform(const Parameters& p);
   Index mesh_of(const Parameters& p, const Mesh& geometry, const std::string& key, const glm::dmat4& to_world);
-  void check_size(const Mesh& mesh);
+  /// Adds a mesh's vertices and triangles to a count. Throws Error beyond the limit.
+  void count_elements(const Mesh& mesh, uint64_t& count, uint64_t limit) const;
 
   Import& import_;
   Textures& textures_;
@@ -41,8 +46,14 @@ class Shapes {
   std::map<std::string, std::optional<Mesh>> geometries_;  ///< by type, file and flags; std::nullopt: missing
   std::map<std::pair<std::string, Index>, Index> meshes_;  ///< by geometry and material
   std::map<const Object*, std::vector<Mat4>> instances_;   ///< by shape group
-  uint64_t elements_ = 0;                                  ///< vertices and triangles of all meshes
-  uint64_t placed_ = 0;                                    ///< instances of all groups
+  std::string serialized_place_;
+  Bytes serialized_;                            ///< of this file, which often has many meshes
+  std::map<std::string, uint64_t> inflatable_;  ///< by file: bytes that may still be decompressed
+  std::set<std::string> used_;                  ///< geometries with a mesh of the scene
+  uint64_t elements_ = 0;                       ///< vertices and triangles of all geometries
+  uint64_t copied_ = 0;                         ///< the same of their further meshes
+  uint64_t shapes_ = 0;                         ///< outside groups
+  uint64_t placed_ = 0;                         ///< instances of all groups
 };
 
 }  // namespace relume::mitsuba

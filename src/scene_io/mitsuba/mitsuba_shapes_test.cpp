@@ -155,14 +155,18 @@ TEST(MitsubaShapes, SerializedFiles) {
   for (const uint16_t version : {uint16_t{3}, uint16_t{4}, uint16_t{5}}) {
     const Bytes file = testing::serialized_file(version);
     for (int64_t index = 0; index < 2; ++index) {
-      const Mesh mesh = mitsuba::read_serialized(file, index, "a.serialized");
+      uint64_t inflatable = mitsuba::largest_inflated(file.size());
+      const Mesh mesh = mitsuba::read_serialized(file, index, "a.serialized", inflatable);
+      EXPECT_LT(inflatable, mitsuba::largest_inflated(file.size()));
       EXPECT_EQ(mesh.positions, (std::vector<Vec3>{{0, 0, 0}, {index == 0 ? 1 : 5, 0, 0}, {0, 1, 0}})) << version;
       EXPECT_EQ(mesh.uv0.at(2), Vec2(0.25f, 0.5f));
       EXPECT_EQ(mesh.triangles, std::vector<UVec3>{UVec3(0, 1, 2)});
       EXPECT_EQ(mesh.normals.empty(), version != 5);
     }
-    EXPECT_NE(error_of([&] { mitsuba::read_serialized(file, 2, "a"); }).find("shape_index 2 does not exist"),
-              std::string::npos);
+    uint64_t inflatable = mitsuba::largest_inflated(file.size());
+    EXPECT_NE(
+        error_of([&] { mitsuba::read_serialized(file, 2, "a", inflatable); }).find("shape_index 2 does not exist"),
+        std::string::npos);
   }
 }
 
