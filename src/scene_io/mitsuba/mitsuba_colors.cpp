@@ -66,6 +66,7 @@ std::optional<Rgb> color_of(const Import& import, const Object& object, Spectrum
     return value ? color_of(*value, use) : Rgb(1);
   }
   if (object.type == "d65") {
+    if (!p.children({"texture"}).empty()) return std::nullopt;  // a texture times the white of Rec. 709
     const Value* color = p.value("color");
     const Rgb tint = color ? color_of(*color, use).value_or(Rgb(1)) : Rgb(1);
     return usable(tint * static_cast<float>(p.number("scale", 1)), use);

@@ -1,5 +1,6 @@
 #include "scene_io/mitsuba/mitsuba_materials.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -25,11 +26,13 @@ float take_scale(Vec2& slope) {
 
 Emission Materials::emission(const Object& emitter) {
   const Parameters p(import_, emitter);
+  p.ignore({"sampling_weight"});
   Emission emission;
   const Object* child = p.child("radiance");
   if (child && !color_of(import_, *child, SpectrumUse::light)) {
     emission.texture = textures_.source(*child);
-    emission.radiance = Rgb(1);
+    const double scale = child->type == "d65" ? Parameters(import_, *child).number("scale", 1) : 1;
+    emission.radiance = Rgb(std::clamp(static_cast<float>(scale), 0.0f, kMaxRadiance));
   } else {
     emission.radiance = color_parameter(import_, p, "radiance", Rgb(1), SpectrumUse::light);
   }

@@ -94,7 +94,9 @@ Mesh Shapes::load_serialized(const Parameters& p, const std::string& place) {
 const Mesh* Shapes::geometry(const Parameters& p, std::string* key) {
   const std::string& type = p.object().type;
   const bool has_face_normals = p.boolean("face_normals", false);
-  const bool is_flipped = p.boolean("flip_normals", false);
+  // Mirrored spheres face inwards in Mitsuba, unlike other shapes.
+  const bool is_mirrored = type == "sphere" && glm::determinant(glm::dmat3(to_world_of(p))) < 0;
+  const bool is_flipped = p.boolean("flip_normals", false) != is_mirrored;
   std::filesystem::path file;
   if (is_file_type(type)) {
     const std::string reference = p.text("filename", "");
@@ -146,6 +148,10 @@ glm::dmat4 Shapes::own_transform(const Parameters& p) {
   return glm::scale(turned, glm::dvec3(radius, radius, length));
 }
 
+glm::dmat4 Shapes::to_world_of(const Parameters& p) {
+  return p.transform("to_world").value_or(glm::dmat4(1)) * own_transform(p);
+}
+
 Index Shapes::mesh_of(const Parameters& p, const Mesh& geometry, const std::string& key, const glm::dmat4& to_world) {
   const std::vector<const Object*> bsdfs = p.children({"bsdf"});
   const std::vector<const Object*> emitters = p.children({"emitter"});
@@ -159,8 +165,9 @@ Index Shapes::mesh_of(const Parameters& p, const Mesh& geometry, const std::stri
     }
   }
   if (surface.is_null && emission.is_black()) return kNone;
-  if (surface.has_black_back && !surface.is_two_sided)
-    import_.warnings.note("opaque BSDFs outside 'twosided' reflect on both sides; in Mitsuba their backs are black");
+  const bool is_closed = p.object().type == "sphere" || p.object().type == "cube";
+  if (surface.has_black_back && !surface.is_two_sided && !is_closed && &surface != &black_)
+    import_.warnings.add("opaque BSDFs outside 'twosided' reflect on both sides; in Mitsuba their backs are black");
   const Vec2 scale = surface.bumps ? stretch(geometry, Mat4(to_world)) : Vec2(1);
   const Index material = materials_.find(surface, emission, emission.is_black() ? nullptr : emitters[0], scale);
   const auto [known, is_new] = meshes_.try_emplace({key, material}, static_cast<Index>(import_.scene.meshes.size()));
@@ -188,7 +195,7 @@ std::optional<Shapes::Placed> Shapes::place(const Object& shape) {
   std::string key;
   const Mesh* mesh = geometry(p, &key);
   Placed placed;
-  placed.to_world = p.transform("to_world").value_or(glm::dmat4(1)) * own_transform(p);
+  placed.to_world = to_world_of(p);
   if (!is_affine(placed.to_world) || !within_reach(Mat4(placed.to_world))) {
     import_.warnings.add(fmt::format("{}: its to_world is not affine or reaches beyond {:g} m; the shape is left out",
                                      name_of(shape), kMaxCoordinate));

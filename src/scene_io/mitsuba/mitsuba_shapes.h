@@ -32,6 +32,7 @@ class Shapes {
   std::optional<Mesh> load(const Parameters& p, const std::filesystem::path& file);
   Mesh load_serialized(const Parameters& p, const std::string& place);
   glm::dmat4 own_transform(const Parameters& p);
+  glm::dmat4 to_world_of(const Parameters& p);
   Index mesh_of(const Parameters& p, const Mesh& geometry, const std::string& key, const glm::dmat4& to_world);
   /// Adds a mesh's vertices and triangles to a count. Throws Error beyond the limit.
   void count_elements(const Mesh& mesh, uint64_t& count, uint64_t limit) const;

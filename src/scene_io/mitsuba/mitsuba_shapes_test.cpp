@@ -170,6 +170,18 @@ TEST(MitsubaShapes, SerializedFiles) {
   }
 }
 
+TEST(MitsubaShapes, MirroredSpheresFaceInwards) {
+  const auto outwards = [](const std::string& shape) {
+    const Mesh mesh = load_mitsuba_text("<shape type=\"sphere\">" + shape + "</shape>").meshes.at(0);
+    return glm::dot(mesh.normals[200], mesh.positions[200]);
+  };
+  const std::string mirror = "<transform name=\"to_world\"><scale x=\"-1\"/></transform>";
+  EXPECT_GT(outwards(""), 0.9f);
+  EXPECT_LT(outwards(mirror), -0.9f);
+  EXPECT_LT(outwards("<float name=\"radius\" value=\"-2\"/>"), -0.9f);
+  EXPECT_GT(outwards(mirror + "<boolean name=\"flip_normals\" value=\"true\"/>"), 0.9f);
+}
+
 TEST(MitsubaShapes, GroupsBecomeInstances) {
   const Scene scene = load_mitsuba_text(
       "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><transform name=\"to_world\"><scale "

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
+#include "scene_io/coated_albedo.h"
 #include "scene_io/spectra/named_spectra.h"
 
 namespace relume::mitsuba {
@@ -214,8 +215,14 @@ Surface Surfaces::plastic(const Parameters& p) {
   s.material.ior = std::clamp(std::max(index, 1 / index), 1.0f, kLargestIor);
   read_color(p, "diffuse_reflectance", Rgb(0.5f), s);
   read_specular(p, s);
-  if (p.boolean("nonlinear", false))
-    import_.warnings.note("the colour shift of 'nonlinear' plastic is ignored; light leaves its base once");
+  if (p.boolean("nonlinear", false)) {
+    const float inner = inner_reflectance(s.material.ior);
+    if (s.color) {
+      s.color->inner_reflectance = inner;
+    } else {
+      s.material.base_color = albedo_below_coat(s.material.base_color, inner);
+    }
+  }
   return s;
 }
 
@@ -223,13 +230,14 @@ void Surfaces::read_principled_layers(const Parameters& p, Surface& s) {
   Material& m = s.material;
   const Rgb tint = tint_of(m.base_color);
   m.specular_color = glm::mix(Rgb(1), tint, saturate(read_scalar(p, "spec_tint", 0, nullptr)));
-  m.clearcoat = saturate(read_scalar(p, "clearcoat", 0, nullptr));
+  // A quarter of the energy of a dielectric layer, as in the model of Disney.
+  m.clearcoat = 0.25f * saturate(read_scalar(p, "clearcoat", 0, nullptr));
   m.clearcoat_roughness = std::sqrt(lerp(0.1f, 0.001f, saturate(read_scalar(p, "clearcoat_gloss", 0, nullptr))));
   const float sheen = saturate(read_scalar(p, "sheen", 0, nullptr));
   const float sheen_tint = saturate(read_scalar(p, "sheen_tint", 0, nullptr));
   m.sheen_color = glm::clamp(sheen * glm::mix(Rgb(1), tint, sheen_tint), Rgb(0), Rgb(1));
   m.sheen_roughness = 0.5f;
-  if (sheen > 0) import_.warnings.note("the sheen of 'principled' becomes that of KHR_materials_sheen, roughness 0.5");
+  if (sheen > 0) import_.warnings.add("the sheen of 'principled' becomes that of KHR_materials_sheen, roughness 0.5");
   if (p.has("flatness")) {
     read_scalar(p, "flatness", 0, nullptr);
     import_.warnings.add("the flatness of 'principled' is not supported and is ignored");

@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 
 #include "core/srgb.h"
+#include "scene_io/coated_albedo.h"
 
 namespace relume::mitsuba {
 namespace {
@@ -152,6 +153,19 @@ void make_normals(const Texels& heights, const Vec2& slope, Texture& texture) {
     const Vec3 normal = is_finite(du) && is_finite(dv) ? glm::normalize(Vec3(-du, -dv, 1)) : Vec3(0, 0, 1);
     return Vec4(normal * 0.5f + Vec3(0.5f), 1);
   });
+}
+
+Texels below_coat(const Texels& albedos, float inner_reflectance) {
+  Texture texture;
+  texture.name = albedos.image().name;
+  texture.wrap_u = albedos.image().wrap_u;
+  texture.wrap_v = albedos.image().wrap_v;
+  texture.filter = albedos.image().filter;
+  fill(texture, albedos.width(), albedos.height(), albedos.image().format, [&](int x, int y) {
+    const Vec4 value = albedos.at(x, y);
+    return Vec4(albedo_below_coat(glm::clamp(Rgb(value), Rgb(0), Rgb(1)), inner_reflectance), value.w);
+  });
+  return Texels(std::move(texture));
 }
 
 Texture checkerboard(const Rgb& first, const Rgb& second) {

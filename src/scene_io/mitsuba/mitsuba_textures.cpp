@@ -21,12 +21,16 @@ PixelFormat format_of(const TextureSource& source) {
   return source.is_raw ? PixelFormat::rgba8_linear : PixelFormat::rgba8_srgb;
 }
 
+Texels covered(const TextureSource& source, Texels texels) {
+  return source.inner_reflectance > 0 ? below_coat(texels, source.inner_reflectance) : std::move(texels);
+}
+
 /// Repairs images of heights and colours to values that are not negative, and of normals to [0, 1].
 Texels decode(const TextureSource& source, std::span<const std::byte> bytes, PixelFormat format, Warnings& warnings) {
   if (source.file.empty()) {
     Texture checkers = checkerboard(source.checkers[0], source.checkers[1]);
     checkers.wrap_u = checkers.wrap_v = WrapMode::repeat;
-    return Texels(std::move(checkers));
+    return covered(source, Texels(std::move(checkers)));
   }
   const std::string name = source.file.filename().string();
   Texture texture = decode_texture(bytes, name, format);
@@ -34,7 +38,7 @@ Texels decode(const TextureSource& source, std::span<const std::byte> bytes, Pix
     warnings.add(repair);
   texture.wrap_u = texture.wrap_v = source.wrap;
   texture.filter = source.filter;
-  return Texels(std::move(texture));
+  return covered(source, Texels(std::move(texture)));
 }
 
 /// Placement of glTF for the matrix of to_uv: a rotation after a scale. Shear is lost.
@@ -66,9 +70,9 @@ Texture constant_texture(bool is_normal) {
 std::string key_of(const std::optional<TextureSource>& source) {
   if (!source) return "-";
   const std::array<Rgb, 2>& c = source->checkers;
-  return fmt::format("{}|{}|{}|{}|{}:{}:{}|{}:{}:{}", source->file.string(), source->is_raw,
+  return fmt::format("{}|{}|{}|{}|{}:{}:{}|{}:{}:{}|{}", source->file.string(), source->is_raw,
                      static_cast<int>(source->wrap), static_cast<int>(source->filter), c[0].r, c[0].g, c[0].b, c[1].r,
-                     c[1].g, c[1].b);
+                     c[1].g, c[1].b, source->inner_reflectance);
 }
 
 }  // namespace
@@ -91,6 +95,8 @@ std::optional<TextureSource> Textures::source(const Object& texture) {
     source.wrap = wrap == "clamp" ? WrapMode::clamp : wrap == "mirror" ? WrapMode::mirror : WrapMode::repeat;
     source.filter = p.text("filter_type", "bilinear") == "nearest" ? FilterMode::nearest : FilterMode::linear;
     p.ignore({"format", "accel"});
+  } else if (texture.type == "d65" && !p.children({"texture"}).empty()) {
+    return this->source(*p.children({"texture"})[0]);
   } else if (texture.type == "checkerboard") {
     source.checkers = {color_parameter(import_, p, "color0", Rgb(0.4f), SpectrumUse::reflectance),
                        color_parameter(import_, p, "color1", Rgb(0.2f), SpectrumUse::reflectance)};
@@ -259,7 +265,8 @@ void Textures::make(const Request& request, const ImageFiles& files, Texture& te
   }
   Texture result = made(request, usable);
   const bool is_unchanged =
-      usable[0] && (request.recipe == Recipe::normals || (request.recipe == Recipe::color && !request.sources[1]));
+      usable[0] && (request.recipe == Recipe::normals || (request.recipe == Recipe::color && !request.sources[1])) &&
+      request.sources[0]->inner_reflectance == 0;
   texture.width = result.width;
   texture.height = result.height;
   texture.format = result.format;

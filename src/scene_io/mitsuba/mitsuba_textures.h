@@ -21,7 +21,8 @@ struct TextureSource {
   std::array<Rgb, 2> checkers{};  ///< colours of the cell at the origin and of the next one
   WrapMode wrap = WrapMode::repeat;
   FilterMode filter = FilterMode::linear;
-  TextureRef placement;  ///< without `texture`
+  TextureRef placement;         ///< without `texture`
+  float inner_reflectance = 0;  ///< of a coat, below which the colours are albedos; 0: none
 };
 
 /// Whether two sources can share one texture.

@@ -8,6 +8,7 @@
 #include <glm/exponential.hpp>
 
 #include "core/vec.h"
+#include "scene_io/coated_albedo.h"
 
 namespace relume::pbrt {
 namespace {

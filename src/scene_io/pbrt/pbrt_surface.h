@@ -37,16 +37,6 @@ struct SurfaceModel {
 /// Perceptual roughness of pbrt's roughness, which is squared first unless `remap`.
 float perceptual_roughness(float pbrt_roughness, bool remap);
 
-/// Share of the diffuse light inside a dielectric that its surface reflects back: F_dr = 1 - (1 - F_avg) / η².
-float inner_reflectance(float ior);
-
-/// Albedo that relume's diffuse base needs below a coat of index `ior` for the colour that pbrt's random walk between
-/// a base of `albedo` and the coat gives: ρ (1 - F_dr) / (1 - ρ F_dr). relume's base receives what the coat transmits,
-/// without the light that the coat reflects back.
-Rgb albedo_below_coat(const Rgb& albedo, float inner_reflectance);
-/// The inverse.
-Rgb albedo_without_coat(const Rgb& color, float inner_reflectance);
-
 /// Index whose reflectance at normal incidence is that of both sides of a thin wall of index `ior`: 2 R / (1 + R).
 float thin_wall_index(float ior);
 /// The inverse.

@@ -11,6 +11,7 @@
 #include "core/srgb.h"
 #include "core/vec.h"
 #include "relume/image_io.h"
+#include "scene_io/coated_albedo.h"
 #include "scene_io/pbrt/pbrt_surface.h"
 
 namespace relume::pbrt {
