@@ -67,12 +67,19 @@ glm::dvec3 sun_direction_of_time(const Parameters& p) {
   return {std::sin(zenith) * std::cos(phi), std::sin(zenith) * std::sin(phi), std::cos(zenith)};
 }
 
+glm::dmat3 daylight_frame(const Parameters& p) {
+  const glm::dmat3 to_world(p.transform("to_world").value_or(glm::dmat4(1)));
+  const bool is_old = p.object().is_old || p.object().type != "sunsky";
+  // In 0.6, +X is the east and −Z the north.
+  return is_old ? to_world * glm::dmat3(0, 0, 1, -1, 0, 0, 0, 1, 0) : to_world;
+}
+
 void import_daylight(const Parameters& p, Import& import) {
   Environment& environment = import.scene.environment;
   environment.kind = EnvironmentKind::sun_sky;
-  const glm::dmat3 to_world(p.transform("to_world").value_or(glm::dmat4(1)));
   const std::optional<glm::dvec3> given = p.vector("sun_direction");
-  const glm::dvec3 direction = glm::dmat3(import.turn) * (given ? *given : to_world * sun_direction_of_time(p));
+  const glm::dvec3 direction =
+      glm::dmat3(import.turn) * (given ? *given : daylight_frame(p) * sun_direction_of_time(p));
   const double length = glm::length(direction);
   if (!(length > 0)) p.fail("its sun has no direction");
   SunSky& sky = environment.sun_sky;
@@ -80,15 +87,16 @@ void import_daylight(const Parameters& p, Import& import) {
   sky.sun_azimuth_rad = static_cast<float>(std::atan2(direction.x, direction.z));
   sky.turbidity = static_cast<float>(std::clamp(p.number("turbidity", 3), 1.7, 10.0));
   sky.ground_albedo = color_parameter(import, p, "albedo", Rgb(0.3f), SpectrumUse::reflectance);
-  const double diameter = p.number("sun_aperture", 0.5338);
+  const double diameter = p.number("sun_aperture", 0.5358 * p.number("sun_radius_scale", 1));
   sky.sun_angular_diameter_rad = static_cast<float>(std::clamp(diameter, 0.0, 90.0) * kRadiansPerDegree);
+  const double scale_of_both = p.number("scale", 1);  // of 0.6
   const auto scale = [&](const char* name) {
-    return static_cast<float>(std::clamp(p.number(name, 1), 0.0, 1e9)) * kMitsubaPerKilocandela;
+    return static_cast<float>(std::clamp(p.number(name, scale_of_both), 0.0, 1e9)) * kMitsubaPerKilocandela;
   };
   sky.sky_scale = p.object().type == "sun" ? 0.0f : scale("sky_scale");
   sky.sun_scale = p.object().type == "sky" ? 0.0f : scale("sun_scale");
-  p.ignore({"complex_sun"});
-  import.warnings.note("daylight follows the model of Preetham instead of Hosek and Wilkie; colours differ");
+  p.ignore({"complex_sun", "resolution"});
+  import.warnings.add("daylight follows the model of Preetham instead of Hosek and Wilkie; colours differ");
 }
 
 }  // namespace relume::mitsuba

@@ -45,8 +45,9 @@ struct Object {
   std::string tag;   ///< "bsdf", "shape", …
   std::string type;  ///< "diffuse", "sphere", …; "scene" for the root
   std::string id;
-  size_t file = 0;  ///< index in Document::files
-  size_t line = 1;  ///< of its element in the file
+  size_t file = 0;      ///< index in Document::files
+  size_t line = 1;      ///< of its element in the file
+  bool is_old = false;  ///< of a file before version 2
   std::vector<Property> properties;
   std::vector<Child> children;
   mutable bool read = false;  ///< whether the reader has met it

@@ -78,6 +78,12 @@ TEST(MitsubaXml, IncludesScenesAndSingleObjects) {
   folder.write("main.xml", "<scene version=\"3.0.0\">" + text + "</scene>");
   const Scene loaded = load_mitsuba(folder.path() / "main.xml");
   EXPECT_EQ(loaded.materials.size(), 1u);
+  folder.write("checks.xml", "<texture version=\"3.0.0\" type=\"checkerboard\"/>");
+  const Scene named = load_mitsuba_text(
+      "<shape type=\"cube\"><bsdf type=\"diffuse\"><include name=\"reflectance\" "
+      "filename=\"checks.xml\"/></bsdf></shape>",
+      folder.path());
+  EXPECT_TRUE(named.materials.at(0).base_color_texture.used());
 }
 
 TEST(MitsubaXml, IncludesAreBounded) {

@@ -38,7 +38,9 @@ TEST(MitsubaEmitters, PunctualLamps) {
   EXPECT_EQ(scene.lights[0].intensity, Rgb(4, 5, 6));
   EXPECT_EQ(scene.nodes[0].transform.translation, Vec3(1, 2, 3));
   EXPECT_FLOAT_EQ(scene.lights[1].outer_cone_rad, 40 * kPi / 180);
-  EXPECT_FLOAT_EQ(scene.lights[1].inner_cone_rad, 30 * kPi / 180);
+  // Of the same power as with a linear fall from 30° to 40°, by numerical integration.
+  EXPECT_NEAR(scene.lights[1].inner_cone_rad, 32.41935 * kPi / 180, 1e-5);
+  EXPECT_TRUE(mentions(scene.warnings, "spot lamps fade as in glTF, with the same power"));
   expect_near(direction_of(scene, 1), glm::normalize(Vec3(2, -1, 0)));
   EXPECT_EQ(scene.lights[2].type, PunctualType::directional);
   EXPECT_EQ(scene.lights[2].intensity, Rgb(3));
@@ -185,6 +187,29 @@ TEST(MitsubaDaylight, ScenesWithYUpAreNotTurned) {
   EXPECT_EQ(scene.environment.sun_sky.sky_scale, 0);
   // 1 W/(sr·m²·nm) in all of ȳ, whose integral is 106.86 nm, is 683 · 106.86 cd/m².
   EXPECT_NEAR(scene.environment.sun_sky.sun_scale, 1000 / (683 * 106.86), 2e-5);
+}
+
+TEST(MitsubaDaylight, UntilVersionTwoYIsUp) {
+  const auto load = [](const std::string& elements) {
+    return load_mitsuba_from_memory(
+        testing::to_bytes("<scene version=\"0.6.0\">" + elements + "<shape type=\"cube\"/></scene>"), "/nonexistent",
+        "a.xml");
+  };
+  // 46.08° above the horizon, 265.75° from the north (−Z) by the east (+X).
+  const Scene sky = load("<emitter type=\"sky\"><float name=\"scale\" value=\"2\"/></emitter>");
+  EXPECT_EQ(sky.nodes.size(), 1u);  // not turned
+  const SunSky& s = sky.environment.sun_sky;
+  EXPECT_NEAR(s.sun_elevation_rad * 180 / kPi, 46.08, 0.1);
+  const Vec3 sun = sun_direction(s);
+  EXPECT_NEAR(std::remainder(std::atan2(sun.x, -sun.z) * 180 / kPi - 265.75, 360.0), 0, 0.1);
+  EXPECT_NEAR(s.sky_scale, 2000 / (683 * 106.86), 4e-5);
+  EXPECT_EQ(s.sun_scale, 0);
+  const Scene both = load(
+      "<emitter type=\"sunsky\"><vector name=\"sunDirection\" x=\"0\" y=\"1\" z=\"1\"/><float name=\"sunRadiusScale\" "
+      "value=\"3\"/></emitter>");
+  EXPECT_EQ(both.nodes.size(), 1u);
+  expect_near(sun_direction(both.environment.sun_sky), glm::normalize(Vec3(0, 1, 1)));
+  EXPECT_NEAR(both.environment.sun_sky.sun_angular_diameter_rad, 3 * 0.5358 * kPi / 180, 1e-6);
 }
 
 TEST(MitsubaDaylight, DateAndPlaceGiveTheSun) {

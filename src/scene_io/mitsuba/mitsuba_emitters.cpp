@@ -14,6 +14,7 @@ namespace relume::mitsuba {
 namespace {
 
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+constexpr float kSharpEdge_rad = 1e-3f;  // of spot lamps, whose falloff does not matter
 
 /// Adds a lamp that stands at the origin of `to_world` and shines along its +Z.
 void add_lamp(PunctualLight lamp, const glm::dmat4& to_world, Index parent, Import& import) {
@@ -49,14 +50,29 @@ void import_point(const Parameters& p, Index parent, Import& import) {
   add_lamp(lamp_of(p, PunctualType::point, "intensity", import), to_world, parent, import);
 }
 
+/// Inner cone of glTF's lamp, whose intensity falls with the square of a linear function of the cosine, with the power
+/// of Mitsuba's, whose intensity falls linearly in the angle from `beam` to `cutoff`: 2 cos i + cos c = 3 (sin c − sin
+/// b) / (c − b).
+float inner_cone_of_same_power(float beam, float cutoff) {
+  if (cutoff - beam < kSharpEdge_rad) return beam;
+  const double c = cutoff;
+  const double b = beam;
+  const double cosine = (3 * (std::sin(c) - std::sin(b)) / (c - b) - std::cos(c)) / 2;
+  return static_cast<float>(std::acos(std::clamp(cosine, std::cos(c), 1.0)));
+}
+
 void import_spot(const Parameters& p, Index parent, Import& import) {
   PunctualLight lamp = lamp_of(p, PunctualType::spot, "intensity", import);
   const double cutoff = p.number("cutoff_angle", 20);
   const double beam = p.number("beam_width", cutoff * 3 / 4);
   lamp.outer_cone_rad = clamp(static_cast<float>(cutoff * kRadiansPerDegree), 1e-3f, kPi / 2);
-  lamp.inner_cone_rad = clamp(static_cast<float>(beam * kRadiansPerDegree), 0, lamp.outer_cone_rad);
+  lamp.inner_cone_rad = inner_cone_of_same_power(
+      clamp(static_cast<float>(beam * kRadiansPerDegree), 0, lamp.outer_cone_rad), lamp.outer_cone_rad);
   if (p.child("texture")) import.warnings.add("the texture of a spot lamp is not supported; its light is even");
-  import.warnings.note("between beam_width and cutoff_angle, spot lamps fade as in glTF, not linearly in the angle");
+  if (cutoff - beam > kSharpEdge_rad / kRadiansPerDegree)
+    import.warnings.add(
+        "between beam_width and cutoff_angle, spot lamps fade as in glTF, with the same power, not linearly in the "
+        "angle");
   add_lamp(std::move(lamp), transform_of(p), parent, import);
 }
 
@@ -85,7 +101,7 @@ glm::dmat4 turn_of_scene(const Import& import) {
   const glm::dmat4 mirror = glm::scale(glm::dmat4(1), glm::dvec3(is_mirrored(import) ? -1 : 1, 1, 1));
   const Object* daylight = daylight_of(import.document);
   if (!daylight) return mirror;
-  const glm::dvec3 zenith(mirror * transform_of(Parameters(import, *daylight))[2]);
+  const glm::dvec3 zenith = glm::dmat3(mirror) * daylight_frame(Parameters(import, *daylight))[2];
   if (!(glm::length(zenith) > 0)) return mirror;
   const glm::dvec3 unit = glm::normalize(zenith);
   const glm::dvec3 axis = glm::cross(unit, glm::dvec3(0, 1, 0));
@@ -104,6 +120,7 @@ void import_emitter(const Object& emitter, Index parent, Import& import) {
     return;
   }
   const Parameters p(import, emitter);
+  p.ignore({"sampling_weight"});
   if (emitter.type == "point") {
     import_point(p, parent, import);
   } else if (emitter.type == "spot") {

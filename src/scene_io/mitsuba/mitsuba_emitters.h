@@ -15,6 +15,10 @@ void import_emitter(const Object& emitter, Index parent, Import& import);
 /// Whether the type is that of Mitsuba's daylight.
 bool is_daylight(const Object& emitter);
 
+/// Axes of the daylight's own frame in the world, of which the third is the zenith. Until Mitsuba 0.6, +Y is up by
+/// default, and +Z is since.
+glm::dmat3 daylight_frame(const Parameters& p);
+
 /// Daylight of "sunsky" and its old forms "sky" and "sun".
 void import_daylight(const Parameters& p, Import& import);
 

@@ -93,6 +93,7 @@ TEST(MitsubaSensor, PointsLieAtMitsubasPixels) {
   const double x_of_y = 2 * std::atan(std::tan(25 * degree) * 1.5);
   expect_same_pixels(fov(70, "x"), 300, 200, 70 * degree);
   expect_same_pixels(fov(50, "y"), 300, 200, x_of_y);
+  expect_same_pixels(fov(50, "Y"), 300, 200, x_of_y);
   expect_same_pixels(fov(50, "smaller"), 300, 200, x_of_y);
   expect_same_pixels(fov(70, "larger"), 300, 200, 70 * degree);
   expect_same_pixels(fov(70, "smaller"), 200, 300, 70 * degree);

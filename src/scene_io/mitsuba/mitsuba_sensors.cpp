@@ -1,6 +1,7 @@
 #include "scene_io/mitsuba/mitsuba_sensors.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -113,6 +114,7 @@ void read_perspective(const Parameters& p, const Film& film, Camera& camera) {
 double horizontal_fov_rad(const Parameters& sensor, double aspect) {
   double angle;
   std::string axis = sensor.text("fov_axis", "x");
+  for (char& c : axis) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (sensor.has("fov")) {
     angle = sensor.number("fov", 0) * kRadiansPerDegree;
   } else {

@@ -212,6 +212,7 @@ Object& XmlReader::add_object(const pugi::xml_node& element, const Source& sourc
   Object& object = document_.objects.emplace_back();
   object.tag = element.name();
   object.file = source.file;
+  object.is_old = source.is_old;
   object.line = source.lines->line_at(element.offset_debug());
   return object;
 }
@@ -266,7 +267,10 @@ void XmlReader::include(const pugi::xml_node& element, const Source& source, Obj
   if (open_files_ >= kMaxOpenFiles)
     throw Error(fmt::format("files include each other more than {} levels deep; remove the cycle", kMaxOpenFiles));
   try {
+    const size_t before = parent.children.size();
     read_file(read_file_bytes(*file, kMaxTextBytes), file->parent_path(), file->string(), &parent);
+    const std::string name = attribute_of(element, "name");
+    if (!name.empty() && parent.children.size() == before + 1) parent.children.back().name = name;
   } catch (const Error& error) {
     throw Located(error.what());  // names the included file
   }
