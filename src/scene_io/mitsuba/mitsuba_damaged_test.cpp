@@ -164,6 +164,12 @@ TEST(MitsubaDamaged, MergesThatDoubleAreBounded) {
     text += "<shape type=\"merge\" id=\"s" + std::to_string(i) + "\">" + ref + ref + "</shape>";
   }
   EXPECT_NE(error_of([&] { load_mitsuba_text(text); }).find("more than 1048576 shapes"), std::string::npos);
+  // Shapes of many BSDFs, which show nothing.
+  std::string idle = "<shape type=\"merge\" id=\"m\">";
+  for (int i = 0; i < 2000; ++i) idle += "<bsdf type=\"diffuse\"/>";
+  idle += "</shape>";
+  for (int i = 0; i < 2000; ++i) idle += "<ref id=\"m\"/>";
+  EXPECT_NE(error_of([&] { load_mitsuba_text(idle); }).find("more than 1048576 shapes"), std::string::npos);
 }
 
 /// Spheres with a BSDF each.
@@ -211,18 +217,38 @@ TEST(MitsubaDamaged, TextsAreBounded) {
   folder.write("comment.xml", scene_of("<!--" + std::string(1 << 20, 'x') + "-->"));
   EXPECT_NE(include("comment.xml", 300).find("more than 256 MiB of text"), std::string::npos);
   std::string floats;
-  for (int i = 0; i < 3000; ++i) floats += "<float name=\"a\" value=\"1\"/>";
-  folder.write("floats.xml", scene_of("<bsdf type=\"diffuse\">" + floats + "</bsdf>"));
+  for (int i = 0; i < 50; ++i) floats += "<float name=\"a\" value=\"1\"/>";
+  std::string bsdfs;
+  for (int i = 0; i < 60; ++i) bsdfs += "<bsdf type=\"diffuse\">" + floats + "</bsdf>";
+  folder.write("floats.xml", scene_of(bsdfs));
   EXPECT_NE(include("floats.xml", 900).find("more than 2097152 objects and parameters"), std::string::npos);
-  folder.write("spectrum.spd", "400 1\n500 2 #" + std::string(1 << 20, ' ') + "\n");
+  EXPECT_NE(error_of([&] {
+              load_mitsuba_text("<bsdf type=\"diffuse\">" + floats + floats + floats + "</bsdf>");
+            }).find("<bsdf> has more than 100 parameters"),
+            std::string::npos);
+  folder.write("spectrum.spd", "400 1\n500 2 #" + std::string(1 << 22, ' ') + "\n");
   std::string spectra = "<bsdf type=\"diffuse\">";
-  for (int i = 0; i < 300; ++i) spectra += "<spectrum name=\"a\" filename=\"spectrum.spd\"/>";
+  for (int i = 0; i < 70; ++i) spectra += "<spectrum name=\"a\" filename=\"spectrum.spd\"/>";
   EXPECT_NE(error_of([&] { load_mitsuba_text(spectra + "</bsdf>", folder.path()); }).find("more than 256 MiB of text"),
             std::string::npos);
   std::string many = "<bsdf type=\"diffuse\">";
   for (int i = 0; i < 8400000; ++i) many += "<a/>";
   EXPECT_NE(error_of([&] { load_mitsuba_text(many + "</bsdf>"); }).find("8388608 elements and attributes"),
             std::string::npos);
+}
+
+TEST(MitsubaDamaged, SearchesAreBounded) {
+  // 20 texts of 1 MB that start no known name; in each, a search of all lengths would take a minute.
+  const std::string name = "$" + std::string(1000000, 'a');
+  for (int i = 0; i < 20; ++i)
+    EXPECT_NE(error_of([&] { load_mitsuba_text("<string name=\"a\" value=\"" + name + "\"/>"); }).find("has no value"),
+              std::string::npos);
+  EXPECT_NE(
+      error_of([&] { load_mitsuba_text("<default name=\"" + name.substr(1) + "\" value=\"\"/>"); }).find("shorten it"),
+      std::string::npos);
+  std::string paths;
+  for (int i = 0; i < 70; ++i) paths += "<path value=\"p" + std::to_string(i) + "\"/>";
+  EXPECT_NE(error_of([&] { load_mitsuba_text(paths); }).find("more than 64 <path> elements"), std::string::npos);
 }
 
 TEST(MitsubaDamaged, PipesAreNotRead) {

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <system_error>
 
+#include <fmt/format.h>
+
+#include "relume/error.h"
+
 namespace relume::mitsuba {
 namespace {
 
@@ -32,6 +36,9 @@ bool Files::add_folder(const fs::path& base, std::string_view folder) {
   if (folder.size() > kMaxReference || folder.find('\0') != std::string_view::npos) return false;
   const fs::path path = base / with_slashes(folder);
   if (!contains(path)) return false;
+  constexpr size_t kMaxFolders = 64;
+  if (folders_.size() > kMaxFolders)
+    throw Error(fmt::format("the scene has more than {} <path> elements; remove some", kMaxFolders));
   folders_.insert(folders_.begin(), path);
   return true;
 }

@@ -15,6 +15,7 @@ class Files {
   explicit Files(std::filesystem::path root) : root_(std::move(root)), folders_{root_} {}
 
   /// Adds a folder to the search (<path>), relative to `base`. Returns whether it lies in the scene's folder.
+  /// Throws Error with the problem alone, for more folders than real scenes have.
   bool add_folder(const std::filesystem::path& base, std::string_view folder);
 
   /// File that a document in the folder `base` references: as written, relative to `base`, to the folders of <path> and

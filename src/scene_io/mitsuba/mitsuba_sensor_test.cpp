@@ -210,5 +210,11 @@ TEST(MitsubaTransform, StepsApplyInTheirOrder) {
   EXPECT_NE(error_of([&] { at("<lookat origin=\"1 1 1\" target=\"1 1 1\"/>"); }).find("are equal"), std::string::npos);
 }
 
+TEST(MitsubaSensor, IntegratorsOfOtherQuantitiesGiveAWarning) {
+  EXPECT_TRUE(load_mitsuba_text("<integrator type=\"volpath\"/>").warnings.empty());
+  EXPECT_TRUE(mentions(load_mitsuba_text("<integrator type=\"depth\"/>").warnings,
+                       "integrator 'depth' is not supported; light is traced along paths"));
+}
+
 }  // namespace
 }  // namespace relume

@@ -198,7 +198,10 @@ void import_integrators(const Parameters& parent, Import& import) {
       import_integrators(p, import);
       return;
     }
-    depth = integrator->type == "direct" ? 2 : p.integer("max_depth", -1);
+    constexpr std::string_view kOthers[] = {"ao", "depth", "distance", "field", "irrcache", "sssmc", "velocity", "vpl"};
+    if (std::find(std::begin(kOthers), std::end(kOthers), integrator->type) != std::end(kOthers))
+      import.warnings.add(fmt::format("{} is not supported; light is traced along paths", name_of(*integrator)));
+    depth = integrator->type.starts_with("direct") ? 2 : p.integer("max_depth", -1);
   }
   request(import.scene, "max-bounces", depth < 0 ? kMostBounces : std::clamp<int64_t>(depth - 1, 0, kMostBounces));
 }

@@ -225,6 +225,10 @@ void Shapes::add_instance(const Object& instance) {
 }
 
 void Shapes::add(const Object& shape, Index parent) {
+  shapes_ += 1 + (shape.type == "merge" ? shape.children.size() : 0);
+  if (shapes_ > kMaxShapes)
+    throw Error(fmt::format("{}: the scene has more than {} shapes; use instances", import_.document.place_of(shape),
+                            kMaxShapes));
   if (shape.type == "shapegroup") return;  // its instances show it
   if (shape.type == "instance") {
     add_instance(shape);
@@ -235,9 +239,6 @@ void Shapes::add(const Object& shape, Index parent) {
     for (const Object* part : p.children({"shape"})) add(*part, parent);
     return;
   }
-  if (++shapes_ > kMaxShapes)
-    throw Error(fmt::format("{}: the scene has more than {} shapes; use instances", import_.document.place_of(shape),
-                            kMaxShapes));
   const std::optional<Placed> placed = place(shape);
   if (!placed) return;
   Node node;

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "core/srgb.h"
 #include "scene_io/testing/mitsuba_scene.h"
@@ -236,6 +237,27 @@ TEST(MitsubaTextures, ShapesOfSimilarSizesShareBumps) {
   ASSERT_EQ(scene.materials.size(), 4u);
   EXPECT_EQ(scene.textures.size(), 2u);  // slopes of 0.25 to 0.5, and below 0.25
   EXPECT_FLOAT_EQ(scene.materials[0].normal_scale / scene.materials[1].normal_scale, 1.3f / 1.1f);
+}
+
+TEST(MitsubaTextures, OneImageIsReadOnce) {
+  const SceneFolder folder;
+  Bytes image = png(2, 2, std::vector<uint8_t>(16, 100));
+  image.resize(size_t{1} << 24);  // zeros after the end of the image
+  folder.write("a.png", image);
+  std::string text;
+  for (int i = 0; i < 300; ++i) {
+    const std::string colour = std::to_string(static_cast<float>(i) / 300);
+    text += "<shape type=\"rectangle\"><bsdf type=\"blendbsdf\">" + bitmap("weight") + "<bsdf type=\"diffuse\">" +
+            rgb("reflectance", colour) + "</bsdf><bsdf type=\"conductor\"/></bsdf></shape>";
+  }
+  const auto largest_KiB = [] {
+    rusage self{};
+    getrusage(RUSAGE_SELF, &self);
+    return self.ru_maxrss;
+  };
+  const long before = largest_KiB();
+  EXPECT_EQ(load_mitsuba_text(text, folder.path()).textures.size(), 301u);  // one of the roughness and metalness
+  EXPECT_LT(largest_KiB() - before, 1 << 20);                               // 600 copies are 9.4 GiB
 }
 
 TEST(MitsubaTextures, VertexColours) {

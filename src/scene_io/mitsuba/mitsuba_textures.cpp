@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <exception>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -171,7 +172,7 @@ TextureRef Textures::bumps(const TextureSource& heights, const Vec2& slope) {
 Rgb Textures::mean(const TextureSource& source) {
   const auto [known, is_new] = means_.try_emplace(key_of(source), Rgb(0.5f));
   if (!is_new) return known->second;
-  const ImageFile file = read(source);
+  const ImageFile file = source.file.empty() ? ImageFile{} : read(source.file);
   DecodeBudget budget;
   if (!source.file.empty() && (!file.bytes || !budget.take(file.texels, file.bytes->size()))) return known->second;
   try {
@@ -184,12 +185,11 @@ Rgb Textures::mean(const TextureSource& source) {
   return known->second;
 }
 
-Textures::ImageFile Textures::read(const std::optional<TextureSource>& source) const {
+Textures::ImageFile Textures::read(const std::filesystem::path& path) {
   ImageFile file;
-  if (!source || source->file.empty()) return file;
   try {
-    file.bytes = std::make_shared<const Bytes>(read_file_bytes(source->file));
-    const detail::ImageSize size = detail::read_image_size(*file.bytes, source->file.filename().string());
+    file.bytes = std::make_shared<const Bytes>(read_file_bytes(path));
+    const detail::ImageSize size = detail::read_image_size(*file.bytes, path.filename().string());
     const bool is_valid = std::min(size.width, size.height) > 0 && std::max(size.width, size.height) <= kMaxImageSide;
     if (is_valid) file.texels = static_cast<uint64_t>(size.width * size.height);
   } catch (const std::exception& error) {
@@ -198,12 +198,35 @@ Textures::ImageFile Textures::read(const std::optional<TextureSource>& source) c
   return file;
 }
 
+std::vector<Textures::ImageFiles> Textures::read_all() const {
+  std::map<std::filesystem::path, ImageFile> distinct;
+  for (const Request& request : requests_) {
+    for (const std::optional<TextureSource>& source : request.sources) {
+      if (source && !source->file.empty()) distinct.try_emplace(source->file);
+    }
+  }
+  std::vector<std::pair<const std::filesystem::path, ImageFile>*> list;
+  for (auto& file : distinct) list.push_back(&file);
+  parallel_for(list.size(), [&](size_t i) { list[i]->second = read(list[i]->first); });
+  std::vector<ImageFiles> files(requests_.size());
+  for (size_t i = 0; i < files.size(); ++i) {
+    for (size_t k = 0; k < files[i].size(); ++k) {
+      const std::optional<TextureSource>& source = requests_[i].sources[k];
+      if (source && !source->file.empty()) files[i][k] = distinct.at(source->file);
+    }
+  }
+  return files;
+}
+
 void Textures::limit(std::vector<ImageFiles>& files) const {
   DecodeBudget budget;
+  std::set<const Bytes*> counted;
   for (size_t i = 0; i < files.size(); ++i) {
     for (ImageFile& file : files[i]) {
       const bool is_float = requests_[i].recipe == Recipe::bumps && file.texels <= kMaxFloatTexels;
-      if (!file.bytes || budget.take(is_float ? 4 * file.texels : file.texels, file.bytes->size())) continue;
+      if (!file.bytes) continue;
+      const uint64_t bytes = counted.insert(file.bytes.get()).second ? file.bytes->size() : 0;
+      if (budget.take(is_float ? 4 * file.texels : file.texels, bytes)) continue;
       file.bytes = nullptr;
       file.problem = fmt::format(
           "{}: {} texels exceed the limit for the images of a scene, 2^29 texels and {} per byte of their files; scale "
@@ -276,10 +299,7 @@ void Textures::make(const Request& request, const ImageFiles& files, Texture& te
 
 void Textures::finish() {
   Activity activity("decoding textures", requests_.size());
-  std::vector<ImageFiles> files(requests_.size());
-  parallel_for(requests_.size(), [&](size_t i) {
-    for (size_t k = 0; k < files[i].size(); ++k) files[i][k] = read(requests_[i].sources[k]);
-  });
+  std::vector<ImageFiles> files = read_all();
   limit(files);
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
   parallel_for(requests_.size(), [&](size_t i) {

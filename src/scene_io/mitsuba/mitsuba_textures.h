@@ -91,7 +91,9 @@ class Textures {
   using ImageFiles = std::array<ImageFile, 3>;
 
   TextureRef request(Request request);
-  ImageFile read(const std::optional<TextureSource>& source) const;
+  static ImageFile read(const std::filesystem::path& path);
+  /// Files of all requests; equal ones share their bytes.
+  std::vector<ImageFiles> read_all() const;
   void limit(std::vector<ImageFiles>& files) const;
   /// Texture of a recipe; constant if an image is missing.
   static Texture made(const Request& request, const std::array<const Texels*, 3>& images);

@@ -19,6 +19,8 @@ constexpr int kMaxOpenFiles = 15;  // as in Mitsuba
 constexpr size_t kMaxFiles = 1000;
 constexpr uint64_t kMaxMarkup = uint64_t{1} << 23;
 constexpr size_t kMaxParts = size_t{1} << 21;
+constexpr size_t kMaxPartsOfOne = 100;  // of an object that holds no others of its kind
+constexpr size_t kMaxParameterName = 100;
 constexpr size_t kMaxValueBytes = size_t{1} << 20;
 constexpr size_t kMaxSubstitutedBytes = size_t{1} << 27;
 constexpr int kMaxDepth = 64;
@@ -74,6 +76,12 @@ void upgrade(Object& object) {
 
 }  // namespace
 
+void Substitution::set_default(const std::string& name, std::string value) {
+  if (name.size() > kMaxParameterName)
+    throw Error(fmt::format("the name of a <default> is longer than {} bytes; shorten it", kMaxParameterName));
+  values_.try_emplace(name, std::move(value));
+}
+
 std::string Substitution::apply(const std::string& text) {
   std::string result;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -88,8 +96,8 @@ std::string Substitution::apply(const std::string& text) {
       size_t end = i + 1;
       while (end < text.size() && is_name(text[end])) ++end;
       const std::string name = text.substr(i + 1, end - i - 1);
-      size_t length = name.size();
-      auto known = values_.find(name);
+      size_t length = std::min(name.size(), kMaxParameterName);
+      auto known = values_.find(name.substr(0, length));
       while (known == values_.end() && length > 1) known = values_.find(name.substr(0, --length));
       if (known == values_.end())
         throw Error(fmt::format("the parameter '${}' has no value; add <default name=\"{}\" value=\"…\"/> before it",
@@ -99,7 +107,7 @@ std::string Substitution::apply(const std::string& text) {
     }
     if (result.size() > kMaxValueBytes) throw Error("parameters make a value longer than 1 MiB; shorten it");
   }
-  substituted_bytes_ += result.size();
+  substituted_bytes_ += text.size() + result.size();
   if (substituted_bytes_ > kMaxSubstitutedBytes)
     throw Error("parameters make the scene longer than 128 MiB; write their values out");
   return result;
@@ -126,10 +134,13 @@ void XmlReader::check_size(std::span<const std::byte> bytes, const std::string& 
                             name, kMaxMarkup));
 }
 
-void XmlReader::count_part() {
+void XmlReader::count_part(const Object* parent) {
   if (++parts_ > kMaxParts)
     throw Error(
         fmt::format("the scene has more than {} objects and parameters; join meshes, or use instances", kMaxParts));
+  if (parent == nullptr || parent->tag == "scene" || parent->type == "shapegroup" || parent->type == "merge") return;
+  if (parent->properties.size() + parent->children.size() >= kMaxPartsOfOne)
+    throw Error(fmt::format("<{}> has more than {} parameters; remove some", parent->tag, kMaxPartsOfOne));
 }
 
 void XmlReader::read_file(std::span<const std::byte> bytes, const std::filesystem::path& folder,
@@ -159,7 +170,7 @@ void XmlReader::read_file(std::span<const std::byte> bytes, const std::filesyste
   }
   ++open_files_;
   if (parent == nullptr) {
-    Object& scene = add_object(root, source);
+    Object& scene = add_object(root, source, nullptr);
     scene.type = "scene";
     document_.root = &scene;
     read_children(root, source, scene, 0);
@@ -201,14 +212,14 @@ void XmlReader::read_element(pugi::xml_node& element, const Source& source, Obje
     std::string name = attribute_of(element, "name");
     if (name.empty()) throw Error(fmt::format("<{}> has no name; add one", element.name()));
     if (source.is_old) name = underscore_name(name);
-    count_part();
+    count_part(&parent);
     Value value = std::string_view(element.name()) == "transform" ? transform_of(element) : value_of(element, source);
     parent.properties.push_back({std::move(name), std::move(value)});
   }
 }
 
-Object& XmlReader::add_object(const pugi::xml_node& element, const Source& source) {
-  count_part();
+Object& XmlReader::add_object(const pugi::xml_node& element, const Source& source, const Object* parent) {
+  count_part(parent);
   Object& object = document_.objects.emplace_back();
   object.tag = element.name();
   object.file = source.file;
@@ -218,7 +229,7 @@ Object& XmlReader::add_object(const pugi::xml_node& element, const Source& sourc
 }
 
 void XmlReader::read_object(pugi::xml_node& element, const Source& source, Object& parent, int depth) {
-  Object& object = add_object(element, source);
+  Object& object = add_object(element, source, &parent);
   object.type = attribute_of(element, "type");
   if (object.type.empty()) throw Error(fmt::format("<{}> has no type; add one", element.name()));
   object.id = attribute_of(element, "id");
@@ -236,7 +247,7 @@ bool XmlReader::read_directive(pugi::xml_node& element, const Source& source, Ob
   if (tag == "ref") {
     std::string name = attribute_of(element, "name");
     if (source.is_old) name = underscore_name(name);
-    count_part();
+    count_part(&parent);
     parent.children.push_back({std::move(name), attribute_of(element, "id"), nullptr});
   } else if (tag == "default") {
     substitution_.set_default(attribute_of(element, "name"), attribute_of(element, "value"));

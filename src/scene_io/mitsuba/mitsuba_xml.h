@@ -17,8 +17,9 @@ namespace relume::mitsuba {
 /// Values of `$name` in attributes.
 class Substitution {
  public:
-  /// <default>: sets a parameter that has no value yet.
-  void set_default(const std::string& name, std::string value) { values_.try_emplace(name, std::move(value)); }
+  /// <default>: sets a parameter that has no value yet. Throws Error with the problem alone, for names that are too
+  /// long.
+  void set_default(const std::string& name, std::string value);
 
   /// Replaces each `$name` of `text`, and `\$` by `$`. Throws Error with the problem alone, for undefined parameters
   /// and for texts that grow beyond the limits.
@@ -64,13 +65,13 @@ class XmlReader {
   };
 
   void check_size(std::span<const std::byte> bytes, const std::string& name);
-  void count_part();
+  void count_part(const Object* parent);
   void read_element(pugi::xml_node& element, const Source& source, Object& parent, int depth);
   void read_children(pugi::xml_node& element, const Source& source, Object& parent, int depth);
   void read_object(pugi::xml_node& element, const Source& source, Object& parent, int depth);
   bool read_directive(pugi::xml_node& element, const Source& source, Object& parent);
   void include(const pugi::xml_node& element, const Source& source, Object& parent);
-  Object& add_object(const pugi::xml_node& element, const Source& source);
+  Object& add_object(const pugi::xml_node& element, const Source& source, const Object* parent);
   void substitute(pugi::xml_node& element);
   Value value_of(const pugi::xml_node& element, const Source& source);
   glm::dmat4 transform_of(pugi::xml_node& element);
