@@ -92,7 +92,12 @@ Surface Surfaces::bumped(const Parameters& p) {
   surface.bump_scale = static_cast<float>(is_bump ? p.number("scale", 1) : 1.0);
   const std::vector<const Object*> textures = p.children({"texture"});
   if (textures.size() != 1) p.fail("it needs one texture");
-  (is_bump ? surface.bumps : surface.normals) = textures_.source(*textures[0]);
+  std::optional<TextureSource>& map = is_bump ? surface.bumps : surface.normals;
+  map = textures_.source(*textures[0]);
+  if (map) {
+    if (is_bump) surface.bump_scale *= luminance(map->factor);
+    map->factor = Rgb(1);  // larger ones exceed the range of images
+  }
   (is_bump ? surface.normals : surface.bumps).reset();
   return surface;
 }

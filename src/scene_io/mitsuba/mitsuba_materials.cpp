@@ -31,8 +31,8 @@ Emission Materials::emission(const Object& emitter) {
   const Object* child = p.child("radiance");
   if (child && !color_of(import_, *child, SpectrumUse::light)) {
     emission.texture = textures_.source(*child);
-    const double scale = child->type == "d65" ? Parameters(import_, *child).number("scale", 1) : 1;
-    emission.radiance = Rgb(std::clamp(static_cast<float>(scale), 0.0f, kMaxRadiance));
+    emission.radiance = emission.texture ? emission.texture->factor : Rgb(1);
+    if (emission.texture) emission.texture->factor = Rgb(1);
   } else {
     emission.radiance = color_parameter(import_, p, "radiance", Rgb(1), SpectrumUse::light);
   }

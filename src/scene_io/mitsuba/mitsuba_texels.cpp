@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <functional>
 
 #include <glm/common.hpp>
 
 #include "core/srgb.h"
-#include "scene_io/coated_albedo.h"
 
 namespace relume::mitsuba {
 namespace {
@@ -155,15 +153,15 @@ void make_normals(const Texels& heights, const Vec2& slope, Texture& texture) {
   });
 }
 
-Texels below_coat(const Texels& albedos, float inner_reflectance) {
+Texels with_colors(const Texels& source, const std::function<Rgb(const Rgb&)>& change) {
   Texture texture;
-  texture.name = albedos.image().name;
-  texture.wrap_u = albedos.image().wrap_u;
-  texture.wrap_v = albedos.image().wrap_v;
-  texture.filter = albedos.image().filter;
-  fill(texture, albedos.width(), albedos.height(), albedos.image().format, [&](int x, int y) {
-    const Vec4 value = albedos.at(x, y);
-    return Vec4(albedo_below_coat(glm::clamp(Rgb(value), Rgb(0), Rgb(1)), inner_reflectance), value.w);
+  texture.name = source.image().name;
+  texture.wrap_u = source.image().wrap_u;
+  texture.wrap_v = source.image().wrap_v;
+  texture.filter = source.image().filter;
+  fill(texture, source.width(), source.height(), source.image().format, [&](int x, int y) {
+    const Vec4 value = source.at(x, y);
+    return Vec4(change(Rgb(value)), value.w);
   });
   return Texels(std::move(texture));
 }

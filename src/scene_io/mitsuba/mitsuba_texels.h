@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "core/vec.h"
 #include "scene/scene.h"
@@ -49,8 +50,8 @@ void mix(const Texels& weight, const std::array<const Texels*, 2>& images, const
 void spread_luminance(const Texels& source, Texture& texture);
 /// Normal map of a height field: normals (-slope.x ∂h/∂u, -slope.y ∂h/∂v, 1) from central differences.
 void make_normals(const Texels& heights, const Vec2& slope, Texture& texture);
-/// The albedos, in [0, 1], that a diffuse base needs for these below a coat of this inner reflectance.
-Texels below_coat(const Texels& albedos, float inner_reflectance);
+/// The same image, whose colours become those that `change` gives for them.
+Texels with_colors(const Texels& source, const std::function<Rgb(const Rgb&)>& change);
 /// Two cells by two of a checkerboard, the first colour at the origin.
 Texture checkerboard(const Rgb& first, const Rgb& second);
 

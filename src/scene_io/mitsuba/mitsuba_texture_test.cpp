@@ -98,6 +98,24 @@ TEST(MitsubaTextures, TheWhiteOfALampMayHoldATexture) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
+TEST(MitsubaTextures, ScaledTextures) {
+  const Pictured folder;
+  const auto scaled = [](const std::string& name, const std::string& scale) {
+    return "<texture type=\"scale\" name=\"" + name + "\"><float name=\"scale\" value=\"" + scale + "\"/>" +
+           bitmap("any", "<boolean name=\"raw\" value=\"true\"/>") + "</texture>";
+  };
+  const Scene diffuse =
+      load_mitsuba_bsdf("<bsdf type=\"diffuse\">" + scaled("reflectance", "0.5") + "</bsdf>", folder.path());
+  EXPECT_EQ(byte_of(diffuse.textures.at(0), 1, 0), 128);
+  EXPECT_EQ(byte_of(diffuse.textures.at(0), 2, 0), 64);
+  EXPECT_TRUE(diffuse.warnings.empty());
+  const auto bump_scale = [&](const std::string& scale) {
+    const std::string bsdf = "<bsdf type=\"bumpmap\">" + scaled("bumps", scale) + "<bsdf type=\"diffuse\"/></bsdf>";
+    return load_mitsuba_bsdf(bsdf, folder.path()).materials.at(0).normal_scale;
+  };
+  EXPECT_FLOAT_EQ(bump_scale("1.5") / bump_scale("1.25"), 1.2f);  // both between two powers of two
+}
+
 TEST(MitsubaTextures, Checkerboards) {
   const Scene scene = load_mitsuba_bsdf("<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">" +
                                         rgb("color0", "0.75") + rgb("color1", "0.25") + "</texture></bsdf>");

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 
 #include "core/activity.h"
 #include "core/parallel.h"
@@ -12,6 +13,7 @@
 #include "image/image_size.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
+#include "scene_io/coated_albedo.h"
 #include "scene_io/mitsuba/mitsuba_texels.h"
 #include "scene_io/texture_decode.h"
 
@@ -22,8 +24,14 @@ PixelFormat format_of(const TextureSource& source) {
   return source.is_raw ? PixelFormat::rgba8_linear : PixelFormat::rgba8_srgb;
 }
 
-Texels covered(const TextureSource& source, Texels texels) {
-  return source.inner_reflectance > 0 ? below_coat(texels, source.inner_reflectance) : std::move(texels);
+Texels changed(const TextureSource& source, Texels texels) {
+  if (!source.changes_colors()) return texels;
+  return with_colors(texels, [&](const Rgb& color) {
+    const Rgb scaled = color * source.factor;
+    return source.inner_reflectance > 0
+               ? albedo_below_coat(glm::clamp(scaled, Rgb(0), Rgb(1)), source.inner_reflectance)
+               : scaled;
+  });
 }
 
 /// Repairs images of heights and colours to values that are not negative, and of normals to [0, 1].
@@ -31,7 +39,7 @@ Texels decode(const TextureSource& source, std::span<const std::byte> bytes, Pix
   if (source.file.empty()) {
     Texture checkers = checkerboard(source.checkers[0], source.checkers[1]);
     checkers.wrap_u = checkers.wrap_v = WrapMode::repeat;
-    return covered(source, Texels(std::move(checkers)));
+    return changed(source, Texels(std::move(checkers)));
   }
   const std::string name = source.file.filename().string();
   Texture texture = decode_texture(bytes, name, format);
@@ -39,7 +47,7 @@ Texels decode(const TextureSource& source, std::span<const std::byte> bytes, Pix
     warnings.add(repair);
   texture.wrap_u = texture.wrap_v = source.wrap;
   texture.filter = source.filter;
-  return covered(source, Texels(std::move(texture)));
+  return changed(source, Texels(std::move(texture)));
 }
 
 /// Placement of glTF for the matrix of to_uv: a rotation after a scale. Shear is lost.
@@ -71,9 +79,10 @@ Texture constant_texture(bool is_normal) {
 std::string key_of(const std::optional<TextureSource>& source) {
   if (!source) return "-";
   const std::array<Rgb, 2>& c = source->checkers;
-  return fmt::format("{}|{}|{}|{}|{}:{}:{}|{}:{}:{}|{}", source->file.string(), source->is_raw,
+  const Rgb& f = source->factor;
+  return fmt::format("{}|{}|{}|{}|{}:{}:{}|{}:{}:{}|{}:{}:{}|{}", source->file.string(), source->is_raw,
                      static_cast<int>(source->wrap), static_cast<int>(source->filter), c[0].r, c[0].g, c[0].b, c[1].r,
-                     c[1].g, c[1].b, source->inner_reflectance);
+                     c[1].g, c[1].b, f.r, f.g, f.b, source->inner_reflectance);
 }
 
 }  // namespace
@@ -96,8 +105,10 @@ std::optional<TextureSource> Textures::source(const Object& texture) {
     source.wrap = wrap == "clamp" ? WrapMode::clamp : wrap == "mirror" ? WrapMode::mirror : WrapMode::repeat;
     source.filter = p.text("filter_type", "bilinear") == "nearest" ? FilterMode::nearest : FilterMode::linear;
     p.ignore({"format", "accel"});
-  } else if (texture.type == "d65" && !p.children({"texture"}).empty()) {
-    return this->source(*p.children({"texture"})[0]);
+  } else if ((texture.type == "d65" || texture.type == "scale") && !p.children({"texture"}).empty()) {
+    std::optional<TextureSource> inner = this->source(*p.children({"texture"})[0]);
+    if (inner) inner->factor *= color_parameter(import_, p, "scale", Rgb(1), SpectrumUse::reflectance);
+    return inner;
   } else if (texture.type == "checkerboard") {
     source.checkers = {color_parameter(import_, p, "color0", Rgb(0.4f), SpectrumUse::reflectance),
                        color_parameter(import_, p, "color1", Rgb(0.2f), SpectrumUse::reflectance)};
@@ -289,7 +300,7 @@ void Textures::make(const Request& request, const ImageFiles& files, Texture& te
   Texture result = made(request, usable);
   const bool is_unchanged =
       usable[0] && (request.recipe == Recipe::normals || (request.recipe == Recipe::color && !request.sources[1])) &&
-      request.sources[0]->inner_reflectance == 0;
+      !request.sources[0]->changes_colors();
   texture.width = result.width;
   texture.height = result.height;
   texture.format = result.format;

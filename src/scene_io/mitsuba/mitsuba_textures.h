@@ -22,7 +22,10 @@ struct TextureSource {
   WrapMode wrap = WrapMode::repeat;
   FilterMode filter = FilterMode::linear;
   TextureRef placement;         ///< without `texture`
+  Rgb factor{1};                ///< of the values, which are not negative
   float inner_reflectance = 0;  ///< of a coat, below which the colours are albedos; 0: none
+
+  bool changes_colors() const { return factor != Rgb(1) || inner_reflectance > 0; }
 };
 
 /// Whether two sources can share one texture.
