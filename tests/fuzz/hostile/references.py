@@ -116,12 +116,12 @@ def fbx_connections(rng):
 
 
 def mitsuba_includes(rng):
-    """Files that include each other in cycles or doubled at every level, parameters that double, cycles of references, and paths
-    that leave the folder."""
+    """Files that include each other in cycles or doubled at every level, parameters and merged shapes that double, cycles of
+    references, and paths that leave the folder."""
     def scene(inner):
         return f'<scene version="3.0.0">{inner}<shape type="cube"/></scene>'.encode()
 
-    which = rng.randrange(5)
+    which = rng.randrange(6)
     if which == 0:
         length = rng.choice((1, 2, 20))
         return Files("0.xml", {f"{i}.xml": scene(f'<include filename="{(i + 1) % length}.xml"/>') for i in range(length)})
@@ -133,6 +133,9 @@ def mitsuba_includes(rng):
     if which == 3:
         length = rng.choice((1, 3, 5000))
         return Files("a.xml", {"a.xml": scene("".join(f'<bsdf type="twosided" id="{i}"><ref id="{(i + 1) % length}"/></bsdf>' for i in range(length)))})
+    if which == 4:
+        merges = "".join(f'<shape type="merge" id="{i}"><ref id="{i + 1}"/><ref id="{i + 1}"/></shape>' for i in range(30))
+        return Files("a.xml", {"a.xml": scene(merges + rng.choice(('<shape type="cube" id="30"/>', '<shape type="merge" id="30"/>')))})
     target = rng.choice((".", "..", "a.xml", "/dev/zero", "/dev/null", "../../outside.png", "b.ply", "", LONG))
     kind = rng.choice(('<shape type="obj">', '<shape type="ply">', '<shape type="serialized">', '<emitter type="envmap">', '<texture type="bitmap">'))
     file = f'{kind}<string name="filename" value="{target}"/></{kind[1:].split()[0]}>'
