@@ -174,7 +174,7 @@ TEST(MitsubaSensor, FilmSamplerAndIntegratorBecomeSettings) {
       std::string::npos);
 }
 
-TEST(MitsubaSensor, CentredCropsNarrowTheView) {
+TEST(MitsubaSensor, CentredCropsNarrowTheViewOthersAreRequested) {
   const std::string crop =
       "<integer name=\"crop_width\" value=\"100\"/><integer name=\"crop_height\" value=\"50\"/><integer "
       "name=\"crop_offset_x\" "
@@ -190,7 +190,12 @@ TEST(MitsubaSensor, CentredCropsNarrowTheView) {
   const glm::dvec2 actual = relume_pixel(camera, kPoints[1]);
   EXPECT_NEAR(actual.x, expected.x, 0.01);
   EXPECT_NEAR(actual.y, expected.y, 0.01);
-  EXPECT_TRUE(mentions(load("10").warnings, "the whole film is rendered, add --crop 100,10,100,50"));
+  EXPECT_EQ(scene.crop, ImagePart{});
+  const Scene off_centre = load("10");
+  EXPECT_EQ(off_centre.crop, (ImagePart{1.0f / 3, 0.05f, 2.0f / 3, 0.3f}));
+  EXPECT_EQ(json::parse(off_centre.settings_json)["width"], 300);
+  EXPECT_NE(error_of([&] { load("151"); }).find("the crop 100,151,100,50 is not within the film of 300x200 pixels"),
+            std::string::npos);
 }
 
 TEST(MitsubaTransform, StepsApplyInTheirOrder) {

@@ -22,12 +22,14 @@ void request(Scene& scene, const char* setting, int64_t value) {
   scene.settings_json = settings.dump();
 }
 
-/// Size of the film, and the part of it that is rendered.
+/// Size of the film, and the part of it that is rendered. A part around the centre narrows the view, others become
+/// Scene::crop.
 struct Film {
   int64_t width = 768;
   int64_t height = 576;
   int64_t crop_width = 768;
   int64_t crop_height = 576;
+  ImagePart crop;
 
   double aspect() const { return static_cast<double>(width) / static_cast<double>(height); }
 };
@@ -51,13 +53,17 @@ Film read_film(const Parameters& sensor, const Import& import) {
     if (side < 1 || side > kMaxSide) p.fail(fmt::format("a side of {} pixels is not in [1, {}]", side, kMaxSide));
   }
   const bool is_centred = 2 * x + film.crop_width == film.width && 2 * y + film.crop_height == film.height;
-  if (!is_centred) {
-    import.warnings.add(
-        fmt::format("the film's crop is off its centre; the whole film is rendered, add --crop {},{},{},{}", x, y,
-                    film.crop_width, film.crop_height));
-    film.crop_width = film.width;
-    film.crop_height = film.height;
-  }
+  if (is_centred) return film;
+  if (x < 0 || y < 0 || x > film.width - film.crop_width || y > film.height - film.crop_height)
+    p.fail(fmt::format("the crop {},{},{},{} is not within the film of {}x{} pixels", x, y, film.crop_width,
+                       film.crop_height, film.width, film.height));
+  const auto part = [](int64_t pixels, int64_t all) { return static_cast<float>(pixels) / static_cast<float>(all); };
+  film.crop = {.left = part(x, film.width),
+               .top = part(y, film.height),
+               .right = part(x + film.crop_width, film.width),
+               .bottom = part(y + film.crop_height, film.height)};
+  film.crop_width = film.width;
+  film.crop_height = film.height;
   return film;
 }
 
@@ -65,6 +71,7 @@ Film read_film(const Parameters& sensor, const Import& import) {
 void request_settings(const Parameters& sensor, const Film& film, Import& import) {
   request(import.scene, "width", film.crop_width);
   request(import.scene, "height", film.crop_height);
+  import.scene.crop = film.crop;
   constexpr int64_t kMaxSamples = 1 << 30;
   for (const Object* sampler : sensor.children({"sampler"})) {
     const Parameters p(import, *sampler);
