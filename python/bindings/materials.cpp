@@ -86,6 +86,37 @@ void define_textures(py::module_& module) {
       .def_readwrite("rotation_rad", &TextureRef::rotation_rad, "Counter-clockwise, radians.");
 }
 
+/// Clearcoat, anisotropy, sheen, iridescence and diffuse transmission.
+void define_layers(Class<Material>& m) {
+  m.def_readwrite("clearcoat", &Material::clearcoat, "Strength, in [0, 1].")
+      .def_readwrite("clearcoat_texture", &Material::clearcoat_texture, "R.")
+      .def_readwrite("clearcoat_roughness", &Material::clearcoat_roughness, "Perceptual, in [0, 1].")
+      .def_readwrite("clearcoat_roughness_texture", &Material::clearcoat_roughness_texture, "G.")
+      .def_readwrite("clearcoat_normal_texture", &Material::clearcoat_normal_texture,
+                     "As normal_texture; none: the unmapped normal.")
+      .def_readwrite("clearcoat_normal_scale", &Material::clearcoat_normal_scale, "Factor of its X and Y.")
+      .def_readwrite("anisotropy", &Material::anisotropy, "Strength, in [0, 1].")
+      .def_readwrite("anisotropy_rotation_rad", &Material::anisotropy_rotation_rad,
+                     "Counter-clockwise from the tangent.")
+      .def_readwrite("anisotropy_texture", &Material::anisotropy_texture, "RG direction, B strength.")
+      .def_readwrite("sheen_color", &Material::sheen_color, "RGB; black: no sheen.")
+      .def_readwrite("sheen_color_texture", &Material::sheen_color_texture, "RGB.")
+      .def_readwrite("sheen_roughness", &Material::sheen_roughness, "Perceptual, in [0, 1].")
+      .def_readwrite("sheen_roughness_texture", &Material::sheen_roughness_texture, "A.")
+      .def_readwrite("iridescence", &Material::iridescence, "Strength, in [0, 1].")
+      .def_readwrite("iridescence_texture", &Material::iridescence_texture, "R.")
+      .def_readwrite("iridescence_ior", &Material::iridescence_ior, "Index of refraction of the film.")
+      .def_readwrite("iridescence_thickness_min_nm", &Material::iridescence_thickness_min_nm,
+                     "Thickness where the texture is 0, nanometres.")
+      .def_readwrite("iridescence_thickness_nm", &Material::iridescence_thickness_nm,
+                     "Thickness where the texture is 1, or without a texture, nanometres.")
+      .def_readwrite("iridescence_thickness_texture", &Material::iridescence_thickness_texture, "G.")
+      .def_readwrite("diffuse_transmission", &Material::diffuse_transmission, "In [0, 1].")
+      .def_readwrite("diffuse_transmission_texture", &Material::diffuse_transmission_texture, "A.")
+      .def_readwrite("diffuse_transmission_color", &Material::diffuse_transmission_color, "RGB.")
+      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture, "RGB.");
+}
+
 }  // namespace
 
 void define_materials(py::module_& module) {
@@ -122,34 +153,8 @@ void define_materials(py::module_& module) {
       .def_readwrite("thickness", &Material::thickness, "0: thin-walled, no refraction; otherwise a closed surface.")
       .def_readwrite("attenuation_color", &Material::attenuation_color,
                      "RGB of white light after the attenuation distance.")
-      .def_readwrite("attenuation_distance", &Material::attenuation_distance, "Metres.")
-      .def_readwrite("clearcoat", &Material::clearcoat, "Strength, in [0, 1].")
-      .def_readwrite("clearcoat_texture", &Material::clearcoat_texture, "R.")
-      .def_readwrite("clearcoat_roughness", &Material::clearcoat_roughness, "Perceptual, in [0, 1].")
-      .def_readwrite("clearcoat_roughness_texture", &Material::clearcoat_roughness_texture, "G.")
-      .def_readwrite("clearcoat_normal_texture", &Material::clearcoat_normal_texture,
-                     "As normal_texture; none: the unmapped normal.")
-      .def_readwrite("clearcoat_normal_scale", &Material::clearcoat_normal_scale, "Factor of its X and Y.")
-      .def_readwrite("anisotropy", &Material::anisotropy, "Strength, in [0, 1].")
-      .def_readwrite("anisotropy_rotation_rad", &Material::anisotropy_rotation_rad,
-                     "Counter-clockwise from the tangent.")
-      .def_readwrite("anisotropy_texture", &Material::anisotropy_texture, "RG direction, B strength.")
-      .def_readwrite("sheen_color", &Material::sheen_color, "RGB; black: no sheen.")
-      .def_readwrite("sheen_color_texture", &Material::sheen_color_texture, "RGB.")
-      .def_readwrite("sheen_roughness", &Material::sheen_roughness, "Perceptual, in [0, 1].")
-      .def_readwrite("sheen_roughness_texture", &Material::sheen_roughness_texture, "A.")
-      .def_readwrite("iridescence", &Material::iridescence, "Strength, in [0, 1].")
-      .def_readwrite("iridescence_texture", &Material::iridescence_texture, "R.")
-      .def_readwrite("iridescence_ior", &Material::iridescence_ior, "Index of refraction of the film.")
-      .def_readwrite("iridescence_thickness_min_nm", &Material::iridescence_thickness_min_nm,
-                     "Thickness where the texture is 0, nanometres.")
-      .def_readwrite("iridescence_thickness_nm", &Material::iridescence_thickness_nm,
-                     "Thickness where the texture is 1, or without a texture, nanometres.")
-      .def_readwrite("iridescence_thickness_texture", &Material::iridescence_thickness_texture, "G.")
-      .def_readwrite("diffuse_transmission", &Material::diffuse_transmission, "In [0, 1].")
-      .def_readwrite("diffuse_transmission_texture", &Material::diffuse_transmission_texture, "A.")
-      .def_readwrite("diffuse_transmission_color", &Material::diffuse_transmission_color, "RGB.")
-      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture, "RGB.");
+      .def_readwrite("attenuation_distance", &Material::attenuation_distance, "Metres.");
+  define_layers(m);
 }
 
 }  // namespace relume::python
