@@ -140,6 +140,26 @@ TEST(PbrtLook, TexturesAreBaked) {
   EXPECT_TRUE(scene.warnings.size() <= 1) << scene.warnings[0];
 }
 
+TEST(PbrtLook, OnlyPngHasAnEncoding) {
+  const SceneFolder folder;
+  Image grey(2, 2);
+  for (Rgb& pixel : grey.pixels) pixel = Rgb(0.2f);
+  write_image(folder.path() / "t.png", grey);
+  folder.write("t.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\x20\x7c\x7c\x7c", 21));
+  const auto color = [&](const std::string& file) {
+    const Scene scene = load_scene(folder.write(
+        "a.pbrt",
+        "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string encoding\" \"linear\" \"string filename\" \"" +
+            file + "\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n"));
+    const Material& m = scene.materials.at(0);
+    return m.base_color_texture.used()
+               ? linear_from_srgb(static_cast<float>(std::to_integer<int>(scene.textures.at(0).texels[0])) / 255)
+               : m.base_color.r;
+  };
+  EXPECT_NEAR(color("t.png"), srgb_from_linear(0.2f), 4e-3f);  // the codes are values
+  EXPECT_NEAR(color("t.tga"), linear_from_srgb(124 / 255.0f), 4e-3f);
+}
+
 TEST(PbrtLook, CheckerboardsRepeatEveryTwoCells) {
   const Scene scene = load(
       "WorldBegin\nTexture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 6 \"rgb tex1\" [1 1 "

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 
 #include "core/vec.h"
+#include "files/extension.h"
 
 namespace relume::pbrt {
 namespace {
@@ -134,8 +135,8 @@ UvMapping Textures::mapping(const Parameters& parameters) {
 void Textures::make_image(const Parameters& parameters, TextureNode& node) {
   const std::string name = parameters.string("filename");
   if (name.empty()) fail(parameters.where(), "an imagemap has no file; give it 'string filename'");
-  const std::string encoding =
-      parameters.string("encoding", name.ends_with(".png") || name.ends_with(".PNG") ? "sRGB" : "linear");
+  const std::string given = parameters.string("encoding", "sRGB");
+  const std::string encoding = lower_extension(name) == ".png" ? given : "sRGB";  // others ignore it, as in pbrt
   node.encoding.srgb = encoding == "sRGB";
   if (encoding.starts_with("gamma ")) node.encoding.gamma = std::clamp(std::strtof(&encoding[6], nullptr), 0.1f, 10.0f);
   const std::string wrap = parameters.string("wrap", "repeat");
