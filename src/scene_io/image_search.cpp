@@ -23,4 +23,14 @@ std::filesystem::path find_image(const std::filesystem::path& base_dir, std::str
   return resolve_uri(base_dir, reference, place);
 }
 
+std::filesystem::path find_inside(const std::filesystem::path& base_dir, std::string_view reference,
+                                  const std::string& place) {
+  std::string slashes(reference);
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  const std::filesystem::path path = std::filesystem::path(slashes).lexically_normal();
+  const bool is_uri = slashes.find("://") != std::string::npos;
+  const bool leaves = is_uri || path.is_absolute() || (!path.empty() && *path.begin() == "..");
+  return find_image(base_dir, leaves ? path.filename().string() : std::string(reference), place);
+}
+
 }  // namespace relume

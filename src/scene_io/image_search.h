@@ -13,4 +13,9 @@ namespace relume {
 std::filesystem::path find_image(const std::filesystem::path& base_dir, std::string_view reference,
                                  const std::string& place);
 
+/// The same for scene formats whose references stay in `base_dir`: of one that leaves it, by ".." or an absolute path,
+/// only the name counts.
+std::filesystem::path find_inside(const std::filesystem::path& base_dir, std::string_view reference,
+                                  const std::string& place);
+
 }  // namespace relume

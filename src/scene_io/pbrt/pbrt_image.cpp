@@ -54,7 +54,7 @@ Vec4 ImageFile::at(int x, int y, const Encoding& encoding) const {
 
 ImageFile ImageFiles::decode(const std::string& name, const Location& where) {
   ImageFile file;
-  file.bytes = std::make_shared<const Bytes>(read_file_bytes(find_image(base_dir_, name, text_of(where))));
+  file.bytes = std::make_shared<const Bytes>(read_file_bytes(find_inside(base_dir_, name, text_of(where))));
   const detail::ImageSize size = detail::read_image_size(*file.bytes, name);
   const bool is_valid = std::min(size.width, size.height) > 0 && std::max(size.width, size.height) <= kMaxImageSide;
   if (!is_valid || !budget_.take(static_cast<uint64_t>(size.width * size.height), file.bytes->size()))

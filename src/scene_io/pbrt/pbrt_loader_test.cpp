@@ -207,6 +207,23 @@ TEST(Pbrt, BoundsInclusions) {
     EXPECT_NE(error("Include \"" + std::string(outside) + "\"").find("outside the folder"), std::string::npos);
 }
 
+TEST(Pbrt, ReferencesStayInTheFolder) {
+  const SceneFolder folder;
+  folder.write("m.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement "
+               "face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  std::filesystem::create_directory(folder.path() / "inner");
+  const auto scene_with = [&](const std::string& reference) {
+    return folder.write("inner/a.pbrt", "WorldBegin Shape \"plymesh\" \"string filename\" \"" + reference + "\"\n");
+  };
+  for (const std::string& outside : {std::string("../m.ply"), (folder.path() / "m.ply").string(),
+                                     "file://" + (folder.path() / "m.ply").string(), std::string("..\\\\m.ply")})
+    EXPECT_NE(error_of([&] { load_scene(scene_with(outside)); }).find("inner/m.ply: the file does not exist"),
+              std::string::npos);
+  std::filesystem::copy_file(folder.path() / "m.ply", folder.path() / "inner" / "m.ply");
+  EXPECT_EQ(load_scene(scene_with("../m.ply")).meshes.size(), 1u);  // by its name
+}
+
 Bytes gzip(const std::string& text) {
   z_stream stream = {};
   EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);

@@ -124,7 +124,7 @@ Mesh ShapeReader::ply(const Parameters& parameters) {
   if (parameters.find("displacement", {"texture"}))
     warnings_.add("displacement is not supported; meshes keep their shape");
   parameters.number("edgelength", 1);
-  const std::filesystem::path file = find_image(base_dir_, name, text_of(parameters.where()));
+  const std::filesystem::path file = find_inside(base_dir_, name, text_of(parameters.where()));
   Warnings warnings(name);
   Mesh mesh = read_ply_mesh(gunzipped(read_file_bytes(file), file.string()), file.string(), warnings);
   mesh.name = file.stem().string();
