@@ -49,6 +49,7 @@ struct Look {
 
 struct ShapeEntity {
   Index mesh = kNone;  ///< index in the scene; its material is set at the end
+  float scale = 1;     ///< of the mesh, before `to_world`
   size_t faces = 1;    ///< pbrt's shapes in this mesh; each has the power of an area light
   Look look;
   TransformSet to_world;

@@ -1,6 +1,7 @@
 #include "scene_io/pbrt/pbrt_directives.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr size_t kMaxDepth = 1024;       // nested blocks
 constexpr size_t kMaxIncludeDepth = 32;  // files that include each other
+constexpr size_t kMaxDefaults = 64;      // of one target of Attribute
 constexpr size_t kMaxFiles = 4096;       // included files
 constexpr uint64_t kMaxBytes = uint64_t{1} << 33;
 constexpr size_t kMaxCopies = size_t{1} << 23;  // shapes of all instances
@@ -244,9 +246,18 @@ void Directives::set_defaults(Tokens& tokens) {
                                    "or \"texture\"",
                                    target.text.substr(0, 40)));
   Defaults& defaults = state_.defaults[static_cast<size_t>(at - std::begin(kTargets))];
-  ParameterList list = parse_parameters(tokens, state_.space);  // later ones come first
-  if (defaults) list.insert(list.end(), defaults->begin(), defaults->end());
-  defaults = std::make_shared<const ParameterList>(std::move(list));
+  DefaultList list;
+  for (Parameter& parameter : parse_parameters(tokens, state_.space))
+    list.push_back(std::make_shared<const Parameter>(std::move(parameter)));
+  const auto is_hidden = [&](const auto& earlier) {
+    return std::any_of(list.begin(), list.end(),
+                       [&](const auto& later) { return later->name == earlier->name && later->type == earlier->type; });
+  };
+  DefaultList all = list;
+  if (defaults) std::remove_copy_if(defaults->begin(), defaults->end(), std::back_inserter(all), is_hidden);
+  if (all.size() > kMaxDefaults)
+    fail(target.where, fmt::format("more than {} parameters have defaults; remove some", kMaxDefaults));
+  defaults = std::make_shared<const DefaultList>(std::move(all));
 }
 
 void Directives::activate(Tokens& tokens) {
@@ -259,8 +270,7 @@ void Directives::activate(Tokens& tokens) {
 
 std::filesystem::path Directives::inside(const std::string& reference, const Location& where) const {
   const std::filesystem::path relative = std::filesystem::path(reference).lexically_normal();
-  const bool leaves = relative.empty() || relative.is_absolute() || *relative.begin() == "..";
-  if (leaves || reference.find('\0') != std::string::npos)
+  if (relative.empty() || relative.is_absolute() || *relative.begin() == "..")
     fail(where, fmt::format("the file '{}' lies outside the folder of the scene; move it inside", reference));
   return (base_dir_ / relative).lexically_normal();
 }
@@ -365,11 +375,15 @@ void Directives::shape(Tokens& tokens, const Location& where) {
   const Mat4 to_object = narrow(state_.ctm.at[0]);
   if (!is_affine(state_.ctm.at[0]) || !is_affine(state_.ctm.at[1]))
     fail(where, "the transform of a shape is not affine or not finite; correct it");
-  ShapeEntity made = shapes_.read(kind, given, state_.reversed, object_ ? &to_object : nullptr, key_of(look));
+  std::string key = key_of(look);
+  const bool has_power = look.area_light && look.area_light->parameters.find("power", {"float"});
+  if (has_power) key += fmt::format(" {}", out_.shapes.size());  // its radiance depends on the area
+  ShapeEntity made = shapes_.read(kind, given, state_.reversed, object_ ? &to_object : nullptr, key);
   given.warn_of_unused(fmt::format("shape '{}'", kind), warnings_);
   if (made.mesh == kNone) return;
   made.look = std::move(look);
   made.to_world = state_.ctm;
+  for (Matrix& matrix : made.to_world.at) matrix = glm::scale(matrix, glm::dvec3(made.scale));
   made.times = state_.times;
   (object_ ? object_->shapes : out_.shapes).push_back(std::move(made));
 }

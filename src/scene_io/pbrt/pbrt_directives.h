@@ -24,7 +24,7 @@ class Directives {
   void finish(const std::string& file) const;
 
  private:
-  using Defaults = std::shared_ptr<const ParameterList>;
+  using Defaults = std::shared_ptr<const DefaultList>;
 
   /// What AttributeBegin saves.
   struct State {

@@ -153,6 +153,10 @@ TEST(Pbrt, ObjectsAreInstanced) {
 TEST(Pbrt, EqualQuadricsShareAMesh) {
   const std::string sphere = "Translate 1 0 0 Shape \"sphere\" \"float radius\" 2\n";
   EXPECT_EQ(load("WorldBegin " + sphere + sphere).meshes.size(), 1u);
+  const Scene similar = load("WorldBegin " + sphere + "Shape \"sphere\" \"float radius\" 3\n");
+  ASSERT_EQ(similar.meshes.size(), 1u);
+  EXPECT_NEAR(glm::length(Vec3(world_matrices(similar, 0)[1][0])), 2, 1e-6);
+  EXPECT_NEAR(glm::length(Vec3(world_matrices(similar, 0)[2][0])), 3, 1e-6);
   EXPECT_EQ(load("WorldBegin " + sphere + "Material \"dielectric\" " + sphere).meshes.size(), 2u);
 }
 
@@ -259,7 +263,7 @@ TEST(Pbrt, ReadsCompressedFiles) {
 TEST(Pbrt, LaterDefaultsComeFirst) {
   const std::string defaults =
       "WorldBegin Attribute \"shape\" \"float radius\" 2 Attribute \"shape\" \"float radius\" 3 ";
-  const auto radius = [](const Scene& scene) { return glm::length(scene.meshes.at(0).positions.at(100)); };
+  const auto radius = [](const Scene& scene) { return glm::length(placed(scene, 100)); };
   EXPECT_NEAR(radius(load(defaults + "Shape \"sphere\"")), 3, 1e-5);
   EXPECT_NEAR(radius(load(defaults + "Shape \"sphere\" \"float radius\" 4")), 4, 1e-5);
 }
@@ -268,6 +272,11 @@ TEST(Pbrt, BoundsNesting) {
   std::string deep = "WorldBegin\n";
   for (int i = 0; i < 100000; ++i) deep += "AttributeBegin\n";
   EXPECT_NE(error(deep).find("nested"), std::string::npos);
+  std::string defaults = "WorldBegin\n";
+  for (int i = 0; i < 100000; ++i) defaults += "Attribute \"shape\" \"float radius\" 2\n";
+  EXPECT_NEAR(glm::length(placed(load(defaults + "Shape \"sphere\"\n"), 0)), 2, 1e-5);
+  for (int i = 0; i < 100; ++i) defaults += "Attribute \"shape\" \"float radius" + std::to_string(i) + "\" 2\n";
+  EXPECT_NE(error(defaults).find("more than 64 parameters have defaults"), std::string::npos);
   std::string copies = "WorldBegin\nObjectBegin \"a\"\n";
   for (int i = 0; i < 4000; ++i) copies += kTriangle;
   copies += "ObjectEnd\n";
@@ -282,6 +291,16 @@ TEST(Pbrt, BoundsTessellation) {
       "0 1 0]\n");
   EXPECT_LE(scene.meshes.at(0).triangles.size(), size_t{1} << 20);
   EXPECT_TRUE(mentions(scene.warnings, "fewer than 1000000 levels"));
+  std::string spheres = "WorldBegin\n";
+  for (int i = 0; i < 100000; ++i) spheres += "Material \"diffuse\" Shape \"sphere\"\n";
+  EXPECT_NE(error(spheres).find("give them the same material"), std::string::npos);
+}
+
+TEST(Pbrt, NumbersBeyondTheRangeOfDouble) {
+  EXPECT_EQ(
+      placed(load("LookAt 0 0 0 0 0 1 0 1 0 Camera \"perspective\" WorldBegin Translate 1e-400 1 0 " + kTriangle), 0).y,
+      1);
+  EXPECT_NE(error("WorldBegin Translate 1e400 0 0 " + kTriangle).find("not finite"), std::string::npos);
 }
 
 TEST(Pbrt, ErrorsNameTheLine) {

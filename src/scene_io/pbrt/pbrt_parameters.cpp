@@ -60,15 +60,17 @@ ParameterList parse_parameters(Tokens& tokens, ColorSpace space) {
 }
 
 const Parameter* Parameters::find(std::string_view name, std::initializer_list<std::string_view> types) const {
-  for (const ParameterList* list : {&own_, defaults_.get()}) {
-    if (!list) continue;
-    for (const Parameter& p : *list) {
-      if (p.name != name || std::find(types.begin(), types.end(), p.type) == types.end()) continue;
-      p.used = true;
-      return &p;
-    }
+  const auto is_wanted = [&](const Parameter& p) {
+    return p.name == name && std::find(types.begin(), types.end(), p.type) != types.end();
+  };
+  const auto own = std::find_if(own_.begin(), own_.end(), is_wanted);
+  if (own != own_.end()) {
+    own->used = true;
+    return &*own;
   }
-  return nullptr;
+  if (!defaults_) return nullptr;
+  const auto shared = std::find_if(defaults_->begin(), defaults_->end(), [&](const auto& p) { return is_wanted(*p); });
+  return shared == defaults_->end() ? nullptr : shared->get();
 }
 
 float Parameters::number(std::string_view name, float otherwise) const {

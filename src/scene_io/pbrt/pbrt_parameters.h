@@ -26,6 +26,8 @@ struct Parameter {
 };
 
 using ParameterList = std::vector<Parameter>;
+/// Shares its elements, so that a copy is cheap.
+using DefaultList = std::vector<std::shared_ptr<const Parameter>>;
 
 /// Reads parameters up to the next token that is not a quoted string. Throws Error.
 ParameterList parse_parameters(Tokens& tokens, ColorSpace space);
@@ -34,7 +36,7 @@ ParameterList parse_parameters(Tokens& tokens, ColorSpace space);
 class Parameters {
  public:
   Parameters() = default;
-  Parameters(Location where, ParameterList own, std::shared_ptr<const ParameterList> defaults = nullptr)
+  Parameters(Location where, ParameterList own, std::shared_ptr<const DefaultList> defaults = nullptr)
       : where_(where), own_(std::move(own)), defaults_(std::move(defaults)) {}
 
   const Location& where() const { return where_; }
@@ -64,7 +66,7 @@ class Parameters {
 
   Location where_;
   ParameterList own_;
-  std::shared_ptr<const ParameterList> defaults_;
+  std::shared_ptr<const DefaultList> defaults_;
 };
 
 /// As float; values beyond its range become infinite.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/trigonometric.hpp>
 
 #include "builtin_scenes/shapes.h"
@@ -24,6 +25,7 @@ namespace {
 /// Triangles of all tessellated shapes of a scene beyond which the tessellation becomes coarse.
 constexpr size_t kManyTriangles = size_t{1} << 23;
 constexpr int kCoarseSegments = 12;
+constexpr size_t kMostTriangles = 2 * kManyTriangles;
 
 /// Triangles of a mesh up to which pbrt's default coordinates are stored. Larger meshes without coordinates have no
 /// textures in practice.
@@ -85,6 +87,10 @@ void set_default_uv(Mesh& mesh) {
   mesh = std::move(separate);
 }
 
+size_t patch_count(const Parameters& parameters) {
+  return std::max<size_t>(parameters.numbers("indices").size() / 4, 1);
+}
+
 float positive(const Parameters& parameters, std::string_view name, float otherwise) {
   const float value = parameters.number(name, otherwise);
   if (!(value > 0 && value <= 1e9f))
@@ -142,6 +148,7 @@ Mesh ShapeReader::patches(const Parameters& parameters) {
   std::vector<Vec2> uv = parameters.vectors2("uv");
   check_size(normals, positions.size(), "N", warnings_);
   check_size(uv, positions.size(), "uv", warnings_);
+  parameters.string("emissionfilename");  // guides only pbrt's sampling
   const bool is_much = made_ + patches.size() * 2 * kPatchCells * kPatchCells > kManyTriangles;
   Mesh mesh = bilinear_mesh({positions, normals, uv, patches}, is_much ? 1 : kPatchCells);
   return mesh;
@@ -162,20 +169,31 @@ Mesh ShapeReader::subdivision(const Parameters& parameters) const {
   return mesh;
 }
 
-Mesh ShapeReader::quadric(const std::string& kind, const Parameters& parameters) const {
-  const float radius = positive(parameters, "radius", 1);
-  if (kind == "disk") {
-    return disk_mesh({.height = finite(parameters.number("height", 0), 0),
-                      .radius = radius,
-                      .inner_radius = finite(parameters.number("innerradius", 0), 0),
-                      .phi_max_rad = phi_max(parameters)},
-                     segments());
-  }
+Index ShapeReader::quadric(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
+                           const std::string& look_key, float radius) {
   const bool is_sphere = kind == "sphere";
-  const float z_min = finite(parameters.number("zmin", is_sphere ? -radius : -1), is_sphere ? -radius : -1);
-  const float z_max = finite(parameters.number("zmax", is_sphere ? radius : 1), is_sphere ? radius : 1);
-  if (is_sphere) return sphere_mesh({radius, z_min, z_max, phi_max(parameters)}, segments());
-  return cylinder_mesh({radius, std::min(z_min, z_max), std::max(z_min, z_max), phi_max(parameters)}, segments());
+  const float extent = is_sphere ? radius : 1;
+  const float low = finite(parameters.number("zmin", -extent), -extent) / radius;
+  const float high = finite(parameters.number("zmax", extent), extent) / radius;
+  const float z_min = std::min(low, high), z_max = std::max(low, high);
+  const float height = finite(parameters.number("height", 0), 0) / radius;
+  const float inner = finite(parameters.number("innerradius", 0), 0) / radius;
+  const float phi = phi_max(parameters);
+  const std::string key =
+      fmt::format("{} {} {} {} {} {} {} {} {}", kind, z_min, z_max, phi, height, inner, reversed, segments(), look_key);
+  if (const auto known = quadrics_.find(key); !baked && known != quadrics_.end()) return known->second;
+  if (made_ > kMostTriangles)
+    fail(parameters.where(), fmt::format("the spheres, disks and cylinders have more than {} triangles; give them "
+                                         "the same material, outside of objects, or use a mesh",
+                                         kMostTriangles));
+  Mesh mesh = is_sphere        ? sphere_mesh({1, z_min, z_max, phi}, segments())
+              : kind == "disk" ? disk_mesh({height, 1, inner, phi}, segments())
+                               : cylinder_mesh({1, z_min, z_max, phi}, segments());
+  made_ += mesh.triangles.size();
+  mesh.name = fmt::format("{} {}", kind, scene_.meshes.size());
+  const Index index = add(std::move(mesh), reversed, baked);
+  if (!baked && index != kNone) quadrics_[key] = index;
+  return index;
 }
 
 Index ShapeReader::add(Mesh mesh, bool reversed, const Mat4* baked) {
@@ -195,19 +213,14 @@ Index ShapeReader::add(Mesh mesh, bool reversed, const Mat4* baked) {
 ShapeEntity ShapeReader::read(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
                               const std::string& look_key) {
   ShapeEntity shape;
-  Mesh mesh;
-  std::string key;
   if (kind == "sphere" || kind == "disk" || kind == "cylinder") {
-    const float missing = -kInfinity;
-    const auto value = [&](std::string_view name) { return parameters.number(name, missing); };
-    key = fmt::format("{} {} {} {} {} {} {} {} {} {}", kind, value("radius"), value("zmin"), value("zmax"),
-                      value("phimax"), value("height"), value("innerradius"), reversed, segments(), look_key);
-    if (const auto known = quadrics_.find(key); !baked && known != quadrics_.end()) {
-      shape.mesh = known->second;
-      return shape;
-    }
-    mesh = quadric(kind, parameters);
-  } else if (kind == "trianglemesh") {
+    shape.scale = positive(parameters, "radius", 1);
+    const Mat4 scaled = baked ? glm::scale(*baked, Vec3(shape.scale)) : Mat4(1);
+    shape.mesh = quadric(kind, parameters, reversed, baked ? &scaled : nullptr, look_key, shape.scale);
+    return shape;
+  }
+  Mesh mesh;
+  if (kind == "trianglemesh") {
     mesh = triangles(parameters);
   } else if (kind == "plymesh") {
     mesh = ply(parameters);
@@ -225,10 +238,9 @@ ShapeEntity ShapeReader::read(const std::string& kind, const Parameters& paramet
   }
   const bool is_mesh = kind == "trianglemesh" || kind == "plymesh";
   if (!is_mesh) made_ += mesh.triangles.size();
-  if (key.empty()) shape.faces = std::max<size_t>(mesh.triangles.size(), 1);
+  shape.faces = kind == "bilinearmesh" ? patch_count(parameters) : mesh.triangles.size();
   if (mesh.name.empty()) mesh.name = fmt::format("{} {}", kind, scene_.meshes.size());
   shape.mesh = add(std::move(mesh), reversed, baked);
-  if (!key.empty() && !baked && shape.mesh != kNone) quadrics_[key] = shape.mesh;
   return shape;
 }
 

@@ -15,9 +15,9 @@ class ShapeReader {
   ShapeReader(std::filesystem::path base_dir, Scene& scene, Warnings& warnings)
       : base_dir_(std::move(base_dir)), scene_(scene), warnings_(warnings) {}
 
-  /// A shape's mesh, flipped if `reversed`, and under `baked` if that is no null pointer. Equal quadrics of the same
-  /// `look_key` share a mesh. ShapeEntity::mesh is kNone, with a warning, for shapes that are not supported. Throws
-  /// Error for missing or damaged data.
+  /// A shape's mesh, flipped if `reversed`, and under `baked` if that is no null pointer. Similar quadrics of the
+  /// same `look_key` share a mesh. ShapeEntity::mesh is kNone, with a warning, for shapes that are not supported.
+  /// Throws Error for missing or damaged data.
   ShapeEntity read(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
                    const std::string& look_key);
 
@@ -26,7 +26,9 @@ class ShapeReader {
   Mesh ply(const Parameters& parameters);
   Mesh patches(const Parameters& parameters);
   Mesh subdivision(const Parameters& parameters) const;
-  Mesh quadric(const std::string& kind, const Parameters& parameters) const;
+  /// The mesh of a quadric of `radius`, for the radius 1: all sizes share it.
+  Index quadric(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
+                const std::string& look_key, float radius);
   int segments() const;
   Index add(Mesh mesh, bool reversed, const Mat4* baked);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,8 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::string_view kEndOfWord = " \t\r\n\"[]#";
-constexpr size_t kShown = 40;  // characters of a token in a message
+constexpr size_t kShown = 40;        // characters of a token in a message
+constexpr size_t kMaxString = 4096;  // characters of a name or path
 
 char unescape(char c) {
   switch (c) {
@@ -55,6 +57,9 @@ Token Tokens::scan_string() {
   }
   if (end >= text_.size() || text_[end] != '"') fail(start, "a string has no end; close it with \" on its line");
   std::string_view inner = text_.substr(1, end - 1);
+  if (inner.size() > kMaxString)
+    fail(start, fmt::format("a string has more than {} characters; shorten it", kMaxString));
+  if (inner.find('\0') != std::string_view::npos) fail(start, "a string contains a zero byte; remove it");
   text_.remove_prefix(end + 1);
   if (escapes) {
     std::string& plain = unescaped_.emplace_back();
@@ -108,7 +113,9 @@ double number_of(const Token& token) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (token.quoted || error != std::errc() || rest != text.data() + text.size())
+  const bool is_beyond_range = error == std::errc::result_out_of_range;
+  if (is_beyond_range) value = std::strtod(std::string(text).c_str(), nullptr);  // 0 or infinite
+  if (token.quoted || (error != std::errc() && !is_beyond_range) || rest != text.data() + text.size())
     fail(token.where, fmt::format("'{}' is not a number; correct it", token.text.substr(0, kShown)));
   return value;
 }

@@ -32,7 +32,8 @@ class Tokens {
  public:
   Tokens(const std::string& name, std::string_view text) : text_(text), where_{&name, 1} {}
 
-  /// Next token; empty at the end. Throws Error for strings without an end.
+  /// Next token; empty at the end. Throws Error for strings without an end, with zero
+  /// bytes, or longer than paths.
   std::optional<Token> next();
   /// The same without taking it.
   const std::optional<Token>& peek();
@@ -53,7 +54,7 @@ class Tokens {
   std::deque<std::string> unescaped_;  ///< strings with escapes, which tokens refer to
 };
 
-/// Value of a token. Throws Error unless it is a number.
+/// Value of a token; 0 or infinite beyond the range of double. Throws Error unless it is a number.
 double number_of(const Token& token);
 
 }  // namespace relume::pbrt
