@@ -34,7 +34,8 @@ Vec3 map_direction(float column, float row) {
   return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
-/// Luminous flux per area on a plane that faces +Z, as pbrt sums it over the upper half of the map.
+/// Luminous flux per area on a plane that faces +Z, as pbrt sums it: with 2π over all pixels of the sphere, of which
+/// half count, pbrt finds half of the illuminance.
 float upward_illuminance(const Image& image) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -45,7 +46,7 @@ float upward_illuminance(const Image& image) {
       if (cosine > 0) sum += static_cast<double>(glm::dot(image.at(x, y), kLuminance) * cosine);
     }
   }
-  return static_cast<float>(sum * 4 * static_cast<double>(kPi) / static_cast<double>(image.pixels.size()));
+  return static_cast<float>(sum * 2 * static_cast<double>(kPi) / static_cast<double>(image.pixels.size()));
 }
 
 /// Value of a map of latitude and longitude about +Z, as in earlier versions of pbrt.

@@ -214,6 +214,34 @@ TEST(PbrtLook, AreaLightsEmit) {
   EXPECT_NEAR(scene.materials[1].emission.g, 5 / (M_PI * 4 * M_PI), 1e-3);  // Φ = π A L
 }
 
+TEST(PbrtLook, EachPartOfAnAreaLightHasItsPower) {
+  const std::string light = "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"float power\" 5\n";
+  const std::string quad = "\"point3 P\" [0 0 0 2 0 0 0 2 0 2 2 0]";
+  const Scene scene = load("WorldBegin\n" + light + "Shape \"bilinearmesh\" " + quad + "\n" + light +
+                           "Shape \"trianglemesh\" \"integer indices\" [0 1 2 1 3 2] " + quad + "\n" + light +
+                           "Shape \"sphere\" \"float radius\" 2\nScale 3 3 3\nShape \"sphere\" \"float radius\" 2\n");
+  EXPECT_NEAR(scene.materials.at(0).emission.g, 5 / (M_PI * 4), 1e-4);
+  EXPECT_NEAR(scene.materials.at(1).emission.g, 5 / (M_PI * 2), 1e-4);  // of each triangle
+  ASSERT_EQ(scene.meshes.size(), 4u);
+  const auto radiance = [&](size_t mesh) {
+    return scene.materials.at(static_cast<size_t>(scene.meshes[mesh].material)).emission.g;
+  };
+  EXPECT_NEAR(radiance(2), 5 / (M_PI * 16 * M_PI), 1e-4);
+  EXPECT_NEAR(radiance(3), 5 / (M_PI * 144 * M_PI), 1e-5);
+}
+
+TEST(PbrtLook, MapsHaveTheirIlluminance) {
+  // pbrt finds 2π · mean over the sphere of L cos θ of the upper half: π / 2 for L = 1.
+  const SceneFolder folder;
+  Image white(32, 32);
+  for (Rgb& pixel : white.pixels) pixel = Rgb(1);
+  write_image(folder.path() / "env.exr", white);
+  const Scene scene = load_scene(folder.write("a.pbrt",
+                                              "WorldBegin\nLightSource \"infinite\" \"string filename\" \"env.exr\" "
+                                              "\"float illuminance\" 10\nShape \"sphere\"\n"));
+  EXPECT_NEAR(scene.environment.map.at(0).g, 10 / (M_PI / 2), 0.05);
+}
+
 TEST(PbrtLook, EqualAreaMapIsItsInverse) {
   for (int i = 0; i < 400; ++i) {
     const Vec2 p((static_cast<float>(i % 20) + 0.37f) / 20, (static_cast<float>(i / 20) + 0.61f) / 20);
