@@ -19,6 +19,32 @@ IVec2 film_size(const Parameters& film) {
           std::clamp(film.integer("yresolution", 720), 1, 32768)};
 }
 
+struct Window {
+  IVec2 left_top{0};
+  IVec2 size;
+};
+
+/// Window of the film in pixels; the whole film if none is given, or an empty one.
+Window crop_window(const Parameters& film, const IVec2& size) {
+  IVec2 low(0), high = size;
+  const std::vector<double> bounds = film.numbers("pixelbounds");
+  const std::vector<double> crop = film.numbers("cropwindow");  // takes precedence
+  for (int c = 0; c < 2; ++c) {
+    const auto at = static_cast<size_t>(2 * c);
+    const auto side = static_cast<float>(size[c]);
+    const auto pixel = [&](double value) { return value > 0 ? static_cast<int>(std::min(narrow(value), side)) : 0; };
+    if (crop.size() == 4) {
+      low[c] = pixel(std::ceil(side * narrow(std::min(crop[at], crop[at + 1]))));
+      high[c] = pixel(std::ceil(side * narrow(std::max(crop[at], crop[at + 1]))));
+    } else if (bounds.size() == 4) {
+      low[c] = pixel(bounds[at]);
+      high[c] = pixel(bounds[at + 1]);
+    }
+  }
+  if (high.x <= low.x || high.y <= low.y) return {IVec2(0), size};
+  return {low, high - low};
+}
+
 /// Half extent of the image at distance 1 for a field of view of 90°, and its centre.
 struct Screen {
   Vec2 half;
@@ -78,7 +104,7 @@ Camera camera_of(const CameraEntity& source, const Parameters& film, Warnings& w
   } else if (source.kind == "orthographic") {
     camera.projection = Projection::orthographic;
     camera.half_height = std::clamp(screen.half.y, 1e-6f, 1e9f);
-    p.number("lensradius", 0);
+    if (p.number("lensradius", 0) > 0) warnings.add("orthographic cameras have no lens; the image is sharp");
     p.number("focaldistance", 0);
   } else if (source.kind == "spherical") {
     camera.projection = Projection::panoramic;
@@ -113,8 +139,9 @@ void add_settings(const Description& d, Scene& scene, Warnings& warnings) {
   settings["max-bounces"] = std::clamp(d.integrator.integer("maxdepth", 5), 0, 1024);
   if (d.has_sampler) settings["spp"] = std::clamp(d.sampler.integer("pixelsamples", 16), 1, 1 << 30);
   if (const float exposure = exposure_of(d, warnings); exposure != 0) settings["exposure"] = exposure;
-  if (!d.film.numbers("cropwindow").empty() || !d.film.numbers("pixelbounds").empty())
-    warnings.add("the film's crop window is ignored and the whole image rendered; use --crop");
+  if (const Window crop = crop_window(d.film, size); crop.size != size)
+    warnings.add(fmt::format("the whole image is rendered instead of the film's crop window; use --crop {},{},{},{}",
+                             crop.left_top.x, crop.left_top.y, crop.size.x, crop.size.y));
   scene.settings_json = settings.dump();
 }
 

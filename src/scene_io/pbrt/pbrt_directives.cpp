@@ -372,6 +372,8 @@ void Directives::shape(Tokens& tokens, const Location& where) {
     warnings_.add("pbrt has no area lights in objects with instances; these shapes do not emit");
     look.area_light = nullptr;
   }
+  if (object_ && state_.ctm.is_animated())
+    warnings_.add("shapes that move in an object are not supported; they stay where they begin");
   const Mat4 to_object = narrow(state_.ctm.at[0]);
   if (!is_affine(state_.ctm.at[0]) || !is_affine(state_.ctm.at[1]))
     fail(where, "the transform of a shape is not affine or not finite; correct it");

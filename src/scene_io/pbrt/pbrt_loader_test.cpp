@@ -327,6 +327,33 @@ TEST(Pbrt, ErrorsNameTheLine) {
       {"Camera \"fisheye\"\nWorldBegin", "a.pbrt:1: there is no camera 'fisheye'"},
   };
   for (const auto& [text, expected] : cases) EXPECT_NE(error(text).find(expected), std::string::npos) << error(text);
+  EXPECT_EQ(error("Include \"" + std::string(1 << 20, 'x') + "\""),
+            "a.pbrt:1: a string has more than 4096 characters; shorten it");
+  EXPECT_EQ(error(std::string("Include \"a\0b\"", 13)), "a.pbrt:1: a string contains a zero byte; remove it");
+}
+
+TEST(Pbrt, CropWindowsNameTheOption) {
+  const auto crop = [](const std::string& film) {
+    return load("Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 200 " + film + "\nWorldBegin\n")
+        .warnings;
+  };
+  EXPECT_TRUE(mentions(crop("\"float cropwindow\" [0.75 0.25 0.1 0.5]"), "use --crop 75,20,150,80"));
+  EXPECT_TRUE(mentions(crop("\"integer pixelbounds\" [10 30 -5 999]"), "use --crop 10,0,20,200"));
+  EXPECT_FALSE(mentions(crop("\"float cropwindow\" [0 1 0 1]"), "--crop"));
+  EXPECT_FALSE(mentions(crop("\"float cropwindow\" [nan 1 nan 1]"), "--crop"));
+}
+
+TEST(Pbrt, WarnsOfWhatHasNoCounterpart) {
+  const Scene scene = load(
+      "Camera \"orthographic\" \"float lensradius\" 1\nWorldBegin\n"
+      "ObjectBegin \"a\" ActiveTransform EndTime Translate 1 0 0 Shape \"sphere\" ObjectEnd ObjectInstance \"a\"\n"
+      "AreaLightSource \"diffuse\" Shape \"sphere\" \"float alpha\" 0\n"
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1] MediumInterface \"m\" \"\"\n"
+      "Material \"dielectric\" Shape \"sphere\"\nMaterial \"interface\" Shape \"sphere\"\n");
+  for (const char* part : {"orthographic cameras have no lens", "shapes that move in an object", "with alpha 0",
+                           "parameter 'rgb Le' of medium", "area lights with the material 'interface'"})
+    EXPECT_TRUE(mentions(scene.warnings, part)) << part;
+  EXPECT_EQ(scene.materials.size(), 3u);  // none of the interface
 }
 
 TEST(Pbrt, WarnsOncePerKind) {

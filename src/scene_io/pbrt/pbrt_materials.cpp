@@ -49,18 +49,21 @@ Index Materials::of(const Look& look, float area, size_t faces) {
       look.inside_medium, look.alpha_texture, look.alpha, has_power ? fmt::format("{} {}", area, faces) : "");
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   const bool is_interface = entity.kind == "interface" || entity.kind == "none" || entity.kind.empty();
-  if (is_interface && !look.area_light) {
+  if (is_interface) {
+    if (look.area_light) warnings_.add("area lights with the material 'interface' are ignored, as in pbrt");
     if (!look.inside_medium.empty())
       warnings_.add("media without a dielectric boundary are not supported; they are left out");
     return known_[key] = kNone;
   }
-  SurfaceModel made = is_interface ? interface() : model(entity, 0);
+  SurfaceModel made = model(entity, 0);
   entity.parameters.warn_of_unused(fmt::format("material '{}'", entity.kind), warnings_);
   add_alpha(look, made);
   made.uniform.name = entity.name.empty() ? fmt::format("{} {}", entity.kind, scene_.materials.size()) : entity.name;
   Material material = baker_.bake(made);
   material.double_sided = true;
   if (!look.inside_medium.empty()) add_medium(look.inside_medium, material);
+  if (look.area_light && look.alpha_texture.empty() && look.alpha <= 0)
+    warnings_.add("invisible area lights, with alpha 0, are not supported; they do not emit");
   if (look.area_light) add_emission(*look.area_light, area, faces, material);
   scene_.materials.push_back(std::move(material));
   return known_[key] = static_cast<Index>(scene_.materials.size()) - 1;
@@ -237,18 +240,6 @@ SurfaceModel Materials::thin_dielectric(const Parameters& parameters) {
   return model;
 }
 
-SurfaceModel Materials::interface() {
-  SurfaceModel model;
-  model.uniform.ior = 1;
-  model.at = [](const Vec2&) {
-    Surface s;
-    s.transmission = 1;
-    s.specular = 0;
-    return s;
-  };
-  return model;
-}
-
 SurfaceModel Materials::diffuse_transmission(const Parameters& parameters) {
   SurfaceModel model;
   const TextureNode* reflected = color_or(parameters, "reflectance", 0.25f);
@@ -258,6 +249,9 @@ SurfaceModel Materials::diffuse_transmission(const Parameters& parameters) {
   const float transmittance = max_component(largest(*passed));
   const float sum = reflectance + transmittance;
   const float share = sum > 0 ? std::clamp(transmittance / sum, 0.001f, 0.999f) : 0.5f;
+  if (scale * sum > 1.001f)
+    warnings_.add(
+        "a diffuse transmission's largest reflectance and transmittance sum to more than 1; both are limited");
   model.nodes = {reflected, passed};
   model.at = [=](const Vec2& uv) {
     Surface s;
@@ -335,6 +329,7 @@ void Materials::add_medium(const std::string& name, Material& material) {
   const Rgb scattering = colors_.coefficient(p, "sigma_s").value_or(Rgb(1));
   if (max_component(scattering) > 0) warnings_.add("media do not scatter; only their absorption is used");
   p.number("g", 0);
+  p.warn_of_unused("medium 'homogeneous'", warnings_);
   if (const float most = max_component(absorption); most > 0 && is_finite(most)) {
     material.attenuation_distance = std::min(1 / most, 1e9f);
     material.attenuation_color = glm::exp(-absorption * material.attenuation_distance);

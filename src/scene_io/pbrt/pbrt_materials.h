@@ -34,7 +34,6 @@ class Materials {
   SurfaceModel diffuse_transmission(const Parameters& parameters);
   SurfaceModel subsurface(const Parameters& parameters);
   SurfaceModel mix(const Parameters& parameters, int depth);
-  SurfaceModel interface();
 
   /// Function of the perceptual roughness of `prefix`, and the anisotropy if it is constant.
   std::function<float(const Vec2&)> roughness(const Parameters& parameters, const std::string& prefix,
