@@ -72,6 +72,10 @@ TEST(PbrtLook, CoatsDarkenTheirBase) {
   EXPECT_EQ(coated.clearcoat, 1);
   EXPECT_FLOAT_EQ(coated.clearcoat_roughness, 0.5f);
   EXPECT_EQ(coated.metallic, 1);
+  // η = 1 and κ = 2 √(R / (1 - R)), both divided by 1.5: R = 0.5 gives (1/9 + 16/9) / (25/9 + 16/9).
+  const Material gold = material("Material \"coatedconductor\" \"rgb reflectance\" [1 0.5 0]");
+  expect_near(gold.base_color, {1, 17.0f / 41, 0.04f}, 1e-5f);
+  expect_near(pbrt::reflectance_without_coat(gold.base_color, 1.5f), {1, 0.5f, 0}, 1e-5f);
 }
 
 TEST(PbrtLook, DielectricsRefractAndAbsorb) {
@@ -103,6 +107,19 @@ TEST(PbrtLook, MixedDiffuseMaterialsAverage) {
       "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [0 0 1]\n"
       "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25");
   expect_near(m.base_color, {0.75f, 0, 0.25f});
+}
+
+TEST(PbrtLook, MixedMaterialsKeepTheNormalMapOfTheirParts) {
+  const SceneFolder folder;
+  folder.write("n.png", testing::solid_png(1, 1, 128, 128, 255, 255));
+  const Scene scene = load_scene(folder.write("a.pbrt",
+                                              "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\" "
+                                              "\"string normalmap\" \"n.png\"\nMakeNamedMaterial \"b\" "
+                                              "\"string type\" \"diffuse\" \"string normalmap\" \"n.png\"\nMaterial "
+                                              "\"mix\" \"string materials\" [\"a\" \"b\"] \"string "
+                                              "normalmap\" \"other.png\"\nShape \"sphere\"\n"));
+  EXPECT_TRUE(scene.materials.at(0).normal_texture.used());
+  EXPECT_TRUE(mentions(scene.warnings, "'string normalmap' of material 'mix' is ignored"));  // as in pbrt
 }
 
 TEST(PbrtLook, MixedMetalsCoverTheirBase) {

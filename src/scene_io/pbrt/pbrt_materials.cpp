@@ -92,6 +92,7 @@ SurfaceModel Materials::model(const MaterialEntity& entity, int depth) {
   }
   if (p.find("displacement", {"texture", "float"}))
     warnings_.add("displacement is not supported; surfaces keep their shape");
+  if (entity.kind == "mix") return result;
   result.normal_map = p.string("normalmap");
   result.where = p.where();
   return result;
@@ -143,7 +144,8 @@ std::function<Rgb(const Vec2&)> Materials::metal_color(const Parameters& paramet
                                                        float outside, SurfaceModel& model) {
   if (const TextureNode* color = textures_.color(parameters, "reflectance")) {
     model.nodes.push_back(color);
-    return [color](const Vec2& uv) { return in_range(value_at(*color, uv)); };
+    if (outside == 1) return [color](const Vec2& uv) { return in_range(value_at(*color, uv)); };
+    return [color, outside](const Vec2& uv) { return reflectance_in_coat(in_range(value_at(*color, uv)), outside); };
   }
   if (parameters.find(prefix + "eta", {"texture"}) || parameters.find(prefix + "k", {"texture"}))
     warnings_.add("textures of a conductor's index are not supported; that of copper is used");
@@ -288,6 +290,11 @@ SurfaceModel Materials::mix(const Parameters& parameters, int depth) {
   const Surface b = parts[1].at(Vec2(0.5f));
   const bool is_glassy = a.transmission > 0 || a.clearcoat > 0;
   SurfaceModel model;
+  const size_t mapped = parts[0].normal_map.empty() ? 1 : 0;
+  model.normal_map = parts[mapped].normal_map;
+  model.where = parts[mapped].where;
+  if (parts[0].normal_map != parts[1].normal_map)
+    warnings_.add("mixed materials have one normal map; that of the first counts, if it has one");
   model.uniform = is_glassy || b.metallic < a.metallic ? parts[0].uniform : parts[1].uniform;
   const float weight = amount->is_constant() ? amount->value.x : 0.5f;
   if (a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0 && weight > 0 && weight < 1)

@@ -19,6 +19,16 @@ float perceptual_roughness(float pbrt_roughness, bool remap) {
   return std::sqrt(std::min(alpha, 1.0f));
 }
 
+Rgb reflectance_in_coat(const Rgb& reflectance, float ior) {
+  const Rgb light = Rgb(1) - reflectance;
+  return (sqr(ior - 1) * light + 4.0f * reflectance) / (sqr(ior + 1) * light + 4.0f * reflectance);
+}
+
+Rgb reflectance_without_coat(const Rgb& color, float ior) {
+  const Rgb numerator = color * sqr(ior + 1) - sqr(ior - 1);
+  return glm::max(numerator / (color * (sqr(ior + 1) - 4) + 4.0f - sqr(ior - 1)), Rgb(0));
+}
+
 float thin_wall_index(float ior) {
   const float r = sqr((ior - 1) / (ior + 1));
   const float root = std::sqrt(2 * r / (1 + r));

@@ -37,6 +37,12 @@ struct SurfaceModel {
 /// Perceptual roughness of pbrt's roughness, which is squared first unless `remap`.
 float perceptual_roughness(float pbrt_roughness, bool remap);
 
+/// Reflectance inside a medium of index `ior` of the conductor that pbrt takes for `reflectance`: η = 1 and
+/// κ² = 4 R / (1 - R).
+Rgb reflectance_in_coat(const Rgb& reflectance, float ior);
+/// The inverse; 0 where no such conductor reflects so little.
+Rgb reflectance_without_coat(const Rgb& color, float ior);
+
 /// Index whose reflectance at normal incidence is that of both sides of a thin wall of index `ior`: 2 R / (1 + R).
 float thin_wall_index(float ior);
 /// The inverse.

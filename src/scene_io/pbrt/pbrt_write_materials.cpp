@@ -35,6 +35,9 @@ size_t texel_count(const Texture& t) { return static_cast<size_t>(t.width) * sta
 
 Rgb in_range(const Rgb& color) { return glm::clamp(color, Rgb(0), Rgb(1)); }
 
+constexpr std::string_view kMix = "\"string type\" \"mix\"";
+constexpr float kCoatIndex = 1.5f;  // of clearcoats
+
 /// Index of a coat with the reflectance at normal incidence of the material's.
 float coat_index(const Material& m) {
   const float tint = glm::dot(m.specular_color, Rgb(0.2126f, 0.7152f, 0.0722f));
@@ -43,7 +46,9 @@ float coat_index(const Material& m) {
   return (1 + root) / (1 - root);
 }
 
-bool is_transparent(const Material& m) { return m.transmission > 0.5f && m.metallic < 0.5f; }
+bool is_transparent(const Material& m) {
+  return m.transmission > 0 && (m.metallic < 1 || m.metallic_roughness_texture.used());
+}
 
 }  // namespace
 
@@ -63,23 +68,39 @@ WrittenMaterial MaterialWriter::material(const Material& m, size_t index) {
   written.area_light = area_light(m);
   written.alpha = alpha(m);
   written.medium = medium(m);
-  written.name = define("", body(m) + normal_map(m));
+  normal_map_ = normal_map(m);
+  written.name = define("", body(m));
   return written;
 }
 
 std::string MaterialWriter::define(const std::string& part, const std::string& parameters) {
   const std::string name = in_quotes(part.empty() ? name_ : name_ + "." + part);
-  output_.line(fmt::format("MakeNamedMaterial {} {}", name, parameters));
+  const bool is_mix = parameters.starts_with(kMix);  // pbrt reads the normal maps of its parts
+  output_.line(fmt::format("MakeNamedMaterial {} {}{}", name, parameters, is_mix ? "" : normal_map_));
   return name;
 }
 
 std::string MaterialWriter::body(const Material& m) {
   if (m.unlit) return "\"string type\" \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]";
-  if (is_transparent(m)) return glass(m);
-  if (m.diffuse_transmission > 0) return transmitting(m);
   const bool is_mixed = m.metallic > 0 && (m.metallic < 1 || m.metallic_roughness_texture.used());
-  if (is_mixed) return mixture(m);
-  return m.metallic > 0 ? metal(m) : plastic(m);
+  if (is_mixed) {
+    return mixture(define("dielectric", dielectric(m)), define("metal", metal(m)), m.metallic_roughness_texture,
+                   [&](const Vec4& t) { return m.metallic * t.z; });
+  }
+  return m.metallic > 0 ? metal(m) : dielectric(m);
+}
+
+std::string MaterialWriter::dielectric(const Material& m) {
+  const auto opaque = [&] { return m.diffuse_transmission > 0 ? transmitting(m) : plastic(m); };
+  if (!is_transparent(m)) return opaque();
+  if (m.transmission >= 1 && !m.transmission_texture.used()) return glass(m);
+  return mixture(define("opaque", opaque()), define("glass", glass(m)), m.transmission_texture,
+                 [&](const Vec4& t) { return m.transmission * t.x; });
+}
+
+std::string MaterialWriter::mixture(const std::string& first, const std::string& second, const TextureRef& ref,
+                                    const std::function<float(const Vec4&)>& amount) {
+  return fmt::format("{} \"string materials\" [ {} {} ]", kMix, first, second) + value("amount", ref, amount);
 }
 
 std::string MaterialWriter::glass(const Material& m) {
@@ -100,9 +121,12 @@ std::string MaterialWriter::glass(const Material& m) {
 }
 
 std::string MaterialWriter::metal(const Material& m) {
-  const auto reflectance =
-      color("reflectance", m.base_color_texture, [&](const Vec4& t) { return m.base_color * Rgb(t); });
-  if (m.clearcoat < 0.5f) return "\"string type\" \"conductor\"" + reflectance + roughness(m, "");
+  const bool is_coated = m.clearcoat >= 0.5f;
+  const auto reflectance = color("reflectance", m.base_color_texture, [&](const Vec4& t) {
+    const Rgb own = in_range(m.base_color * Rgb(t));
+    return is_coated ? reflectance_without_coat(own, kCoatIndex) : own;
+  });
+  if (!is_coated) return "\"string type\" \"conductor\"" + reflectance + roughness(m, "");
   const float coat = sqr(m.clearcoat_roughness);
   return "\"string type\" \"coatedconductor\" \"bool remaproughness\" false \"float interface.roughness\" " +
          number(coat) + reflectance + roughness(m, "conductor.");
@@ -119,13 +143,6 @@ std::string MaterialWriter::plastic(const Material& m) {
          color("reflectance", m.base_color_texture,
                [&](const Vec4& t) { return albedo_without_coat(in_range(m.base_color * Rgb(t)), inner); }) +
          roughness(m, "");
-}
-
-std::string MaterialWriter::mixture(const Material& m) {
-  const std::string base = define("dielectric", plastic(m));
-  const std::string reflecting = define("metal", metal(m));
-  return fmt::format("\"string type\" \"mix\" \"string materials\" [ {} {} ]", base, reflecting) +
-         value("amount", m.metallic_roughness_texture, [&](const Vec4& t) { return m.metallic * t.z; });
 }
 
 std::string MaterialWriter::transmitting(const Material& m) {
@@ -260,12 +277,16 @@ void MaterialWriter::note_parts(const Material& m) {
   note(m.unlit, "an unlit surface", "emits its colour");
   note(!is_black(m.sheen_color), "sheen", "which pbrt has no form of, is left out");
   note(m.iridescence > 0, "iridescence", "which pbrt has no form of, is left out");
-  note(m.transmission > 0 && m.transmission <= 0.5f, "transmission up to a half", "is left out");
-  note(m.transmission_texture.used(), "the texture of transmission", "is left out");
   note(is_transparent(m) && (m.base_color != Rgb(1) || m.base_color_texture.used()), "the tint of transmitted light",
        "which pbrt has no form of, is left out");
   note(is_transparent(m) && !(m.thickness > 0) && m.roughness > 0.03f, "the roughness of a thin wall",
        "which pbrt has no form of, is left out");
+  note(m.diffuse_transmission > 0 && m.specular > 0 && m.ior > 1, "the reflection above diffuse transmission",
+       "which pbrt has no form of, is left out");
+  note(m.diffuse_transmission_texture.used(), "the texture of the share of diffuse transmission", "is left out");
+  note(m.anisotropy_texture.used() || (m.anisotropy > 0 && m.metallic_roughness_texture.used()),
+       "the texture of anisotropic roughness", "is left out");
+  note(m.clearcoat_texture.used() || m.clearcoat_roughness_texture.used(), "the texture of a clearcoat", "is left out");
   note(m.clearcoat > 0 && (m.metallic < 1 || m.clearcoat < 1), "a clearcoat",
        "is written on metals only, with full strength from one half on");
   note(m.specular_texture.used() || m.specular_color_texture.used(), "textures of specular reflection", "are left out");

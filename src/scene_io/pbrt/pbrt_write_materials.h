@@ -34,7 +34,10 @@ class MaterialWriter {
   std::string glass(const Material& m);
   std::string metal(const Material& m);
   std::string plastic(const Material& m);
-  std::string mixture(const Material& m);
+  std::string dielectric(const Material& m);
+  /// Mix of two defined materials; `amount` of the texel of `ref` is the share of the second.
+  std::string mixture(const std::string& first, const std::string& second, const TextureRef& ref,
+                      const std::function<float(const Vec4&)>& amount);
   std::string transmitting(const Material& m);
   std::string roughness(const Material& m, const std::string& prefix);
   std::string normal_map(const Material& m);
@@ -52,7 +55,8 @@ class MaterialWriter {
 
   const Scene& scene_;
   Output& output_;
-  std::string name_;  ///< of the material that is written, unique
+  std::string name_;        ///< of the material that is written, unique
+  std::string normal_map_;  ///< parameter of its parts; empty: none
   int textures_ = 0;
 };
 

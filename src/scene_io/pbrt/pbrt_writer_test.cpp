@@ -88,7 +88,7 @@ TEST(PbrtWriter, MaterialsRoundTrip) {
   metal.clearcoat = 1;
   metal.clearcoat_roughness = 0.2f;
   metal.anisotropy = 0;
-  EXPECT_EQ(back(metal).base_color, metal.base_color);
+  expect_near(back(metal).base_color, metal.base_color, 1e-5f);
   EXPECT_NEAR(back(metal).roughness, 0.4f, 1e-4);
   EXPECT_NEAR(back(metal).clearcoat_roughness, 0.2f, 1e-4);
   metal.clearcoat = 0;
@@ -125,6 +125,27 @@ TEST(PbrtWriter, GlassRoundTrips) {
   glass.thickness = 0;
   EXPECT_NEAR(back(glass).ior, 1.6f, 1e-3);
   EXPECT_EQ(back(glass).thickness, 0);
+}
+
+TEST(PbrtWriter, PartialTransmissionBecomesAMix) {
+  Material window = diffuse({1, 1, 1});
+  window.specular = 1;
+  window.transmission = 0.25f;
+  window.thickness = 1;
+  const Material loaded = back(window);
+  EXPECT_NEAR(loaded.transmission, 0.25f, 1e-5);
+  EXPECT_GT(loaded.thickness, 0);
+}
+
+TEST(PbrtWriter, MixedMaterialsKeepTheirNormalMap) {
+  Material paint = diffuse({0.5f, 0.5f, 0.5f});
+  paint.metallic = 0.5f;
+  paint.normal_texture.texture = 0;
+  Scene scene = scene_of(paint);
+  Texture& texture = scene.textures.emplace_back();
+  texture.width = texture.height = 1;
+  for (const int value : {200, 128, 200, 255}) texture.texels.push_back(std::byte(value));
+  EXPECT_TRUE(read_back(scene).materials.at(0).normal_texture.used());
 }
 
 TEST(PbrtWriter, TexturesAndEmissionRoundTrip) {
