@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include <array>
+#include <cctype>
 
 #include "names.h"
 #include "properties.h"
@@ -10,6 +11,13 @@
 
 namespace relume::python {
 namespace {
+
+/// Whether the extension is .pbrt, in upper or lower case.
+bool is_pbrt(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".pbrt";
+}
 
 /// The elements as a Python list that shares none of them with `values`.
 template <typename T>
@@ -135,7 +143,7 @@ void define_scene_functions(py::module_& module) {
       [](const std::filesystem::path& file, const py::object& scene) {
         const Scene written = scene_from_python(scene);
         validate(written, scene_place(written));
-        return without_gil([&] { return file.extension() == ".pbrt" ? write_pbrt(file, written) : write_gltf(file, written); });
+        return without_gil([&] { return is_pbrt(file) ? write_pbrt(file, written) : write_gltf(file, written); });
       },
       py::arg("file"), py::arg("scene"));
   module.def("validate", [](const py::object& scene) {

@@ -34,6 +34,8 @@ def test_files_keep_the_scene(tmp_path, box):
 
 def test_scenes_are_written_for_pbrt(tmp_path, box):
     box.save(tmp_path / "box.pbrt")
+    box.save(tmp_path / "capitals.PBRT")
+    assert len(relume.load(tmp_path / "capitals.PBRT").meshes) == len(relume.load(tmp_path / "box.pbrt").meshes)
     assert relume.load(tmp_path / "box.pbrt").meshes
 
 
