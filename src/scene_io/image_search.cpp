@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <system_error>
 
+#include <fmt/format.h>
+
 #include "files/bytes.h"
+#include "files/read_record.h"
+#include "relume/error.h"
 
 namespace relume {
 
@@ -30,7 +34,12 @@ std::filesystem::path find_inside(const std::filesystem::path& base_dir, std::st
   const std::filesystem::path path = std::filesystem::path(slashes).lexically_normal();
   const bool is_uri = slashes.find("://") != std::string::npos;
   const bool leaves = is_uri || path.is_absolute() || (!path.empty() && *path.begin() == "..");
-  return find_image(base_dir, leaves ? path.filename().string() : std::string(reference), place);
+  if (!leaves) return find_image(base_dir, reference, place);
+  const std::filesystem::path file = find_image(base_dir, path.filename().string(), place);
+  if (missing_reason(file).empty()) return file;
+  record_read(file);
+  throw Error(ErrorCode::not_found,
+              fmt::format("{}: '{}' lies outside of the scene's folder; move it inside", place, reference));
 }
 
 }  // namespace relume

@@ -14,7 +14,7 @@ std::filesystem::path find_image(const std::filesystem::path& base_dir, std::str
                                  const std::string& place);
 
 /// The same for scene formats whose references stay in `base_dir`: of one that leaves it, by ".." or an absolute path,
-/// only the name counts.
+/// only the name counts. Throws Error if no file of that name exists.
 std::filesystem::path find_inside(const std::filesystem::path& base_dir, std::string_view reference,
                                   const std::string& place);
 
