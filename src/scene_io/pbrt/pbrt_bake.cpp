@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "core/parallel.h"
 #include "core/srgb.h"
@@ -86,6 +87,12 @@ std::array<std::byte, 4> encoded(const Vec4& texel, bool is_color) {
   return bytes;
 }
 
+/// Whether two texels differ by more than rounding.
+bool differ(const Vec4& a, const Vec4& b) {
+  constexpr float kRounding = 1e-5f;
+  return glm::any(glm::greaterThan(glm::abs(a - b), Vec4(kRounding)));
+}
+
 /// Whether a texture repeats the texels of an image file.
 bool repeats(const Texture& texture, const ImageFile& image) {
   return image.texels.format == PixelFormat::rgba8_linear && image.texels.width == texture.width &&
@@ -160,7 +167,7 @@ void SurfaceBaker::add_textures(const SurfaceModel& model, const Domain& domain,
     for (size_t x = 0; x < columns; ++x) {
       const Surface surface = surface_at(x, y);
       for (size_t k = 0; k < kChannels.size(); ++k)
-        varies[y][k] = varies[y][k] || kChannels[k].texel(surface) != kChannels[k].texel(first);
+        varies[y][k] = varies[y][k] || differ(kChannels[k].texel(surface), kChannels[k].texel(first));
     }
   });
   for (size_t k = 0; k < kChannels.size(); ++k) {

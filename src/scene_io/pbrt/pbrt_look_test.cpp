@@ -133,6 +133,28 @@ TEST(PbrtLook, MixedMetalsCoverTheirBase) {
   expect_near(m.base_color * (Rgb(1) - layer), Rgb(0.25f), 2e-3f);
 }
 
+TEST(PbrtLook, MixedCoatsKeepTheirReflection) {
+  const std::string parts =
+      "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"coateddiffuse\" \"rgb reflectance\" [0 0 0]\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [0.8 0.4 0.2]\n"
+      "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" 0.5\n";
+  const auto reflected = [](const Material& m) {
+    return m.specular_color * m.specular * sqr((m.ior - 1) / (m.ior + 1));
+  };
+  const std::string mix = "Material \"mix\" \"string materials\" [\"a\" \"b\"] ";
+  const Scene half = load(parts + mix + "\"float amount\" 0.5\nShape \"sphere\"\n");
+  expect_near(reflected(half.materials.at(0)), Rgb(0.42f, 0.22f, 0.12f), 3e-3f);  // half of F0 and of 0.04
+  EXPECT_FLOAT_EQ(half.materials[0].specular, 1);                                 // at grazing angles
+  // Where the texture is 0, the coat alone.
+  const Scene textured = load(parts + mix + "\"texture amount\" \"t\"\nShape \"sphere\"\n");
+  const Material& m = textured.materials.at(0);
+  const Texture& tint = textured.textures.at(static_cast<size_t>(m.specular_color_texture.texture));
+  float least = 1;
+  for (size_t i = 0; i < tint.texels.size(); i += 4)
+    least = std::min(least, linear_from_srgb(static_cast<float>(std::to_integer<int>(tint.texels[i])) / 255));
+  EXPECT_NEAR(reflected(m).r * least, 0.04f, 2e-3f);
+}
+
 TEST(PbrtLook, TexturesAreBaked) {
   const SceneFolder folder;
   folder.write("t.png", testing::png(2, 1, {255, 0, 0, 255, 0, 128, 0, 255}));

@@ -296,15 +296,28 @@ SurfaceModel Materials::mix(const Parameters& parameters, int depth) {
   if (parts[0].normal_map != parts[1].normal_map)
     warnings_.add("mixed materials have one normal map; that of the first counts, if it has one");
   model.uniform = is_glassy || b.metallic < a.metallic ? parts[0].uniform : parts[1].uniform;
-  const float weight = amount->is_constant() ? amount->value.x : 0.5f;
-  if (a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0 && weight > 0 && weight < 1)
-    model.uniform.ior = kMixedIndex;
   if (a.transmission != b.transmission || a.clearcoat != b.clearcoat)
     warnings_.add("mixed materials of different kinds are approximated by the mean of their parameters");
   for (const SurfaceModel& part : parts) model.nodes.insert(model.nodes.end(), part.nodes.begin(), part.nodes.end());
   model.nodes.push_back(amount);
-  model.at = [first = parts[0].at, second = parts[1].at, amount](const Vec2& uv) {
-    return mixed(first(uv), second(uv), value_at(*amount, uv).x);
+  const bool is_metal_over_base = a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0;
+  if (is_metal_over_base && !have_equal_colors(parts[0], parts[1])) {
+    const size_t metal = a.metallic > b.metallic ? 0 : 1;
+    const float base_f0 = sqr((parts[1 - metal].uniform.ior - 1) / (parts[1 - metal].uniform.ior + 1));
+    model.uniform.ior = kMixedIndex;
+    model.at = [over = parts[metal].at, base = parts[1 - metal].at, metal, base_f0, amount](const Vec2& uv) {
+      const float second = saturate(value_at(*amount, uv).x);
+      return covered(base(uv), base_f0, over(uv), metal == 1 ? second : 1 - second);
+    };
+    return model;
+  }
+  const size_t base = a.metallic > b.metallic ? 1 : 0;
+  if (is_metal_over_base) model.uniform.ior = parts[base].uniform.ior;
+  model.at = [first = parts[0].at, second = parts[1].at, amount, is_metal_over_base, base](const Vec2& uv) {
+    const Surface p = first(uv), q = second(uv);
+    Surface result = mixed(p, q, value_at(*amount, uv).x);
+    if (is_metal_over_base) result.specular = base == 0 ? p.specular : q.specular;  // of the base alone
+    return result;
   };
   return model;
 }

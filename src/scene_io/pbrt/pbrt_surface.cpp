@@ -54,19 +54,6 @@ float set_anisotropy(float alpha_u, float alpha_v, Material& material) {
 Surface mixed(const Surface& a, const Surface& b, float amount) {
   const float t = saturate(amount);
   Surface result;
-  const bool is_layered = a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0;
-  if (is_layered && t > 0 && t < 1) {
-    const Surface& metal = a.metallic > b.metallic ? a : b;
-    const Surface& other = a.metallic > b.metallic ? b : a;
-    const float share = a.metallic > b.metallic ? 1 - t : t;
-    result = other;
-    result.roughness = metal.roughness;
-    result.specular = share;
-    result.specular_color = metal.base_color;
-    // The layer transmits 1 - share · F0, of which the base should receive 1 - share.
-    result.base_color = other.base_color * (1 - share) / (Rgb(1) - metal.base_color * share + Rgb(1e-6f));
-    return result;
-  }
   const auto lerp_to = [&](float Surface::*member) { result.*member = lerp(a.*member, b.*member, t); };
   for (float Surface::*member :
        {&Surface::alpha, &Surface::metallic, &Surface::roughness, &Surface::specular, &Surface::transmission,
@@ -75,6 +62,33 @@ Surface mixed(const Surface& a, const Surface& b, float amount) {
   result.base_color = blend(a.base_color, b.base_color, t);
   result.specular_color = blend(a.specular_color, b.specular_color, t);
   result.diffuse_transmission_color = blend(a.diffuse_transmission_color, b.diffuse_transmission_color, t);
+  return result;
+}
+
+bool have_equal_colors(const SurfaceModel& a, const SurfaceModel& b) {
+  constexpr int kSamples = 32;
+  constexpr float kRounding = 0.03f;
+  for (int i = 0; i < kSamples * kSamples; ++i) {
+    const Vec2 uv((static_cast<float>(i % kSamples) + 0.5f) / kSamples,
+                  (static_cast<float>(i / kSamples) + 0.5f) / kSamples);
+    const Surface p = a.at(uv), q = b.at(uv);
+    if (max_component(glm::abs(p.base_color - q.base_color)) > kRounding) return false;
+    if (std::fabs(p.roughness - q.roughness) > kRounding) return false;
+  }
+  return true;
+}
+
+Surface covered(const Surface& base, float base_f0, const Surface& metal, float share) {
+  if (share >= 1) return metal;
+  Surface result = base;
+  if (share > 0) result.roughness = metal.roughness;
+  const float own = (1 - share) * base.specular;
+  const Rgb own_f0 = own * base_f0 * base.specular_color;
+  const Rgb f0 = metal.base_color * share + own_f0;
+  result.specular = share + own;
+  result.specular_color = result.specular > 0 ? f0 / result.specular : Rgb(0);
+  // The layer transmits 1 - f0; the base should receive what its own coat and its share leave.
+  result.base_color = base.base_color * (Rgb(1 - share) - own_f0) / (Rgb(1) - f0 + Rgb(1e-6f));
   return result;
 }
 

@@ -51,9 +51,16 @@ float index_of_thin_wall(float wall_ior);
 /// Sets the anisotropy for the widths along u and v. Returns the perceptual roughness of the base width.
 float set_anisotropy(float alpha_u, float alpha_v, Material& material);
 
-/// Surface of pbrt's mix of two surfaces, a share `amount` of which is `b`. A metal over other surfaces becomes a
-/// reflection layer of index kMixedIndex.
+/// Means of the members of pbrt's mix of two surfaces, a share `amount` of which is `b`.
 Surface mixed(const Surface& a, const Surface& b, float amount);
+
+/// Whether base colour and roughness of two surfaces are equal up to the rounding of textures, as those of the parts of
+/// glTF's metals are.
+bool have_equal_colors(const SurfaceModel& a, const SurfaceModel& b);
+
+/// pbrt's mix of a metal and an opaque base that reflects `base_f0` at normal incidence: a base below a layer of index
+/// kMixedIndex that reflects what both reflect. Where `share` of the metal is 1, the metal itself.
+Surface covered(const Surface& base, float base_f0, const Surface& metal, float share);
 inline constexpr float kMixedIndex = 1000;
 
 /// Makes materials of models: constants, or textures that it bakes.

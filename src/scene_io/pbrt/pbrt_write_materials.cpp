@@ -290,6 +290,7 @@ void MaterialWriter::note_parts(const Material& m) {
   note(m.clearcoat > 0 && (m.metallic < 1 || m.clearcoat < 1), "a clearcoat",
        "is written on metals only, with full strength from one half on");
   note(m.specular_texture.used() || m.specular_color_texture.used(), "textures of specular reflection", "are left out");
+  if (m.cull_back_faces) output_.note("faces that are invisible from behind become visible");
   note(m.microfacet_model != MicrofacetModel::ggx && m.roughness > 0, "Beckmann microfacets", "become GGX");
 }
 

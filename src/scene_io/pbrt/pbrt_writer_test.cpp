@@ -137,6 +137,28 @@ TEST(PbrtWriter, PartialTransmissionBecomesAMix) {
   EXPECT_GT(loaded.thickness, 0);
 }
 
+TEST(PbrtWriter, MetallicTexturesRoundTrip) {
+  Material paint;
+  paint.base_color = {0.6f, 0.3f, 0.1f};
+  paint.roughness = 0.5f;
+  paint.metallic_roughness_texture.texture = 0;
+  Scene scene = scene_of(paint);
+  Texture& texture = scene.textures.emplace_back();
+  texture.format = PixelFormat::rgba8_linear;
+  texture.width = 2;
+  texture.height = 1;
+  for (const int value : {0, 255, 0, 255, 0, 255, 128, 255}) texture.texels.push_back(std::byte(value));
+  const Scene loaded = read_back(scene);
+  const Material& m = loaded.materials.at(0);
+  expect_near(m.base_color, paint.base_color, 2e-3f);
+  EXPECT_EQ(m.ior, 1.5f);
+  EXPECT_EQ(m.specular, 1);
+  const Texture& back = loaded.textures.at(static_cast<size_t>(m.metallic_roughness_texture.texture));
+  EXPECT_EQ(back.texels[2], std::byte{0});
+  EXPECT_EQ(back.texels[6], std::byte{128});
+  EXPECT_NEAR(std::to_integer<int>(back.texels[1]), 128, 2);  // r, times the factor 1
+}
+
 TEST(PbrtWriter, MixedMaterialsKeepTheirNormalMap) {
   Material paint = diffuse({0.5f, 0.5f, 0.5f});
   paint.metallic = 0.5f;
