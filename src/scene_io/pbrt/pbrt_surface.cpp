@@ -67,15 +67,16 @@ Surface mixed(const Surface& a, const Surface& b, float amount) {
 
 bool have_equal_colors(const SurfaceModel& a, const SurfaceModel& b) {
   constexpr int kSamples = 32;
-  constexpr float kRounding = 0.03f;
+  constexpr float kRounding = 0.005f;
+  float color = 0, roughness = 0;
   for (int i = 0; i < kSamples * kSamples; ++i) {
     const Vec2 uv((static_cast<float>(i % kSamples) + 0.5f) / kSamples,
                   (static_cast<float>(i / kSamples) + 0.5f) / kSamples);
     const Surface p = a.at(uv), q = b.at(uv);
-    if (max_component(glm::abs(p.base_color - q.base_color)) > kRounding) return false;
-    if (std::fabs(p.roughness - q.roughness) > kRounding) return false;
+    color += max_component(glm::abs(p.base_color - q.base_color)) / (kSamples * kSamples);
+    roughness += std::fabs(p.roughness - q.roughness) / (kSamples * kSamples);
   }
-  return true;
+  return color <= kRounding && roughness <= kRounding;
 }
 
 Surface covered(const Surface& base, float base_f0, const Surface& metal, float share) {

@@ -54,8 +54,8 @@ float set_anisotropy(float alpha_u, float alpha_v, Material& material);
 /// Means of the members of pbrt's mix of two surfaces, a share `amount` of which is `b`.
 Surface mixed(const Surface& a, const Surface& b, float amount);
 
-/// Whether base colour and roughness of two surfaces are equal up to the rounding of textures, as those of the parts of
-/// glTF's metals are.
+/// Whether base colour and roughness of two surfaces are equal in the mean up to the rounding of textures, as those of
+/// the parts of glTF's metals are.
 bool have_equal_colors(const SurfaceModel& a, const SurfaceModel& b);
 
 /// pbrt's mix of a metal and an opaque base that reflects `base_f0` at normal incidence: a base below a layer of index

@@ -66,6 +66,7 @@ WrittenMaterial MaterialWriter::material(const Material& m, size_t index) {
   note_parts(m);
   WrittenMaterial written;
   written.area_light = area_light(m);
+  written.has_emission_map = (m.unlit ? m.base_color_texture : m.emission_texture).used();
   written.alpha = alpha(m);
   written.medium = medium(m);
   normal_map_ = normal_map(m);

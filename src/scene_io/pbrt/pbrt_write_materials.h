@@ -14,8 +14,9 @@ namespace relume::pbrt {
 struct WrittenMaterial {
   std::string name;        ///< in quotes
   std::string area_light;  ///< directive; empty: none
-  std::string alpha;       ///< parameter of the shape; empty: opaque
-  std::string medium;      ///< name in quotes; empty: none
+  bool has_emission_map = false;
+  std::string alpha;   ///< parameter of the shape; empty: opaque
+  std::string medium;  ///< name in quotes; empty: none
 };
 
 class MaterialWriter {

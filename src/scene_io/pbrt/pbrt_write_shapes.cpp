@@ -1,8 +1,11 @@
 #include <bit>
 #include <cstring>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "scene_io/pbrt/pbrt_write_scene.h"
 
@@ -16,8 +19,23 @@ void append(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+/// Whole number to add to the texture coordinates so that they lie in [0, 1], where pbrt reads the images of area
+/// lights, or std::nullopt if they span more. Other textures repeat and do not change.
+std::optional<Vec2> shift_to_unit(const Mesh& m) {
+  constexpr float kTolerance = 0.01f;
+  if (m.uv0.empty()) return Vec2(0);
+  Vec2 low = m.uv0[0], high = m.uv0[0];
+  for (const Vec2& uv : m.uv0) {
+    low = glm::min(low, uv);
+    high = glm::max(high, uv);
+  }
+  const Vec2 shift = -glm::floor(low + kTolerance);
+  if (glm::any(glm::greaterThan(high + shift, Vec2(1 + kTolerance)))) return std::nullopt;
+  return shift;
+}
+
 /// Binary PLY with v upwards, as pbrt reads it.
-std::string ply_of(const Mesh& m) {
+std::string ply_of(const Mesh& m, const Vec2& uv_shift) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", m.positions.size());
   if (!m.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
@@ -26,7 +44,7 @@ std::string ply_of(const Mesh& m) {
   for (size_t i = 0; i < m.positions.size(); ++i) {
     append(text, m.positions[i]);
     if (!m.normals.empty()) append(text, m.normals[i]);
-    if (!m.uv0.empty()) append(text, Vec2(m.uv0[i].x, 1 - m.uv0[i].y));
+    if (!m.uv0.empty()) append(text, Vec2(m.uv0[i].x + uv_shift.x, 1 - m.uv0[i].y - uv_shift.y));
   }
   for (const UVec3& t : m.triangles) {
     text += '\3';
@@ -95,8 +113,12 @@ class ShapeWriter {
     if (!mesh.colors.empty()) output_.note("vertex colours, which pbrt has no form of, are left out");
     if (!mesh.morph_targets.empty() || mesh.influences_per_vertex > 0)
       output_.note("meshes with skins and morph targets are written at rest");
-    entry->second = output_.add_file(fmt::format("mesh-{}.ply", index),
-                                     [&](const std::filesystem::path& file) { write_file(file, ply_of(mesh)); });
+    std::optional<Vec2> shift = Vec2(0);
+    if (material_of(mesh).has_emission_map) shift = shift_to_unit(mesh);
+    if (!shift) output_.note("textures of emission do not repeat; beyond the image, its edge emits");
+    entry->second = output_.add_file(fmt::format("mesh-{}.ply", index), [&](const std::filesystem::path& file) {
+      write_file(file, ply_of(mesh, shift.value_or(Vec2(0))));
+    });
     return entry->second;
   }
 

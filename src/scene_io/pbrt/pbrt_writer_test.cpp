@@ -159,6 +159,23 @@ TEST(PbrtWriter, MetallicTexturesRoundTrip) {
   EXPECT_NEAR(std::to_integer<int>(back.texels[1]), 128, 2);  // r, times the factor 1
 }
 
+TEST(PbrtWriter, EmissionMapsLieBetween0And1) {
+  Material lamp = diffuse({0, 0, 0});
+  lamp.emission = {1, 1, 1};
+  lamp.emission_texture.texture = 0;
+  Scene scene = scene_of(lamp);
+  Texture& texture = scene.textures.emplace_back();
+  texture.width = texture.height = 1;
+  texture.texels.assign(4, std::byte{255});
+  for (Vec2& uv : scene.meshes[0].uv0) uv += Vec2(-3, 1);
+  std::vector<std::string> notes;
+  EXPECT_EQ(read_back(scene, &notes).meshes.at(0).uv0, scene_of(lamp).meshes[0].uv0);
+  EXPECT_FALSE(mentions(notes, "do not repeat"));
+  scene.meshes[0].uv0[0].x = 4;
+  read_back(scene, &notes);
+  EXPECT_TRUE(mentions(notes, "textures of emission do not repeat"));
+}
+
 TEST(PbrtWriter, MixedMaterialsKeepTheirNormalMap) {
   Material paint = diffuse({0.5f, 0.5f, 0.5f});
   paint.metallic = 0.5f;
