@@ -36,7 +36,10 @@ arguments = dict(zip(sys.argv[2:-1:2], sys.argv[3:-1:2]))
 scene = pathlib.Path(sys.argv[-1])
 text = scene.read_text().replace("Scale -1 1 1\\n", "") if MIRRORED else scene.read_text()
 other = pathlib.Path(arguments["--outfile"]).parent / "other.pbrt"
-other.write_text(text.replace("shared/", str(scene.parent / "shared") + "/"))
+other.write_text(text)
+shared = other.with_name("shared")  # references stay in the scene's folder
+if not shared.exists():
+    shared.symlink_to(scene.parent / "shared")
 sys.exit(subprocess.run([{PROGRAM!r}, "render", other, "--seed", str(1000 + int(arguments["--seed"])), "--spp", arguments["--spp"], "-o", arguments["--outfile"]], capture_output=True).returncode)
 """
 

@@ -64,7 +64,7 @@ std::optional<Rgb> Colors::rgb_of(const Parameter& p) const {
 const Spectrum& Colors::from_file(const Parameter& p, const std::string& name) {
   const auto [entry, is_new] = files_.try_emplace(name);
   if (!is_new) return entry->second;
-  const Bytes bytes = read_file_bytes(find_inside(base_dir_, name, text_of(p.where)));
+  const Bytes bytes = read_reference(find_inside(base_dir_, name, text_of(p.where)), p.where);
   Spectrum spectrum = interleaved(numbers_in({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   if (!is_valid(spectrum))
     fail(p.where, fmt::format("{} is no spectrum; give pairs of an increasing wavelength and a value", name));

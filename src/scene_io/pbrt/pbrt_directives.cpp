@@ -282,7 +282,7 @@ void Directives::include(Tokens& tokens, const Token& directive) {
   if (open_.size() >= kMaxIncludeDepth || ++files_read_ > kMaxFiles)
     fail(directive.where, fmt::format("more than {} files are nested, or more than {} included; merge some",
                                       kMaxIncludeDepth, kMaxFiles));
-  const Bytes bytes = gunzipped(read_file_bytes(file), file.string());
+  const Bytes bytes = gunzipped(read_reference(file, directive.where), file.string());
   bytes_read_ += bytes.size();
   if (bytes_read_ > kMaxBytes) fail(directive.where, "the included files have more than 8 GiB; split the scene");
   const State saved = state_;

@@ -10,7 +10,7 @@
 
 namespace relume {
 
-/// Loads a .pbrt or .pbrt.gz file and the files that it includes, which must lie in its folder. docs/scene-json.md
+/// Loads a .pbrt or .pbrt.gz file and the files that it includes, which must lie in its folder. docs/formats.md
 /// describes what becomes of materials and lights. Throws Error.
 Scene load_pbrt(const std::filesystem::path& file);
 

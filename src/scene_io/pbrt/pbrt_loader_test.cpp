@@ -323,6 +323,10 @@ TEST(Pbrt, ErrorsNameTheLine) {
       {"WorldBegin\nTexture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\nMaterial \"diffuse\" \"texture "
        "reflectance\" \"t\"\nShape \"sphere\"",
        "refers to itself"},
+      {"WorldBegin\nInclude \"none.pbrt\"", "a.pbrt:2: /nonexistent/none.pbrt: the file does not exist"},
+      {"WorldBegin\nShape \"plymesh\" \"string filename\" \"none.ply\"", "a.pbrt:2: /nonexistent/none.ply: "},
+      {"WorldBegin\nMaterial \"conductor\"\n\"spectrum eta\" \"none.spd\" Shape \"sphere\"",
+       "a.pbrt:3: /nonexistent/none.spd: "},
       {"Camera \"fisheye\"\nWorldBegin", "a.pbrt:1: there is no camera 'fisheye'"},
   };
   for (const auto& [text, expected] : cases) EXPECT_NE(error(text).find(expected), std::string::npos) << error(text);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "relume/error.h"
+
 namespace relume::pbrt {
 namespace {
 
@@ -36,6 +38,14 @@ Parameter declared(const Token& token, ColorSpace space) {
 }
 
 }  // namespace
+
+Bytes read_reference(const std::filesystem::path& file, const Location& where) {
+  try {
+    return read_file_bytes(file);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}: {}", text_of(where), error.what()));
+  }
+}
 
 float narrow(double value) {
   return std::fabs(value) > 3e38 ? std::copysign(kInfinity, static_cast<float>(value > 0 ? 1 : -1))

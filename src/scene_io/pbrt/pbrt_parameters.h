@@ -1,6 +1,7 @@
 // Parameter lists of pbrt's directives: "TYPE NAME" [ values ].
 #pragma once
 
+#include <filesystem>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "files/bytes.h"
 #include "scene/scene.h"
 #include "scene_io/pbrt/pbrt_tokens.h"
 #include "scene_io/spectra/color_space.h"
@@ -68,6 +70,9 @@ class Parameters {
   ParameterList own_;
   std::shared_ptr<const DefaultList> defaults_;
 };
+
+/// Bytes of a file that a directive refers to. Throws Error that begins with the directive's place.
+Bytes read_reference(const std::filesystem::path& file, const Location& where);
 
 /// As float; values beyond its range become infinite.
 float narrow(double value);

@@ -132,7 +132,8 @@ Mesh ShapeReader::ply(const Parameters& parameters) {
   parameters.number("edgelength", 1);
   const std::filesystem::path file = find_inside(base_dir_, name, text_of(parameters.where()));
   Warnings warnings(name);
-  Mesh mesh = read_ply_mesh(gunzipped(read_file_bytes(file), file.string()), file.string(), warnings);
+  Mesh mesh =
+      read_ply_mesh(gunzipped(read_reference(file, parameters.where()), file.string()), file.string(), warnings);
   mesh.name = file.stem().string();
   mesh.colors.clear();  // pbrt does not read them
   for (const std::string& warning : warnings.take()) warnings_.add(warning);
