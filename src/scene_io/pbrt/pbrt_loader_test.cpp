@@ -291,7 +291,7 @@ TEST(Pbrt, BoundsTessellation) {
   EXPECT_LE(scene.meshes.at(0).triangles.size(), size_t{1} << 20);
   EXPECT_TRUE(mentions(scene.warnings, "fewer than 1000000 levels"));
   std::string spheres = "WorldBegin\n";
-  for (int i = 0; i < 100000; ++i) spheres += "Material \"diffuse\" Shape \"sphere\"\n";
+  for (int i = 0; i < 50000; ++i) spheres += "Material \"diffuse\" Shape \"sphere\"\n";
   EXPECT_NE(error(spheres).find("give them the same material"), std::string::npos);
 }
 

@@ -1,6 +1,7 @@
 #include "scene_io/pbrt/pbrt_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -22,10 +23,16 @@
 namespace relume::pbrt {
 namespace {
 
-/// Triangles of all tessellated shapes of a scene beyond which the tessellation becomes coarse.
+/// Triangles of all patches and subdivision surfaces of a scene beyond which they are not tessellated.
 constexpr size_t kManyTriangles = size_t{1} << 23;
-constexpr int kCoarseSegments = 12;
-constexpr size_t kMostTriangles = 2 * kManyTriangles;
+
+/// Segments of a quadric up to that many triangles of quadrics in a scene.
+struct Fineness {
+  size_t triangles;
+  int segments;
+};
+constexpr std::array kFineness = {Fineness{size_t{1} << 22, kQuadricSegments}, Fineness{size_t{5} << 20, 32},
+                                  Fineness{size_t{10} << 20, 12}};
 
 /// Triangles of a mesh up to which pbrt's default coordinates are stored. Larger meshes without coordinates have no
 /// textures in practice.
@@ -104,7 +111,11 @@ float finite(float value, float otherwise) { return is_finite(value) ? value : o
 
 }  // namespace
 
-int ShapeReader::segments() const { return made_ < kManyTriangles ? kQuadricSegments : kCoarseSegments; }
+int ShapeReader::segments() const {
+  const auto level = std::find_if(kFineness.begin(), kFineness.end(),
+                                  [&](const Fineness& fineness) { return quadric_triangles_ <= fineness.triangles; });
+  return level == kFineness.end() ? 0 : level->segments;
+}
 
 Mesh ShapeReader::triangles(const Parameters& parameters) const {
   Mesh mesh;
@@ -181,16 +192,16 @@ Index ShapeReader::quadric(const std::string& kind, const Parameters& parameters
   const float inner = finite(parameters.number("innerradius", 0), 0) / radius;
   const float phi = phi_max(parameters);
   const std::string key =
-      fmt::format("{} {} {} {} {} {} {} {} {}", kind, z_min, z_max, phi, height, inner, reversed, segments(), look_key);
+      fmt::format("{} {} {} {} {} {} {} {}", kind, z_min, z_max, phi, height, inner, reversed, look_key);
   if (const auto known = quadrics_.find(key); !baked && known != quadrics_.end()) return known->second;
-  if (made_ > kMostTriangles)
+  if (segments() == 0)
     fail(parameters.where(), fmt::format("the spheres, disks and cylinders have more than {} triangles; give them "
                                          "the same material, outside of objects, or use a mesh",
-                                         kMostTriangles));
+                                         kFineness.back().triangles));
   Mesh mesh = is_sphere        ? sphere_mesh({1, z_min, z_max, phi}, segments())
               : kind == "disk" ? disk_mesh({height, 1, inner, phi}, segments())
                                : cylinder_mesh({1, z_min, z_max, phi}, segments());
-  made_ += mesh.triangles.size();
+  quadric_triangles_ += mesh.triangles.size();
   mesh.name = fmt::format("{} {}", kind, scene_.meshes.size());
   const Index index = add(std::move(mesh), reversed, baked);
   if (!baked && index != kNone) quadrics_[key] = index;

@@ -29,6 +29,7 @@ class ShapeReader {
   /// The mesh of a quadric of `radius`, for the radius 1: all sizes share it.
   Index quadric(const std::string& kind, const Parameters& parameters, bool reversed, const Mat4* baked,
                 const std::string& look_key, float radius);
+  /// Segments of the next quadric; 0 if there are too many.
   int segments() const;
   Index add(Mesh mesh, bool reversed, const Mat4* baked);
 
@@ -36,7 +37,8 @@ class ShapeReader {
   Scene& scene_;
   Warnings& warnings_;
   std::map<std::string, Index> quadrics_;
-  size_t made_ = 0;  ///< triangles of tessellated shapes so far
+  size_t made_ = 0;  ///< triangles of patches and subdivision surfaces so far
+  size_t quadric_triangles_ = 0;
 };
 
 }  // namespace relume::pbrt
