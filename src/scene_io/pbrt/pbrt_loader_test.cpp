@@ -352,11 +352,15 @@ TEST(Pbrt, WarnsOfWhatHasNoCounterpart) {
       "ObjectBegin \"a\" ActiveTransform EndTime Translate 1 0 0 Shape \"sphere\" ObjectEnd ObjectInstance \"a\"\n"
       "AreaLightSource \"diffuse\" Shape \"sphere\" \"float alpha\" 0\n"
       "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1] MediumInterface \"m\" \"\"\n"
-      "Material \"dielectric\" Shape \"sphere\"\nMaterial \"interface\" Shape \"sphere\"\n");
-  for (const char* part : {"orthographic cameras have no lens", "shapes that move in an object", "with alpha 0",
-                           "parameter 'rgb Le' of medium", "area lights with the material 'interface'"})
+      "Material \"dielectric\" Shape \"sphere\"\nMaterial \"interface\" Shape \"sphere\"\n"
+      "Material \"diffusetransmission\" \"rgb reflectance\" [0.9 0 0] \"rgb transmittance\" [0 0.9 0]\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"string emissionfilename\" \"a.png\"\n");
+  for (const char* part :
+       {"orthographic cameras have no lens", "shapes that move in an object", "with alpha 0",
+        "parameter 'rgb Le' of medium", "area lights with the material 'interface'", "sum to more than 1"})
     EXPECT_TRUE(mentions(scene.warnings, part)) << part;
-  EXPECT_EQ(scene.materials.size(), 3u);  // none of the interface
+  EXPECT_FALSE(mentions(scene.warnings, "emissionfilename"));  // changes only the noise
+  EXPECT_EQ(scene.materials.size(), 4u);                       // none of the interface
 }
 
 TEST(Pbrt, WarnsOncePerKind) {
