@@ -11,7 +11,7 @@ namespace {
 /// Declares an opaque handle.
 template <typename Part>
 void define_handle(py::module_& module, const char* name) {
-  py::class_<Handle<Part>>(module, name)
+  py::class_<Handle<Part>>(module, name, "A part of a session's scene.")
       .def(py::init([](Index index) { return Handle<Part>(index); }))
       .def_readonly("index", &Handle<Part>::index, "In the scene's list of such parts.")
       .def(py::self == py::self)

@@ -40,6 +40,23 @@ class Images(ProgramTest):
         done = run("render", "cornell", "-o", "no.png", *map(str, look), "--crop", "0,0,9,9", "--denoise", "svgf", cwd=self.folder)
         self.assertIn("--crop does not combine with a denoiser", done.stderr)
 
+    def test_a_scene_file_requests_a_window(self):
+        (self.folder / "part.pbrt").write_text(
+            'Film "rgb" "integer xresolution" 24 "integer yresolution" 18 "integer pixelbounds" [5 17 4 13]\n'
+            'LookAt 0 1 4  0 0 0  0 1 0\nCamera "perspective"\nWorldBegin\nLightSource "infinite"\nShape "sphere"\n')
+        look = ["--spp", "2", "--exposure", "0"]
+        done = self.succeed("render", "part.pbrt", "-o", "part.png", *look)
+        self.assertIn("part.pbrt requests the crop 5,4,12,9; --crop 0,0,24,18 renders the whole image", done.stderr + done.stdout)
+        self.succeed("render", "part.pbrt", "-o", "whole.png", *look, "--crop", "0,0,24,18")
+        _, _, channels, whole = png_pixels(self.folder / "whole.png")
+        self.assertEqual(png_pixels(self.folder / "part.png"),
+                         (12, 9, channels, [row[5 * channels:17 * channels] for row in whole[4:13]]))
+        self.succeed("render", "part.pbrt", "-o", "larger.png", *look, "--width", "48", "--height", "36")
+        self.assertEqual(png_pixels(self.folder / "larger.png")[:2], (24, 18))
+        done = self.succeed("render", "part.pbrt", "-o", "denoised.png", *look, "--denoise", "svgf")
+        self.assertIn("but the whole image is rendered: --crop does not combine with a denoiser", done.stderr + done.stdout)
+        self.assertEqual(png_pixels(self.folder / "denoised.png")[:2], (24, 18))
+
     def test_a_view_of_opencolorio_replaces_the_tone_map(self):
         (self.folder / "half.ocio").write_text(HALF_VIEW)
         look = [*SMALL, "--spp", "2", "--exposure", "0"]

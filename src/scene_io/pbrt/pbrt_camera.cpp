@@ -19,13 +19,8 @@ IVec2 film_size(const Parameters& film) {
           std::clamp(film.integer("yresolution", 720), 1, 32768)};
 }
 
-struct Window {
-  IVec2 left_top{0};
-  IVec2 size;
-};
-
-/// Window of the film in pixels; the whole film if none is given, or an empty one.
-Window crop_window(const Parameters& film, const IVec2& size) {
+/// Part of the film in whole pixels; the whole film if none is given, or an empty one.
+ImagePart crop_window(const Parameters& film, const IVec2& size) {
   IVec2 low(0), high = size;
   const std::vector<double> bounds = film.numbers("pixelbounds");
   const std::vector<double> crop = film.numbers("cropwindow");  // takes precedence
@@ -41,8 +36,10 @@ Window crop_window(const Parameters& film, const IVec2& size) {
       high[c] = pixel(bounds[at + 1]);
     }
   }
-  if (high.x <= low.x || high.y <= low.y) return {IVec2(0), size};
-  return {low, high - low};
+  if (high.x <= low.x || high.y <= low.y) return {};
+  const Vec2 from = Vec2(low) / Vec2(size);
+  const Vec2 to = Vec2(high) / Vec2(size);
+  return {.left = from.x, .top = from.y, .right = to.x, .bottom = to.y};
 }
 
 /// Half extent of the image at distance 1 for a field of view of 90°, and its centre.
@@ -139,9 +136,7 @@ void add_settings(const Description& d, Scene& scene, Warnings& warnings) {
   settings["max-bounces"] = std::clamp(d.integrator.integer("maxdepth", 5), 0, 1024);
   if (d.has_sampler) settings["spp"] = std::clamp(d.sampler.integer("pixelsamples", 16), 1, 1 << 30);
   if (const float exposure = exposure_of(d, warnings); exposure != 0) settings["exposure"] = exposure;
-  if (const Window crop = crop_window(d.film, size); crop.size != size)
-    warnings.add(fmt::format("the whole image is rendered instead of the film's crop window; use --crop {},{},{},{}",
-                             crop.left_top.x, crop.left_top.y, crop.size.x, crop.size.y));
+  scene.crop = crop_window(d.film, size);
   scene.settings_json = settings.dump();
 }
 

@@ -335,15 +335,15 @@ TEST(Pbrt, ErrorsNameTheLine) {
   EXPECT_EQ(error(std::string("Include \"a\0b\"", 13)), "a.pbrt:1: a string contains a zero byte; remove it");
 }
 
-TEST(Pbrt, CropWindowsNameTheOption) {
+TEST(Pbrt, CropWindowsAreRequested) {
   const auto crop = [](const std::string& film) {
-    return load("Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 200 " + film + "\nWorldBegin\n")
-        .warnings;
+    return load("Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 200 " + film + "\nWorldBegin\n").crop;
   };
-  EXPECT_TRUE(mentions(crop("\"float cropwindow\" [0.75 0.25 0.1 0.5]"), "use --crop 75,20,150,80"));
-  EXPECT_TRUE(mentions(crop("\"integer pixelbounds\" [10 30 -5 999]"), "use --crop 10,0,20,200"));
-  EXPECT_FALSE(mentions(crop("\"float cropwindow\" [0 1 0 1]"), "--crop"));
-  EXPECT_FALSE(mentions(crop("\"float cropwindow\" [nan 1 nan 1]"), "--crop"));
+  EXPECT_EQ(crop("\"float cropwindow\" [0.75 0.25 0.1 0.5]"), (ImagePart{0.25f, 0.1f, 0.75f, 0.5f}));
+  EXPECT_EQ(crop("\"float cropwindow\" [0.001 0.5 0 1]"), (ImagePart{1.0f / 300, 0, 0.5f, 1}));
+  EXPECT_EQ(crop("\"integer pixelbounds\" [10 30 -5 999]"), (ImagePart{10.0f / 300, 0, 30.0f / 300, 1}));
+  EXPECT_EQ(crop("\"float cropwindow\" [0 1 0 1]"), ImagePart{});
+  EXPECT_EQ(crop("\"float cropwindow\" [nan 1 nan 1]"), ImagePart{});
 }
 
 TEST(Pbrt, WarnsOfWhatHasNoCounterpart) {

@@ -32,6 +32,14 @@ IVec2 image_size(const json& settings, const Camera& camera) {
   return {std::max(1, integer(settings, "width", width)), std::max(1, height)};
 }
 
+/// Parameter of the film for a part of the image; empty for the whole one.
+std::string crop_text(const ImagePart& crop, const IVec2& size) {
+  if (crop == ImagePart{}) return {};
+  const auto pixel = [](float part, int side) { return std::lround(part * static_cast<float>(side)); };
+  return fmt::format(" \"integer pixelbounds\" [ {} {} {} {} ]", pixel(crop.left, size.x), pixel(crop.right, size.x),
+                     pixel(crop.top, size.y), pixel(crop.bottom, size.y));
+}
+
 std::string camera_text(const Camera& camera, const IVec2& size) {
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
   if (camera.projection == Projection::panoramic) return "Camera \"spherical\" \"string mapping\" \"equirectangular\"";
@@ -77,7 +85,8 @@ void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& ou
       fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"float iso\" {} \"string "
                   "filename\" {}",
                   size.x, size.y, number(100 * std::exp2(clamp(stops, -64, 64))),
-                  in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")));
+                  in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")) +
+      crop_text(scene.crop, size));
   output.line("Sampler \"zsobol\" \"integer pixelsamples\" " +
               std::to_string(std::max(1, integer(settings, "spp", 64))));
   output.line("Integrator \"volpath\" \"integer maxdepth\" " + std::to_string(integer(settings, "max-bounces", 8)));

@@ -301,7 +301,9 @@ TEST(PbrtWriter, EnvironmentMapsKeepTheirDirections) {
 TEST(PbrtWriter, SettingsRoundTrip) {
   Scene scene = scene_of({});
   scene.settings_json = R"({"exposure":1.5,"height":200,"max-bounces":3,"spp":7,"width":300})";
+  scene.crop = {.left = 0.25f, .top = 0.1f, .right = 1.0f / 3, .bottom = 1};
   EXPECT_EQ(read_back(scene).settings_json, scene.settings_json);
+  EXPECT_EQ(read_back(scene).crop, scene.crop);
 }
 
 TEST(PbrtWriter, CamerasRoundTrip) {
