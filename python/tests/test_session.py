@@ -81,7 +81,7 @@ def test_settings_are_keyword_arguments():
     with pytest.raises(relume.Error, match="psf.cell-size") as caught:
         relume.Settings(psf_cell_size=-1)
     assert caught.value.remedy == "must be from 0.5 to 1024"
-    with pytest.raises(relume.Error, match=r"no records 'octree.leafs' with these settings; there are"):
+    with pytest.raises(relume.Error, match=r"no records 'octree.leafs' with these settings; there is cells.cells"):
         session.records("octree.leafs")
     with pytest.raises(relume.Error, match="another session"):
         session.set(camera="1")
