@@ -51,8 +51,8 @@ void import_point(const Parameters& p, Index parent, Import& import) {
 }
 
 /// Inner cone of glTF's lamp, whose intensity falls with the square of a linear function of the cosine, with the power
-/// of Mitsuba's, whose intensity falls linearly in the angle from `beam` to `cutoff`: 2 cos i + cos c = 3 (sin c − sin
-/// b) / (c − b).
+/// of Mitsuba's, whose intensity falls linearly in the angle from `beam` b to `cutoff` c:
+///   2 cos i + cos c = 3 (sin c − sin b) / (c − b)
 float inner_cone_of_same_power(float beam, float cutoff) {
   if (cutoff - beam < kSharpEdge_rad) return beam;
   const double c = cutoff;
