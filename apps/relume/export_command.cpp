@@ -33,7 +33,7 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   const Scene scene = open_scene(options.scene, !verbosity.quiet);
   roles.reads("SCENE", scene.source_files);
   warn_all(verbosity, scene);
-  warn_all(verbosity, extension == ".pbrt" ? write_pbrt(file, scene) : write_gltf(file, scene), {file});
+  warn_all(verbosity, write_scene(file, scene), {file});
   log_info(verbosity, fmt::format("wrote {}", options.output));
   return kExitDone;
 }

@@ -26,6 +26,9 @@ RELUME_API std::vector<std::string> write_gltf(const std::filesystem::path& file
 /// Throws Error for other extensions, for failed writes, and instead of replacing a file of Scene::source_files.
 RELUME_API std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Scene& scene);
 
+/// Writes the format of the extension, in upper or lower case: write_gltf() or write_pbrt(). Throws Error for others.
+RELUME_API std::vector<std::string> write_scene(const std::filesystem::path& file, const Scene& scene);
+
 /// Replaces the environment with an equirectangular EXR or HDR file. Throws Error.
 RELUME_API void load_environment_map(const std::filesystem::path& file, Environment& environment);
 

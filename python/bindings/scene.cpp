@@ -2,7 +2,6 @@
 #include "scene.h"
 
 #include <array>
-#include <cctype>
 
 #include "names.h"
 #include "properties.h"
@@ -11,13 +10,6 @@
 
 namespace relume::python {
 namespace {
-
-/// Whether the extension is .pbrt, in upper or lower case.
-bool is_pbrt(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".pbrt";
-}
 
 /// The elements as a Python list that shares none of them with `values`.
 template <typename T>
@@ -142,8 +134,7 @@ void define_scene_functions(py::module_& module) {
       "write_scene",
       [](const std::filesystem::path& file, const py::object& scene) {
         const Scene written = scene_from_python(scene);
-        validate(written, scene_place(written));
-        return without_gil([&] { return is_pbrt(file) ? write_pbrt(file, written) : write_gltf(file, written); });
+        return without_gil([&] { return write_scene(file, written); });
       },
       py::arg("file"), py::arg("scene"));
   module.def("validate", [](const py::object& scene) {

@@ -33,7 +33,12 @@ def test_files_keep_the_scene(tmp_path, box):
 
 
 def test_scenes_are_written_for_pbrt(tmp_path, box):
+    box.crop = (0.25, 0, 0.75, 0.5)
     box.save(tmp_path / "box.pbrt")
+    box.crop = (0, 0, 1, 1)
+    assert relume.load(tmp_path / "box.pbrt").crop == pytest.approx((0.25, 0, 0.75, 0.5), abs=1e-3)
+    with pytest.raises(relume.Error, match="written as .gltf, .glb or .pbrt"):
+        box.save(tmp_path / "box.xml")
     box.save(tmp_path / "capitals.PBRT")
     assert len(relume.load(tmp_path / "capitals.PBRT").meshes) == len(relume.load(tmp_path / "box.pbrt").meshes)
     assert relume.load(tmp_path / "box.pbrt").meshes

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "relume/error.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {
@@ -24,6 +25,18 @@ TEST(SceneFormat, EachExtensionHasOneFormat) {
       EXPECT_EQ(&scene_format_of("missing." + std::string(extension)), &format);
     }
   }
+}
+
+TEST(SceneFormat, TheExtensionSelectsTheWrittenFormat) {
+  const SceneFolder folder;
+  Scene scene;
+  scene.environment.kind = EnvironmentKind::constant;
+  for (const char* name : {"a.gltf", "a.GLB", "a.pbrt", "a.PBRT"}) {
+    write_scene(folder.path() / name, scene);
+    EXPECT_EQ(load_scene(folder.path() / name).environment.kind, EnvironmentKind::constant) << name;
+  }
+  const std::string problem = testing::error_of([&] { write_scene(folder.path() / "a.xml", scene); });
+  EXPECT_NE(problem.find("a.xml: scenes are written as .gltf, .glb or .pbrt"), std::string::npos) << problem;
 }
 
 TEST(SceneFormat, TheSignatureCountsMoreThanTheExtension) {
