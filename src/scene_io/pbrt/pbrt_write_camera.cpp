@@ -25,13 +25,6 @@ int integer(const json& settings, const char* key, int otherwise) {
   return value != settings.end() && value->is_number() ? value->get<int>() : otherwise;
 }
 
-IVec2 image_size(const json& settings, const Camera& camera) {
-  const int height = integer(settings, "height", 720);
-  const float aspect = camera.aspect_ratio > 0 ? camera.aspect_ratio : 16.0f / 9;
-  const int width = static_cast<int>(std::lround(static_cast<float>(height) * aspect));
-  return {std::max(1, integer(settings, "width", width)), std::max(1, height)};
-}
-
 /// Parameter of the film for a part of the image; empty for the whole one.
 std::string crop_text(const ImagePart& crop, const IVec2& size) {
   if (crop == ImagePart{}) return {};
@@ -57,28 +50,38 @@ std::string camera_text(const Camera& camera, const IVec2& size) {
   return fmt::format("Camera \"perspective\" \"float fov\" {}", number(glm::degrees(2 * std::atan(half)))) + lens;
 }
 
+/// The first node with a camera, or the end.
+std::vector<Node>::const_iterator camera_node(const Scene& scene) {
+  return std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                      [](const Node& candidate) { return candidate.camera != kNone; });
+}
+
 }  // namespace
 
-void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& output) {
-  Camera camera;
-  Mat4 to_world(1);
-  const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                                 [](const Node& candidate) { return candidate.camera != kNone; });
-  if (node != scene.nodes.end()) {
-    camera = scene.cameras[static_cast<size_t>(node->camera)];
-    const Mat4& found = world[static_cast<size_t>(node - scene.nodes.begin())];
-    if (const std::optional<Mat3> axes = orientation(found)) {
-      to_world = Mat4(*axes);
-      to_world[3] = found[3];
-    }
-    const auto cameras = std::count_if(scene.nodes.begin(), scene.nodes.end(),
-                                       [](const Node& candidate) { return candidate.camera != kNone; });
-    if (cameras > 1) output.note("the first camera is written; a file of pbrt has one");
-  } else {
-    output.note("the scene has no camera; one at the origin along -Z is written");
-  }
+IVec2 image_size(const Scene& scene) {
   const json settings = settings_of(scene);
-  const IVec2 size = image_size(settings, camera);
+  const auto node = camera_node(scene);
+  const float ratio = node == scene.nodes.end() ? 0.0f : scene.cameras[static_cast<size_t>(node->camera)].aspect_ratio;
+  const int height = integer(settings, "height", 720);
+  const float aspect = ratio > 0 ? ratio : 16.0f / 9;
+  const int width = static_cast<int>(std::lround(static_cast<float>(height) * aspect));
+  return {std::max(1, integer(settings, "width", width)), std::max(1, height)};
+}
+
+void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& output) {
+  Mat4 to_world(1);
+  const auto node = camera_node(scene);
+  const Camera& camera = scene.cameras[static_cast<size_t>(node->camera)];
+  const Mat4& found = world[static_cast<size_t>(node - scene.nodes.begin())];
+  if (const std::optional<Mat3> axes = orientation(found)) {
+    to_world = Mat4(*axes);
+    to_world[3] = found[3];
+  }
+  const auto cameras = std::count_if(scene.nodes.begin(), scene.nodes.end(),
+                                     [](const Node& candidate) { return candidate.camera != kNone; });
+  if (cameras > 1) output.note("the first camera is written; a file of pbrt has one");
+  const json settings = settings_of(scene);
+  const IVec2 size = image_size(scene);
   const auto exposure = settings.find("exposure");
   const float stops = exposure != settings.end() && exposure->is_number() ? exposure->get<float>() : 0.0f;
   output.line(

@@ -105,6 +105,7 @@ Environment as_map(const Environment& e, std::vector<Rgb> texels, int width, int
 
 void write_environment(const Environment& e, Output& output) {
   switch (e.kind) {
+    case EnvironmentKind::automatic:
     case EnvironmentKind::none: output.line("LightSource \"infinite\" \"rgb L\" [ 0 0 0 ]"); break;
     case EnvironmentKind::constant: output.line("LightSource \"infinite\" \"rgb L\" " + numbers(e.color)); break;
     case EnvironmentKind::map: write_map(e, output); break;
@@ -120,13 +121,9 @@ void write_environment(const Environment& e, Output& output) {
     }
     case EnvironmentKind::studio: {
       EnvironmentMap studio = make_studio();
-      output.note("the studio is written as it is turned for a camera along -Z");
       write_map(as_map(e, std::move(studio.texels), studio.width, studio.height), output);
       break;
     }
-    case EnvironmentKind::automatic:
-      output.note("the automatic environment is left out; without lights, pbrt renders black");
-      break;
   }
 }
 

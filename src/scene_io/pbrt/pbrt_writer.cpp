@@ -1,29 +1,17 @@
 // Writes scenes of pbrt-v4.
 #include "relume/scene_io.h"
+#include "scene/scene.h"
 #include "scene_io/pbrt/pbrt_write_scene.h"
 
 namespace relume {
-namespace {
 
-/// Whether each node and its ancestors are visible.
-std::vector<bool> visible_nodes(const Scene& scene) {
-  std::vector<bool> visible(scene.nodes.size());
-  for (size_t i = 0; i < visible.size(); ++i) {
-    bool shown = true;
-    for (auto k = static_cast<Index>(i); k != kNone && shown; k = scene.nodes[static_cast<size_t>(k)].parent)
-      shown = scene.nodes[static_cast<size_t>(k)].visible;
-    visible[i] = shown;
-  }
-  return visible;
-}
-
-}  // namespace
-
-std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Scene& scene) {
-  validate(scene, scene.name.empty() ? "scene" : scene.name);
-  pbrt::Output output(file, scene.source_files);
+std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Scene& source) {
+  validate(source, error_place(source));
+  pbrt::Output output(file, source.source_files);
+  const std::optional<Scene> complete = pbrt::with_defaults(source, output);
+  const Scene& scene = complete ? *complete : source;
   const std::vector<Mat4> world = world_matrices(scene, 0);
-  const std::vector<bool> visible = visible_nodes(scene);
+  const std::vector<bool> visible = visible_nodes(scene, 0);
   output.line("# Written by relume for pbrt-v4");
   pbrt::write_camera(scene, world, output);
   output.line("WorldBegin");

@@ -350,6 +350,16 @@ TEST(PbrtWriter, NotesWhatIsLost) {
   EXPECT_TRUE(mentions(notes, "out.pbrt: "));
 }
 
+TEST(PbrtWriter, ModelsKeepTheirDefaultCameraAndStudio) {
+  Scene model = scene_of(diffuse({0.5f, 0.3f, 0.1f}));
+  model.nodes.pop_back();
+  model.cameras.clear();
+  model.environment.kind = EnvironmentKind::automatic;
+  model.settings_json = R"({"height":24,"width":24})";
+  expect_same_image(model);
+  EXPECT_EQ(read_back(model).environment.kind, EnvironmentKind::map);
+}
+
 TEST(PbrtWriter, KeepsItsSources) {
   const SceneFolder folder;
   const auto file = folder.path() / "a.pbrt";
