@@ -111,7 +111,18 @@ struct Material {
   Rgb diffuse_transmission_color{1};
   TextureRef diffuse_transmission_color_texture;  ///< RGB
   MicrofacetModel microfacet_model = MicrofacetModel::ggx;
+
+  /// A mixture of two materials. Each hit shows one part: the second with probability `mix_share`, else the first. The
+  /// part reflects and transmits. The mixture decides emission, opacity and sides. Its normal map applies where the
+  /// part has none. Its other parameters are an approximation for programs without mixtures.
+  Index mix_first = kNone;  ///< kNone: no mixture
+  Index mix_second = kNone;
+  float mix_share = 0.5f;
+  TextureRef mix_texture;  ///< R
 };
+
+/// Maximum depth of mixtures in mixtures.
+inline constexpr int kMaxMixDepth = 16;
 
 // --- Geometry -----------------------------------------------------------------------------------------
 

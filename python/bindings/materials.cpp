@@ -86,7 +86,7 @@ void define_textures(py::module_& module) {
       .def_readwrite("rotation_rad", &TextureRef::rotation_rad, "Counter-clockwise, radians.");
 }
 
-/// Clearcoat, anisotropy, sheen, iridescence and diffuse transmission.
+/// Clearcoat, anisotropy, sheen, iridescence, diffuse transmission and mixtures.
 void define_layers(Class<Material>& m) {
   m.def_readwrite("clearcoat", &Material::clearcoat, "Strength, in [0, 1].")
       .def_readwrite("clearcoat_texture", &Material::clearcoat_texture, "R.")
@@ -114,7 +114,12 @@ void define_layers(Class<Material>& m) {
       .def_readwrite("diffuse_transmission", &Material::diffuse_transmission, "In [0, 1].")
       .def_readwrite("diffuse_transmission_texture", &Material::diffuse_transmission_texture, "A.")
       .def_readwrite("diffuse_transmission_color", &Material::diffuse_transmission_color, "RGB.")
-      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture, "RGB.");
+      .def_readwrite("diffuse_transmission_color_texture", &Material::diffuse_transmission_color_texture, "RGB.")
+      .def_readwrite("mix_first", &Material::mix_first,
+                     "Index in Scene.materials; -1: no mixture. At each hit a coin chooses a part of a mixture.")
+      .def_readwrite("mix_second", &Material::mix_second, "Index in Scene.materials.")
+      .def_readwrite("mix_share", &Material::mix_share, "Probability of the second part, in [0, 1].")
+      .def_readwrite("mix_texture", &Material::mix_texture, "R.");
 }
 
 }  // namespace

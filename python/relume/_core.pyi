@@ -98,6 +98,10 @@ class Material:
     diffuse_transmission_texture: TextureRef
     diffuse_transmission_color: Vector
     diffuse_transmission_color_texture: TextureRef
+    mix_first: int
+    mix_second: int
+    mix_share: float
+    mix_texture: TextureRef
     def __init__(
         self,
         *,
@@ -152,6 +156,10 @@ class Material:
         diffuse_transmission_texture: TextureRef = ...,
         diffuse_transmission_color: Vector = ...,
         diffuse_transmission_color_texture: TextureRef = ...,
+        mix_first: int = ...,
+        mix_second: int = ...,
+        mix_share: float = ...,
+        mix_texture: TextureRef = ...,
     ) -> None: ...
     def copy(self) -> Material: ...
 

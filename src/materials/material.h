@@ -34,6 +34,7 @@ struct MaterialData {
   TextureUse transmission_texture;
   TextureUse clearcoat_texture;
   TextureUse clearcoat_roughness_texture;
+  TextureUse mix_texture;
 
   MicrofacetModel microfacet_model = MicrofacetModel::ggx;
   bool mask = false;   ///< covered where alpha ≥ alpha_cutoff
@@ -41,12 +42,16 @@ struct MaterialData {
   bool double_sided = false;
   bool cull_back_faces = false;  ///< the camera sees through backs; never set with a volume
   bool unlit = false;
-  bool volume = false;   ///< whether the surface bounds a medium with refraction and absorption
-  bool uses_uv = false;  ///< whether any texture is used
-  int32_t layers = -1;   ///< index into SceneView::layers; −1: none
+  bool volume = false;     ///< whether the surface bounds a medium with refraction and absorption
+  bool uses_uv = false;    ///< whether any texture is used
+  int32_t layers = -1;     ///< index into SceneView::layers; −1: none
+  int32_t mix_first = -1;  ///< index into SceneView::materials; −1: no mixture
+  int32_t mix_second = -1;
+  float mix_share = 0.5f;
 
   RELUME_HD bool emissive() const { return !unlit && !is_black(emission); }
   RELUME_HD bool has_alpha() const { return mask || blend; }
+  RELUME_HD bool is_mixture() const { return mix_first >= 0; }
 };
 
 /// Transmittance of a smooth clearcoat for the emission below it, at `cos_theta` to the geometric normal

@@ -120,6 +120,11 @@ void CompiledScene::build_materials() {
     data.layers = static_cast<int32_t>(layers_.size());
     layers_.push_back(*layers);
   }
+  for (MaterialData& data : materials_) {
+    if (!data.is_mixture()) continue;
+    data.uses_uv = true;           // its parts may
+    data.cull_back_faces = false;  // its parts may have a volume
+  }
   materials_.push_back(material_data(Material{}));  // glTF's default, for meshes without a material
 }
 

@@ -116,6 +116,8 @@ class CompiledScene {
   Change animate_parameters();
   /// Ends the key frames of a part that a caller sets.
   void end_parameter_animation(AnimatedPart part, Index index);
+  /// Throws Error if the material with that index, which may be a new one, would mix missing materials or itself.
+  void check_mixture(Index material, const Material& value) const;
   Change replace_material(Index material, const Material& value);
   /// Updates vertices from the current joints and weights. Returns the changed meshes of the view.
   std::vector<uint32_t> deform_meshes();

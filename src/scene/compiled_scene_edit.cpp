@@ -37,6 +37,7 @@ Index CompiledScene::add_material(const Material& material) {
   validate(material, error_place(source_));
   for (const TextureRef* ref : texture_refs(material))
     check_reference(ref->texture, source_.textures.size(), "texture", error_place(source_));
+  check_mixture(static_cast<Index>(source_.materials.size()), material);
   const Index index = append(source_.materials, material);
   build_materials();
   // The default material, for meshes without one, follows the others.

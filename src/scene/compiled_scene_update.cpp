@@ -9,6 +9,7 @@
 #include "scene/animation.h"
 #include "scene/compiled_scene.h"
 #include "scene/medium.h"
+#include "scene/mixtures.h"
 #include "scene/placement.h"
 
 namespace relume {
@@ -101,6 +102,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
       throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; use an existing one",
                               error_place(source_), value.name, ref->texture, source_.textures.size()));
   }
+  check_mixture(material, value);
   end_parameter_animation(AnimatedPart::material, material);
   return replace_material(material, value);
 }
@@ -108,6 +110,14 @@ Change CompiledScene::set_material(Index material, const Material& value) {
 void CompiledScene::end_parameter_animation(AnimatedPart part, Index index) {
   std::erase_if(source_.parameter_animation,
                 [&](const ParameterChannel& c) { return c.part == part && c.index == index; });
+}
+
+void CompiledScene::check_mixture(Index material, const Material& value) const {
+  const auto parts_of = [&](size_t i) {
+    const Material& m = i == static_cast<size_t>(material) ? value : source_.materials[i];
+    return std::pair(m.mix_first, m.mix_second);
+  };
+  check_mixtures(std::max(source_.materials.size(), static_cast<size_t>(material) + 1), parts_of, error_place(source_));
 }
 
 Change CompiledScene::replace_material(Index material, const Material& value) {
@@ -234,9 +244,12 @@ void CompiledScene::refresh_view() {
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
   view_.culls_back_faces =
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.cull_back_faces; });
-  view_.disperses = std::any_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
-    return materials_[meshes_[i.mesh].material].dispersion > 0.0f;
-  });
+  const bool any_disperses =
+      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.dispersion > 0.0f; });
+  view_.disperses = any_disperses && std::any_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
+                      const MaterialData& material = materials_[meshes_[i.mesh].material];
+                      return material.dispersion > 0.0f || material.is_mixture();
+                    });
   view_.textures = textures_.views();
   view_.lights = lights_.view();
   view_.camera = camera_view_;

@@ -73,6 +73,8 @@ MaterialData material_data(const Material& m) {
   MaterialData d;
   copy_parameters(m, d);
   for (const TextureRef* ref : texture_refs(m)) d.uses_uv = d.uses_uv || ref->used();
+  d.mix_first = m.mix_first;
+  d.mix_second = m.mix_second;
   d.mask = m.alpha_mode == AlphaMode::mask;
   d.blend = m.alpha_mode == AlphaMode::blend;
   d.volume = m.thickness > 0.0f && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f);

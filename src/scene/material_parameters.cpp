@@ -332,6 +332,18 @@ const std::array kParameters = {
                       .kernel = &D::microfacet_model,
                       .choices = kMicrofacetModels,
                       .meaning = "distribution of microfacet normals"},
+    MaterialParameter{.key = "mix_share",
+                      .name = "share of the second material",
+                      .member = &M::mix_share,
+                      .kernel = &D::mix_share,
+                      .range = kShare,
+                      .kernel_range = kShare,
+                      .widget = {Kind::share, "share of second part", "Probability of the second part of the mixture"},
+                      .meaning = "of a mixture: probability of its second part"},
+    MaterialParameter{.key = "mix_share",
+                      .name = "share of the second material",
+                      .member = &M::mix_texture,
+                      .kernel = &D::mix_texture},
 };
 // clang-format on
 

@@ -59,7 +59,9 @@ RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
     if (!hit.valid()) break;
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, 0.0f, sp);
-    if (scene.materials[sp.material].volume) {
+    // Mixtures are left out: their coin may differ between entry and exit.
+    const uint32_t outer = scene.meshes[scene.instances[hit.instance].mesh].material;
+    if (outer == sp.material && scene.materials[sp.material].volume) {
       if (sp.front_face) {
         if (count < kMaxMedia) entered[count++] = sp.material;
       } else if (!remove_medium(entered, count, sp.material)) {

@@ -67,7 +67,7 @@ class Hasher {
   }
   Hasher& operator<<(const Material& m) {
     for_each_parameter(m, [&](const MaterialParameter&, const auto& value) { *this << value; });
-    return *this;
+    return *this << m.mix_first << m.mix_second;
   }
   Hasher& operator<<(const Mesh& m) {
     *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;

@@ -76,6 +76,34 @@ RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }
 
+/// Texture look-up without a filter.
+RELUME_HD inline Vec4 fetch_unfiltered(const SceneView& scene, const TextureUse& use, const Uv& uv) {
+  return scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0);
+}
+
+/// The part of a mixture that a hit shows, and the material whose normal map it has.
+struct MixturePart {
+  uint32_t material;
+  uint32_t mapped;
+};
+
+/// The part that a hit of `material` shows: always the same one, whatever the footprint. It has its own normal map, or
+/// else that of the innermost mixture around it that has one.
+RELUME_HD inline MixturePart part_at(const SceneView& scene, uint32_t material, const Hit& hit, const Uv& uv) {
+  MixturePart part{material, material};
+  if (!scene.materials[material].is_mixture() || scene.materials[material].unlit) return part;
+  uint32_t coin = hash(hash(hit.instance, hit.primitive), hash(float_bits(hit.u), float_bits(hit.v)));
+  while (scene.materials[part.material].is_mixture()) {
+    const MaterialData& m = scene.materials[part.material];
+    float share = m.mix_share;
+    if (m.mix_texture.used()) share *= fetch_unfiltered(scene, m.mix_texture, uv).x;
+    part.material = static_cast<uint32_t>(to_unit_float(coin) < share ? m.mix_second : m.mix_first);
+    if (scene.materials[part.material].normal_texture.used()) part.mapped = part.material;
+    coin = hash(coin, part.material);
+  }
+  return part;
+}
+
 /// Position, error bound, previous position and geometric normal (front, not normalised) of a hit.
 struct Geometry {
   Vec3 position;
@@ -236,13 +264,11 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
 /// Radiance emitted at `cos_front` to the geometric normal.
 RELUME_HD_INLINE Rgb emission_at(const SceneView& scene, const MaterialData& material, const Uv& uv, float cos_front) {
   // Unfiltered, as in light sampling: both strategies must weight the same function.
-  const auto unfiltered = [&](const TextureUse& use) {
-    return scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0);
-  };
   Rgb emission = material.emission;
-  if (material.emission_texture.used()) emission *= Rgb(unfiltered(material.emission_texture));
+  if (material.emission_texture.used()) emission *= Rgb(fetch_unfiltered(scene, material.emission_texture, uv));
   if (material.clearcoat > 0.0f) {
-    const float share = material.clearcoat_texture.used() ? unfiltered(material.clearcoat_texture).x : 1.0f;
+    const float share =
+        material.clearcoat_texture.used() ? fetch_unfiltered(scene, material.clearcoat_texture, uv).x : 1.0f;
     emission *= emission_below_coat(material.clearcoat * share, cos_front);
   }
   return emission;
@@ -263,7 +289,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   using namespace surface_detail;
   const Instance& instance = scene.instances[hit.instance];
   const MeshView& mesh = scene.meshes[instance.mesh];
-  const MaterialData& material = scene.materials[mesh.material];
+  const MaterialData& outer = scene.materials[mesh.material];  // a mixture, or the material itself
   const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
   const Geometry g = geometry_at(scene, mesh, instance, t);
 
@@ -275,7 +301,6 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   sp.footprint = cone_width;
   sp.instance = hit.instance;
   sp.primitive = hit.primitive;
-  sp.material = mesh.material;
   sp.light = kNoLight;
 
   const float twice_area = glm::length(g.front);
@@ -286,9 +311,11 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   sp.ng = front * side;
 
   const float footprint_area = sqr(cone_width) / relume::max(std::fabs(cos_front), 0.05f);
-  const Uv uv = material.uses_uv ? uv_at(scene, mesh, t, twice_area) : Uv{};
-
-  sp.ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front) * side;
+  const Uv uv = outer.uses_uv ? uv_at(scene, mesh, t, twice_area) : Uv{};
+  const MixturePart part = part_at(scene, mesh.material, hit, uv);
+  sp.material = part.material;
+  const MaterialData& material = scene.materials[part.material];
+  sp.ns = shading_normal(scene, mesh, scene.materials[part.mapped], instance, t, g, uv, footprint_area, front) * side;
   sp.frame = make_frame(visible_shading_normal(sp.ns, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 
@@ -300,13 +327,13 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
                                              scene.colors[first + t.index.z], t.weights));
   }
   sp.emission = Rgb(0);
-  if (material.unlit) {
+  if (outer.unlit) {
     sp.emission = parameters.base_color;
     clear(sp.bsdf);
     return;
   }
-  if (material.emissive() && (sp.front_face || material.double_sided)) {
-    sp.emission = emission_at(scene, material, uv, cos_front);
+  if (outer.emissive() && (sp.front_face || outer.double_sided)) {
+    sp.emission = emission_at(scene, outer, uv, cos_front);
     if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
   }
   if (material.layers >= 0) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include "scene/animation.h"
 #include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
+#include "scene/mixtures.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
 
@@ -38,6 +40,10 @@ class Validator {
   void run() const {
     for (size_t i = 0; i < scene_.textures.size(); ++i) check_texture(i);
     for (size_t i = 0; i < scene_.materials.size(); ++i) check_material(i);
+    const auto parts_of = [&](size_t i) {
+      return std::pair(scene_.materials[i].mix_first, scene_.materials[i].mix_second);
+    };
+    check_mixtures(scene_.materials.size(), parts_of, place_);
     for (size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(i);
     for (const PunctualLight& light : scene_.lights) validate(light, place_);
     for (const Camera& camera : scene_.cameras) validate(camera, place_);

@@ -29,12 +29,14 @@ Index matching(const Items& items, const Items& others, Index i, const char* kin
   return kNone;
 }
 
-/// `edited`, with the textures of `current`: the new file may number them differently.
-Material with_textures_of(const Material& current, Material edited) {
+/// `edited`, with the textures and parts of `current`: the new file may number them differently.
+Material with_references_of(const Material& current, Material edited) {
   for (const MaterialParameter& parameter : material_parameters()) {
     if (const auto* texture = std::get_if<TextureRef Material::*>(&parameter.member))
       edited.** texture = current.**texture;
   }
+  edited.mix_first = current.mix_first;
+  edited.mix_second = current.mix_second;
   return edited;
 }
 
@@ -61,7 +63,7 @@ std::vector<std::string> Document::repeat_edits(const Document& other) {
   for (const auto& [material, edit] : other.edits_.materials) {
     const Index match = matching(outline_.materials, theirs.materials, material, "material", lost);
     if (match == kNone) continue;
-    set_material(match, with_textures_of(outline_.materials[static_cast<size_t>(match)], edit.value));
+    set_material(match, with_references_of(outline_.materials[static_cast<size_t>(match)], edit.value));
   }
   if (!other.environment_is_set_) return lost;
   if (theirs.environment.kind == EnvironmentKind::map && !has_environment_map()) {

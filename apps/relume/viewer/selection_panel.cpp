@@ -80,11 +80,22 @@ bool parameter_widget(const MaterialParameter& p, Rgb& value) {
   return w.kind == ParameterWidget::Kind::radiance && radiant_widget(w.label, value, w.help);
 }
 
+/// Whether the parameter counts. Mixtures have a share and emission alone; their parts have the others.
+bool counts(const MaterialParameter& p, bool is_mixture) {
+  const auto is = [&](auto member) { return p.member == MaterialParameter::Member(member); };
+  if (is(&Material::mix_share)) return is_mixture;
+  return !is_mixture || is(&Material::emission);
+}
+
 void draw_material(State& state, Index index) {
   Material m = state.document->outline().materials[static_cast<size_t>(index)];
+  const bool is_mixture = m.mix_first != kNone;
+  if (is_mixture && ImGui::Button("Go to first part")) state.selection = {Selected::material, m.mix_first};
+  if (is_mixture && ImGui::Button("Go to second part")) state.selection = {Selected::material, m.mix_second};
   bool changed = false;
   for_each_parameter(m, [&](const MaterialParameter& p, auto& value) {
-    if constexpr (requires { parameter_widget(p, value); }) changed |= parameter_widget(p, value);
+    if constexpr (requires { parameter_widget(p, value); })
+      changed |= counts(p, is_mixture) && parameter_widget(p, value);
   });
   if (!changed) return;
   state.document->set_material(index, m);

@@ -13,7 +13,7 @@ void apply_scene_extras(const Document& document, Scene& scene);
 void apply_camera_extras(const tinygltf::Value& extras, Camera& camera);
 /// Parameters of the light's type that KHR_lights_punctual lacks.
 void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
-/// "microfacet_model" and "cull_back_faces".
+/// "microfacet_model" and "cull_back_faces"; MaterialImporter reads "mix".
 void apply_material_extras(const tinygltf::Value& extras, Material& material);
 /// URI of the float image that replaces glTF's 8-bit image, whose precision or range is too low; empty: none.
 std::string texture_image(const tinygltf::Value& extras);

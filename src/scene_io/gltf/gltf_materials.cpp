@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "relume/error.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
 
@@ -37,8 +39,12 @@ Index MaterialImporter::import(int material) {
     return kNone;
   }
   const auto [entry, is_new] = known_.try_emplace(material, static_cast<Index>(scene_.materials.size()));
-  if (is_new) scene_.materials.push_back(convert(materials[static_cast<size_t>(material)]));
-  return entry->second;
+  const Index index = entry->second;
+  if (!is_new) return index;
+  scene_.materials.emplace_back();  // the parts of a mixture follow
+  Material converted = convert(materials[static_cast<size_t>(material)]);
+  scene_.materials[static_cast<size_t>(index)] = std::move(converted);
+  return index;
 }
 
 Index MaterialImporter::find(int material) const {
@@ -124,10 +130,36 @@ void MaterialImporter::convert_extensions(const tinygltf::Material& source, Mate
   });
   read_texture_scales(source, m);
   apply_material_extras(source.extras, m);
+  read_mixture(source.extras, m);
   m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
   const auto* volume = find_extension(source.extensions, "KHR_materials_volume");
   if (volume && object_member(*volume, "thicknessTexture"))
     document_.warnings.add("thickness textures are ignored; rays measure the thickness");
+}
+
+/// Reads the mixture that MaterialWriter wrote. Throws Error if too many are nested.
+void MaterialImporter::read_mixture(const tinygltf::Value& extras, Material& m) {
+  const tinygltf::Value* relume = object_member(extras, "relume");
+  const tinygltf::Value* mix = relume ? object_member(*relume, "mix") : nullptr;
+  if (!mix) return;
+  const int first = integer_member(*mix, "first", -1);
+  const int second = integer_member(*mix, "second", -1);
+  const auto exists = [&](int i) { return i >= 0 && static_cast<size_t>(i) < document_.model.materials.size(); };
+  if (!exists(first) || !exists(second)) {
+    document_.warnings.add(fmt::format(
+        "material '{}': a part of its mixture does not exist; its own parameters replace the mixture", m.name));
+    return;
+  }
+  if (mix_depth_ == kMaxMixDepth)
+    throw Error(
+        fmt::format("{}: material '{}' is part of itself, or more than {} mixtures are nested; change its parts",
+                    document_.place, m.name, kMaxMixDepth));
+  m.mix_share = limited(number_member(*mix, "share", 0.5), 0, 1, "share", m.name);
+  m.mix_texture = reference(*mix, "texture", TextureUse::data);
+  ++mix_depth_;
+  m.mix_first = import(first);
+  m.mix_second = import(second);
+  --mix_depth_;
 }
 
 TextureRef MaterialImporter::reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use) {

@@ -31,6 +31,7 @@ class MaterialImporter {
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, float& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, Rgb& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, TextureRef& value);
+  void read_mixture(const tinygltf::Value& extras, Material& material);
   void read_texture_scales(const tinygltf::Material& source, Material& material);
   TextureRef reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use);
   template <typename Info>
@@ -43,6 +44,7 @@ class MaterialImporter {
   Scene& scene_;
   TextureImporter textures_;
   std::map<int, Index> known_;
+  int mix_depth_ = 0;  ///< of the mixtures that are being imported
 };
 
 }  // namespace relume::gltf

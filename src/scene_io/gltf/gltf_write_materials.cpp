@@ -121,6 +121,9 @@ void MaterialWriter::write() {
   kept_types_.resize(scene_.textures.size());
   parallel_for(kept_types_.size(), [&](size_t i) { kept_types_[i] = kept_type(scene_.textures[i]); });
   for (const Material& m : scene_.materials) output_.add("materials", material(m));
+  if (has_mixtures_)
+    output_.warn(
+        "glTF has no mixtures of materials; relume reads them from extras, and other programs show approximations");
   if (!needed_.empty())
     output_.warn(
         fmt::format("textures keep their WebP or KTX2 images and have no PNG or JPEG beside them; other programs need "
@@ -149,6 +152,12 @@ OutputJson MaterialWriter::material(const Material& m) {
   if (!extensions.is_null()) json["extensions"] = std::move(extensions);
   if (m.microfacet_model == MicrofacetModel::beckmann) json["extras"]["relume"]["microfacet_model"] = "beckmann";
   if (m.cull_back_faces == m.double_sided) json["extras"]["relume"]["cull_back_faces"] = m.cull_back_faces;
+  if (m.mix_first != kNone) {
+    OutputJson mix = {{"first", m.mix_first}, {"second", m.mix_second}, {"share", number(m.mix_share)}};
+    add_texture(mix, "texture", m.mix_texture, Use::data);
+    json["extras"]["relume"]["mix"] = std::move(mix);
+    has_mixtures_ = true;
+  }
   return json;
 }
 

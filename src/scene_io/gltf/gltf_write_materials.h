@@ -48,6 +48,7 @@ class MaterialWriter {
   std::map<std::pair<Index, Use>, int> textures_;
   std::vector<const ImageType*> kept_types_;  ///< types of textures with kept files; nullptr: a PNG is written
   std::set<std::string> needed_;              ///< extensions required to read images
+  bool has_mixtures_ = false;
 };
 
 }  // namespace relume::gltf

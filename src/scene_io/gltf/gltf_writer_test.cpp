@@ -13,6 +13,7 @@
 #include "relume/scene_io.h"
 #include "scene_io/gltf/gltf_loader.h"
 #include "scene_io/gltf/gltf_output.h"
+#include "scene_io/testing/scene_files.h"
 #include "scene_io/testing/written_gltf.h"
 #include "scene_io/texture_decode.h"
 
@@ -229,6 +230,75 @@ TEST(GltfWriter, KeepsKindsOfEnvironmentsAndAspectRatios) {
       EXPECT_NEAR(loaded.environment.rotation_rad, kept, 1e-6f);
       EXPECT_EQ(loaded.cameras[0].aspect_ratio, 1.5f);
     }
+  }
+}
+
+TEST(GltfWriter, KeepsMixturesInExtras) {
+  Material mixture;
+  mixture.name = "mixture";
+  mixture.mix_first = 2;
+  mixture.mix_second = 1;
+  mixture.mix_share = 0.25f;
+  mixture.mix_texture.texture = 0;
+  Scene scene = small_scene(mixture);
+  scene.materials.emplace_back().name = "second";
+  scene.materials.emplace_back().name = "first";
+  Texture& texture = scene.textures.emplace_back();
+  texture.width = texture.height = 1;
+  texture.format = PixelFormat::rgba8_linear;
+  texture.texels.assign(4, std::byte{100});
+  const TempFolder folder;
+  EXPECT_EQ(write_gltf(folder / "a.gltf", scene).size(), 1u);
+  const Scene loaded = load_gltf(folder / "a.gltf");
+  const Material& m = loaded.materials.at(0);
+  EXPECT_FLOAT_EQ(m.mix_share, 0.25f);
+  EXPECT_EQ(loaded.textures.at(static_cast<size_t>(m.mix_texture.texture)).texels[0], std::byte{100});
+  EXPECT_EQ(loaded.materials.at(static_cast<size_t>(m.mix_first)).name, "first");
+  EXPECT_EQ(loaded.materials.at(static_cast<size_t>(m.mix_second)).name, "second");
+}
+
+TEST(GltfWriter, IgnoresDamagedMixtures) {
+  const TempFolder folder;
+  write_gltf(folder / "a.gltf", small_scene({}));
+  const std::string text = written_json(folder / "a.gltf").dump();
+  const auto load = [&](const std::string& mix) {
+    Json gltf = Json::parse(text);
+    gltf["materials"][0]["extras"]["relume"]["mix"] = Json::parse(mix);
+    write_file(folder / "b.gltf", gltf.dump());
+    return load_gltf(folder / "b.gltf");
+  };
+  for (const char* mix : {R"({"first": 0})", R"({"first": 0, "second": 1e9})", R"({"first": -3, "second": 0})"}) {
+    const Scene scene = load(mix);
+    EXPECT_EQ(scene.materials.at(0).mix_first, kNone);
+    EXPECT_TRUE(testing::mentions(scene.warnings, "a part of its mixture does not exist")) << mix;
+  }
+  EXPECT_THROW(load(R"({"first": 0, "second": 0})"), Error);  // of itself
+}
+
+TEST(GltfWriter, MixturesAreNestedToALimit) {
+  const TempFolder folder;
+  const auto load = [&](int length, bool from_inside) {
+    Json gltf = Json::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+      "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+      "nodes": [{"mesh": 0}], "meshes": [{"primitives": []}]})");
+    for (int i = 0; i <= length; ++i) {
+      Json material = Json::object();
+      if (i < length) material["extras"]["relume"]["mix"] = {{"first", i + 1}, {"second", i + 1}};
+      gltf["materials"].push_back(material);
+    }
+    const int every = length > 100 ? length : 1;
+    for (int i = 0; i <= length; i += every)
+      gltf["meshes"][0]["primitives"].push_back(
+          {{"attributes", {{"POSITION", 0}}}, {"material", from_inside ? length - i : i}});
+    write_file(folder / "a.gltf", gltf.dump());
+    return load_gltf(folder / "a.gltf").materials.size();
+  };
+  for (const bool from_inside : {false, true}) {
+    EXPECT_EQ(load(kMaxMixDepth, from_inside), static_cast<size_t>(kMaxMixDepth) + 1);
+    EXPECT_THROW(load(kMaxMixDepth + 1, from_inside), Error);
+    EXPECT_THROW(load(2000, from_inside), Error);
   }
 }
 

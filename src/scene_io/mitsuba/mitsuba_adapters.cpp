@@ -19,6 +19,13 @@ const T& chosen(const T& a, const T& b, float weight) {
   return weight > 0.5f ? b : a;
 }
 
+/// Whether the surface reflects as a Lambertian one of uniform colour, of which mixtures are linear in the colour.
+bool is_diffuse(const Surface& s) {
+  const Material& m = s.material;
+  return !s.mixture && !s.blend && !s.color && !s.normals && !s.has_bumps && m.metallic == 0 && m.specular == 0 &&
+         m.transmission == 0 && m.clearcoat == 0 && m.diffuse_transmission == 0 && is_black(m.sheen_color);
+}
+
 }  // namespace
 
 const Surface& Surfaces::of(const Object& bsdf) {
@@ -94,6 +101,7 @@ Surface Surfaces::bumped(const Parameters& p) {
   if (textures.size() != 1) p.fail("it needs one texture");
   std::optional<TextureSource>& map = is_bump ? surface.bumps : surface.normals;
   map = textures_.source(*textures[0]);
+  surface.has_bumps = surface.has_bumps || (is_bump && map);
   if (map) {
     if (is_bump) surface.bump_scale *= luminance(map->factor);
     map->factor = Rgb(1);  // larger ones exceed the range of images
@@ -156,8 +164,8 @@ Surface Surfaces::blend(const Parameters& p) {
   if (inner.size() != 2) p.fail("it needs two BSDFs");
   std::optional<TextureSource> texture;
   float weight = saturate(read_scalar(p, "weight", 0.5f, &texture));
-  const Surface a = of(*inner[0]);
-  const Surface b = of(*inner[1]);
+  const Surface& a = of(*inner[0]);
+  const Surface& b = of(*inner[1]);
   if (a.is_null != b.is_null) {
     // The other one, with an opacity.
     Surface surface = a.is_null ? b : a;
@@ -166,10 +174,26 @@ Surface Surfaces::blend(const Parameters& p) {
     surface.material.alpha_mode = AlphaMode::blend;
     return surface;
   }
-  import_.warnings.add("a 'blendbsdf' becomes one material with interpolated parameters");
-  if (!texture) return mixture(a, b, weight);
-  Surface mixed = mixture(a, b, luminance(textures_.mean(*texture)));
-  blend_textures(*texture, a, b, mixed);
+  Surface mixed = mixture(a, b, texture ? luminance(textures_.mean(*texture)) : weight);
+  mixed.mixture.reset();  // that of the chosen part
+  mixed.has_bumps = a.has_bumps || b.has_bumps;
+  if (texture) blend_textures(*texture, a, b, mixed);
+  if (a.opacity || b.opacity)
+    import_.warnings.add("textures of opacity inside a 'blendbsdf' are not supported; they may be left out");
+  if (a.uses_vertex_colors != b.uses_vertex_colors || a.is_inverted != b.is_inverted)
+    import_.warnings.add(
+        "BSDFs of a 'blendbsdf' that differ in vertex colours or in the side of their inside are not supported; "
+        "those of the larger weight are used");
+  if (mixed.material.alpha < 1) mixed.material.alpha_mode = AlphaMode::blend;
+  const auto depth_of = [](const Surface& s) { return s.mixture ? s.mixture->depth : 0; };
+  const int depth = 1 + std::max(depth_of(a), depth_of(b));
+  if (depth > kMaxMixDepth) {
+    import_.warnings.add("more than 16 nested BSDFs of type 'blendbsdf' become one with interpolated parameters");
+  } else if (texture || !is_diffuse(a) || !is_diffuse(b)) {
+    mixed.mixture = {{&a, &b}, texture ? 1.0f : weight, texture, depth};
+    mixed.normals.reset();  // the parts have their own
+    mixed.bumps.reset();
+  }
   return mixed;
 }
 

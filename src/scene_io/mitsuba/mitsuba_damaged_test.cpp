@@ -272,6 +272,18 @@ TEST(MitsubaDamaged, SharedBsdfsAreReadOnce) {
   }
   const Scene scene = load_mitsuba_text(text + "<shape type=\"cube\"><ref id=\"b24\"/></shape>");
   EXPECT_EQ(scene.materials.at(0).name, "b24");
+  std::string mixed = "<bsdf type=\"conductor\" id=\"b0\"/>";
+  for (int i = 1; i <= kMaxMixDepth + 1; ++i)
+    mixed += "<bsdf type=\"blendbsdf\" id=\"b" + std::to_string(i) +
+             "\"><float name=\"weight\" value=\"0.5\"/><ref id=\"b" + std::to_string(i - 1) +
+             "\"/><bsdf type=\"diffuse\"/></bsdf>";
+  const auto nested = [&](int depth) {
+    return load_mitsuba_text(mixed + "<shape type=\"cube\"><ref id=\"b" + std::to_string(depth) + "\"/></shape>");
+  };
+  EXPECT_NE(nested(kMaxMixDepth).materials.at(0).mix_first, kNone);
+  const Scene too_deep = nested(kMaxMixDepth + 1);
+  EXPECT_EQ(too_deep.materials.at(0).mix_first, kNone);
+  EXPECT_TRUE(testing::mentions(too_deep.warnings, "more than 16 nested BSDFs of type 'blendbsdf'"));
   std::string textures = "<texture type=\"checkerboard\" id=\"t0\"/>";
   for (int i = 1; i < 25; ++i) {
     const std::string last = " id=\"t" + std::to_string(i - 1) + "\"/>";

@@ -157,6 +157,11 @@ TEST(MitsubaMaterials, AdaptersChangeTheirBsdf) {
   EXPECT_FLOAT_EQ(blend.metallic, 0.25f);
   expect_near(blend.base_color, Rgb(0.4f), 1e-6f);  // 0.75 · 0.2 + 0.25
   EXPECT_EQ(blend.specular, 0);                     // of the diffuse BSDF; metals have none
+  const Scene coin =
+      load_mitsuba_bsdf("<bsdf type=\"blendbsdf\">" + number("weight", 0.25) + diffuse + metal + "</bsdf>");
+  EXPECT_FLOAT_EQ(coin.materials.at(0).mix_share, 0.25f);
+  EXPECT_EQ(coin.materials.at(static_cast<size_t>(coin.materials[0].mix_first)).metallic, 0);
+  EXPECT_EQ(coin.materials.at(static_cast<size_t>(coin.materials[0].mix_second)).metallic, 1);
   const Material sieve = material("blendbsdf", number("weight", 0.25) + "<bsdf type=\"null\"/>" + diffuse);
   EXPECT_EQ(sieve.alpha, 0.25f);
   EXPECT_NE(error_of([] { material("twosided"); }).find("contains no BSDF"), std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -67,23 +68,32 @@ Material Materials::finish(const Surface& surface, const Emission& emission, con
     m.normal_scale = take_scale(slope);
     m.normal_texture = textures_.bumps(*surface.bumps, slope);
   }
+  if (surface.mixture) {
+    const Mixture& mixture = *surface.mixture;
+    m.mix_first = find(*mixture.parts[0], {}, nullptr, stretch);
+    m.mix_second = find(*mixture.parts[1], {}, nullptr, stretch);
+    m.mix_share = mixture.share;
+    if (mixture.weight) m.mix_texture = textures_.scalar(*mixture.weight);
+  }
   m.emission = emission.radiance;
   if (emission.texture) m.emission_texture = textures_.color(emission.texture);
   return m;
 }
 
 Index Materials::find(const Surface& surface, const Emission& emission, const Object* emitter, const Vec2& stretch) {
-  const Vec2 relevant = surface.bumps ? stretch : Vec2(1);
-  const auto [known, is_new] = known_.try_emplace({&surface, emitter, relevant.x, relevant.y},
-                                                  static_cast<Index>(import_.scene.materials.size()));
-  if (is_new) {
-    constexpr size_t kMaxMaterials = size_t{1} << 17;
-    if (import_.scene.materials.size() >= kMaxMaterials)
-      throw Error(fmt::format("{}: the scene has more than {} materials; let shapes refer to common BSDFs",
-                              import_.document.files[0], kMaxMaterials));
-    import_.scene.materials.push_back(finish(surface, emission, stretch));
-  }
-  return known->second;
+  const Vec2 relevant = surface.has_bumps ? stretch : Vec2(1);
+  const std::tuple key{&surface, emitter, relevant.x, relevant.y};
+  if (const auto known = known_.find(key); known != known_.end()) return known->second;
+  constexpr size_t kMaxMaterials = size_t{1} << 17;
+  if (import_.scene.materials.size() >= kMaxMaterials)
+    throw Error(fmt::format("{}: the scene has more than {} materials; let shapes refer to common BSDFs",
+                            import_.document.files[0], kMaxMaterials));
+  const size_t index = import_.scene.materials.size();
+  known_[key] = static_cast<Index>(index);
+  import_.scene.materials.emplace_back();  // the parts of a mixture follow
+  Material made = finish(surface, emission, stretch);
+  import_.scene.materials[index] = std::move(made);
+  return static_cast<Index>(index);
 }
 
 }  // namespace relume::mitsuba

@@ -168,7 +168,7 @@ Index Shapes::mesh_of(const Parameters& p, const Mesh& geometry, const std::stri
   const bool is_closed = p.object().type == "sphere" || p.object().type == "cube";
   if (surface.has_black_back && !surface.is_two_sided && !is_closed && &surface != &black_)
     import_.warnings.add("opaque BSDFs outside 'twosided' reflect on both sides; in Mitsuba their backs are black");
-  const Vec2 scale = surface.bumps ? stretch(geometry, Mat4(to_world)) : Vec2(1);
+  const Vec2 scale = surface.has_bumps ? stretch(geometry, Mat4(to_world)) : Vec2(1);
   const Index material = materials_.find(surface, emission, emission.is_black() ? nullptr : emitters[0], scale);
   const auto [known, is_new] = meshes_.try_emplace({key, material}, static_cast<Index>(import_.scene.meshes.size()));
   if (!is_new) return known->second;

@@ -15,6 +15,16 @@ struct TexturedBlend {
   std::array<Rgb, 2> surfaces{};  ///< G roughness, B metalness
 };
 
+struct Surface;
+
+/// Two surfaces; each hit shows one of them.
+struct Mixture {
+  std::array<const Surface*, 2> parts{};
+  float share = 0.5f;                   ///< of the second
+  std::optional<TextureSource> weight;  ///< multiplies the share
+  int depth = 1;                        ///< of mixtures in mixtures
+};
+
 /// A BSDF: a material, and textures that multiply its factors.
 struct Surface {
   Material material;  ///< without textures
@@ -27,15 +37,17 @@ struct Surface {
   std::optional<TextureSource> normals;
   std::optional<TextureSource> bumps;  ///< heights
   std::optional<TexturedBlend> blend;  ///< replaces colour, roughness and metalness
+  std::optional<Mixture> mixture;      ///< what the material and its textures approximate
   bool roughness_is_alpha = false;     ///< whether `roughness` holds the width α of microfacets
   float bump_scale = 1;
-  bool is_null = false;  ///< lets all light pass
+  bool has_bumps = false;  ///< of its own, or of a part of its mixture
+  bool is_null = false;    ///< lets all light pass
   bool is_two_sided = false;
   bool has_black_back = false;  ///< in Mitsuba; relume's materials reflect on both sides
   bool uses_vertex_colors = false;
   bool is_inverted = false;  ///< the denser medium is on the side of the normal
 
-  bool needs_tangents() const { return normals || bumps || material.anisotropy > 0; }
+  bool needs_tangents() const { return normals || bumps || mixture || material.anisotropy > 0; }
 };
 
 class Surfaces {

@@ -167,6 +167,25 @@ TEST(MitsubaTextures, ImagesAreCombinedIntoChannels) {
   EXPECT_EQ(byte_of(rgba, 2, 0), 128);
 }
 
+TEST(MitsubaTextures, PartsOfBlendsHaveTheirOwnBumps) {
+  const Pictured folder;
+  const auto load = [&](const std::string& scale) {
+    return load_mitsuba_text("<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"" + scale +
+                                 "\"/></transform><bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.5\"/>"
+                                 "<bsdf type=\"bumpmap\">" +
+                                 bitmap("") +
+                                 "<bsdf type=\"diffuse\"/></bsdf><bsdf type=\"conductor\"/></bsdf></shape>",
+                             folder.path());
+  };
+  const Scene scene = load("1");
+  ASSERT_EQ(scene.materials.size(), 3u);
+  EXPECT_FALSE(scene.materials[0].normal_texture.used());
+  EXPECT_TRUE(scene.materials[1].normal_texture.used());
+  EXPECT_FALSE(scene.materials[2].normal_texture.used());
+  const float flatter = load("1.5").materials[1].normal_scale;  // the same heights on a larger shape
+  EXPECT_NEAR(flatter, scene.materials[1].normal_scale * 2 / 1.5f, 0.01f);
+}
+
 TEST(MitsubaTextures, BlendsFollowTheirWeight) {
   const Pictured folder;
   const Scene scene = load_mitsuba_bsdf(
@@ -175,6 +194,10 @@ TEST(MitsubaTextures, BlendsFollowTheirWeight) {
           "<float name=\"alpha\" value=\"0.04\"/>" + "</bsdf></bsdf>",
       folder.path());
   const Material& m = scene.materials[0];
+  EXPECT_FLOAT_EQ(m.mix_share, 1);
+  const Texture& weight = scene.textures.at(static_cast<size_t>(m.mix_texture.texture));
+  EXPECT_EQ(byte_of(weight, 0, 0), 0);
+  EXPECT_EQ(byte_of(weight, 2, 0), 128);
   const Texture& color = scene.textures.at(static_cast<size_t>(m.base_color_texture.texture));
   const Texture& surface = scene.textures.at(static_cast<size_t>(m.metallic_roughness_texture.texture));
   EXPECT_EQ(m.base_color, Rgb(1));
@@ -274,8 +297,9 @@ TEST(MitsubaTextures, OneImageIsReadOnce) {
     return self.ru_maxrss;
   };
   const long before = largest_KiB();
-  EXPECT_EQ(load_mitsuba_text(text, folder.path()).textures.size(), 301u);  // one of the roughness and metalness
-  EXPECT_LT(largest_KiB() - before, 1 << 20);                               // 600 copies are 9.4 GiB
+  // Of all mixtures: the weight, and the approximating roughness and metalness.
+  EXPECT_EQ(load_mitsuba_text(text, folder.path()).textures.size(), 302u);
+  EXPECT_LT(largest_KiB() - before, 1 << 20);  // 600 copies are 9.4 GiB
 }
 
 TEST(MitsubaTextures, VertexColours) {

@@ -120,6 +120,47 @@ TEST(PbrtLook, MixedMaterialsKeepTheNormalMapOfTheirParts) {
                                               "normalmap\" \"other.png\"\nShape \"sphere\"\n"));
   EXPECT_TRUE(scene.materials.at(0).normal_texture.used());
   EXPECT_TRUE(mentions(scene.warnings, "'string normalmap' of material 'mix' is ignored"));  // as in pbrt
+  const Scene one = load_scene(folder.write("b.pbrt",
+                                            "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\" "
+                                            "\"string normalmap\" \"n.png\"\nMakeNamedMaterial \"b\" \"string type\" "
+                                            "\"conductor\"\nMaterial \"mix\" \"string materials\" [\"a\" \"b\"]\n"
+                                            "Shape \"sphere\"\n"));
+  ASSERT_EQ(one.materials.size(), 3u);
+  EXPECT_FALSE(one.materials[0].normal_texture.used());
+  EXPECT_TRUE(one.materials[1].normal_texture.used());
+  EXPECT_FALSE(one.materials[2].normal_texture.used());
+}
+
+TEST(PbrtLook, MediaOfMixturesBelongToTheirGlass) {
+  const Scene scene = load(
+      "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 4] \"rgb sigma_s\" [0 0 "
+      "0]\n"
+      "MakeNamedMaterial \"a\" \"string type\" \"dielectric\"\nMakeNamedMaterial \"b\" \"string type\" \"diffuse\"\n"
+      "MediumInterface \"m\" \"\"\nMaterial \"mix\" \"string materials\" [\"a\" \"b\"]\nShape \"sphere\"\n");
+  EXPECT_FALSE(mentions(scene.warnings, "media"));
+  EXPECT_TRUE(is_finite(scene.materials.at(1).attenuation_distance));
+  EXPECT_FALSE(is_finite(scene.materials.at(2).attenuation_distance));
+}
+
+TEST(PbrtLook, ACoinChoosesPartsOfMixtures) {
+  const std::string text =
+      "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\"\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [0.8 0.4 0.2]\n"
+      "MakeNamedMaterial \"c\" \"string type\" \"mix\" \"string materials\" [\"b\" \"a\"] \"float amount\" 0.25\n"
+      "Texture \"t\" \"float\" \"checkerboard\" \"float tex1\" 0 \"float tex2\" 0.5\n"
+      "Material \"mix\" \"string materials\" [\"a\" \"c\"] \"texture amount\" \"t\"\nShape \"sphere\"\n";
+  const Scene scene = load(text);
+  ASSERT_EQ(scene.materials.size(), 4u);  // mix, a, c, b
+  const auto at = [&](Index i) { return scene.materials.at(static_cast<size_t>(i)); };
+  const Material& mix = scene.materials[0];
+  EXPECT_TRUE(mix.mix_texture.used());
+  EXPECT_FLOAT_EQ(mix.mix_share, 1);
+  EXPECT_EQ(at(mix.mix_first).name, "a");
+  const Material& inner = at(mix.mix_second);
+  EXPECT_EQ(inner.name, "c");
+  EXPECT_FLOAT_EQ(inner.mix_share, 0.25f);
+  EXPECT_EQ(at(inner.mix_first).name, "b");
+  EXPECT_EQ(inner.mix_second, mix.mix_first);  // read once
 }
 
 TEST(PbrtLook, MixedMetalsCoverTheirBase) {

@@ -13,8 +13,6 @@
 namespace relume::pbrt {
 namespace {
 
-constexpr int kMaxMixDepth = 8;
-
 constexpr Rgb kLuminance(0.2126f, 0.7152f, 0.0722f);
 
 Rgb largest(const TextureNode& node) {
@@ -34,11 +32,14 @@ Rgb in_range(const Rgb& color) { return glm::clamp(color, Rgb(0), Rgb(1)); }
 }  // namespace
 
 const MaterialEntity& Materials::entity_of(const Look& look) const {
-  if (look.material_name.empty()) return *look.material;
-  const auto named = description_.materials.find(look.material_name);
-  if (named == description_.materials.end())
-    fail(look.where, fmt::format("there is no material '{}'; define it with MakeNamedMaterial", look.material_name));
-  return *named->second;
+  return look.material_name.empty() ? *look.material : named(look.material_name, look.where);
+}
+
+const MaterialEntity& Materials::named(const std::string& name, const Location& where) const {
+  const auto material = description_.materials.find(name);
+  if (material == description_.materials.end())
+    fail(where, fmt::format("there is no material '{}'; define it with MakeNamedMaterial", name));
+  return *material->second;
 }
 
 Index Materials::of(const Look& look, float area, size_t faces) {
@@ -55,18 +56,34 @@ Index Materials::of(const Look& look, float area, size_t faces) {
       warnings_.add("media without a dielectric boundary are not supported; they are left out");
     return known_[key] = kNone;
   }
-  SurfaceModel made = model(entity, 0);
-  entity.parameters.warn_of_unused(fmt::format("material '{}'", entity.kind), warnings_);
-  add_alpha(look, made);
-  made.uniform.name = entity.name.empty() ? fmt::format("{} {}", entity.kind, scene_.materials.size()) : entity.name;
-  Material material = baker_.bake(made);
-  material.double_sided = true;
-  if (!look.inside_medium.empty()) add_medium(look.inside_medium, material);
+  const Index index = reserve(key);
+  Material material = make(entity, look, index, 0);
   if (look.area_light && look.alpha_texture.empty() && look.alpha <= 0)
     warnings_.add("invisible area lights, with alpha 0, are not supported; they do not emit");
   if (look.area_light) add_emission(*look.area_light, area, faces, material);
-  scene_.materials.push_back(std::move(material));
+  scene_.materials[static_cast<size_t>(index)] = std::move(material);
+  return index;
+}
+
+/// Adds an empty material, which the parts of a mixture follow.
+Index Materials::reserve(const std::string& key) {
+  scene_.materials.emplace_back();
   return known_[key] = static_cast<Index>(scene_.materials.size()) - 1;
+}
+
+/// A material without emission. Parts of mixtures (depth > 0) have no alpha: the mixture has it.
+Material Materials::make(const MaterialEntity& entity, const Look& look, Index index, int depth) {
+  SurfaceModel made = model(entity, depth);
+  entity.parameters.warn_of_unused(fmt::format("material '{}'", entity.kind), warnings_);
+  if (depth == 0) add_alpha(look, made);
+  made.uniform.name = entity.name.empty() ? fmt::format("{} {}", entity.kind, index) : entity.name;
+  Material material = baker_.bake(made);
+  material.double_sided = true;
+  const bool is_volume = material.thickness > 0 && material.transmission > 0;
+  const bool expects_volume = depth == 0 && !made.amount;  // mixtures may have one part of glass
+  if (!look.inside_medium.empty() && (is_volume || expects_volume)) add_medium(look.inside_medium, material);
+  if (made.amount) add_parts(entity, look, *made.amount, depth, material);
+  return material;
 }
 
 SurfaceModel Materials::model(const MaterialEntity& entity, int depth) {
@@ -270,56 +287,6 @@ SurfaceModel Materials::diffuse_transmission(const Parameters& parameters) {
 SurfaceModel Materials::subsurface(const Parameters& parameters) {
   warnings_.add("subsurface scattering is not supported; a coated diffuse material replaces it");
   return coated_diffuse(parameters);
-}
-
-SurfaceModel Materials::mix(const Parameters& parameters, int depth) {
-  const std::vector<std::string> names = parameters.strings("materials");
-  if (names.size() != 2) fail(parameters.where(), "a mix has two names in 'string materials'; give both");
-  if (depth >= kMaxMixDepth)
-    fail(parameters.where(), fmt::format("more than {} mixed materials are nested; simplify them", kMaxMixDepth));
-  std::array<SurfaceModel, 2> parts;
-  for (size_t i = 0; i < 2; ++i) {
-    const auto named = description_.materials.find(names[i]);
-    if (named == description_.materials.end())
-      fail(parameters.where(), fmt::format("there is no material '{}'; define it with MakeNamedMaterial", names[i]));
-    parts[i] = model(*named->second, depth + 1);
-  }
-  const TextureNode* given = textures_.number(parameters, "amount");
-  const TextureNode* amount = given ? given : textures_.constant(Rgb(0.5f));
-  const Surface a = parts[0].at(Vec2(0.5f));
-  const Surface b = parts[1].at(Vec2(0.5f));
-  const bool is_glassy = a.transmission > 0 || a.clearcoat > 0;
-  SurfaceModel model;
-  const size_t mapped = parts[0].normal_map.empty() ? 1 : 0;
-  model.normal_map = parts[mapped].normal_map;
-  model.where = parts[mapped].where;
-  if (parts[0].normal_map != parts[1].normal_map)
-    warnings_.add("mixed materials have one normal map; that of the first counts, if it has one");
-  model.uniform = is_glassy || b.metallic < a.metallic ? parts[0].uniform : parts[1].uniform;
-  if (a.transmission != b.transmission || a.clearcoat != b.clearcoat)
-    warnings_.add("mixed materials of different kinds are approximated by the mean of their parameters");
-  for (const SurfaceModel& part : parts) model.nodes.insert(model.nodes.end(), part.nodes.begin(), part.nodes.end());
-  model.nodes.push_back(amount);
-  const bool is_metal_over_base = a.metallic != b.metallic && a.transmission == 0 && b.transmission == 0;
-  if (is_metal_over_base && !have_equal_colors(parts[0], parts[1])) {
-    const size_t metal = a.metallic > b.metallic ? 0 : 1;
-    const float base_f0 = sqr((parts[1 - metal].uniform.ior - 1) / (parts[1 - metal].uniform.ior + 1));
-    model.uniform.ior = kMixedIndex;
-    model.at = [over = parts[metal].at, base = parts[1 - metal].at, metal, base_f0, amount](const Vec2& uv) {
-      const float second = saturate(value_at(*amount, uv).x);
-      return covered(base(uv), base_f0, over(uv), metal == 1 ? second : 1 - second);
-    };
-    return model;
-  }
-  const size_t base = a.metallic > b.metallic ? 1 : 0;
-  if (is_metal_over_base) model.uniform.ior = parts[base].uniform.ior;
-  model.at = [first = parts[0].at, second = parts[1].at, amount, is_metal_over_base, base](const Vec2& uv) {
-    const Surface p = first(uv), q = second(uv);
-    Surface result = mixed(p, q, value_at(*amount, uv).x);
-    if (is_metal_over_base) result.specular = base == 0 ? p.specular : q.specular;  // of the base alone
-    return result;
-  };
-  return model;
 }
 
 void Materials::add_alpha(const Look& look, SurfaceModel& model) {

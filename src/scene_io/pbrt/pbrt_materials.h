@@ -24,6 +24,11 @@ class Materials {
   Index of(const Look& look, float area, size_t faces);
 
  private:
+  Index reserve(const std::string& key);
+  Material make(const MaterialEntity& entity, const Look& look, Index index, int depth);
+  Index part(const MaterialEntity& entity, const Look& look, int depth);
+  void add_parts(const MaterialEntity& entity, const Look& look, const TextureNode& amount, int depth,
+                 Material& material);
   SurfaceModel model(const MaterialEntity& entity, int depth);
   SurfaceModel diffuse(const Parameters& parameters);
   SurfaceModel conductor(const Parameters& parameters);
@@ -45,6 +50,7 @@ class Materials {
   void add_medium(const std::string& name, Material& material);
   void add_emission(const AreaLightEntity& light, float area, size_t faces, Material& material);
   const MaterialEntity& entity_of(const Look& look) const;
+  const MaterialEntity& named(const std::string& name, const Location& where) const;
 
   const Description& description_;
   Scene& scene_;

@@ -32,6 +32,7 @@ struct SurfaceModel {
   const TextureNode* plain_color = nullptr;  ///< node whose value is the base colour, if nothing else varies
   std::string normal_map;                    ///< image file; empty: none
   Location where;                            ///< of `normal_map`
+  const TextureNode* amount = nullptr;       ///< share of the second part of a mixture whose means are not exact
 };
 
 /// Perceptual roughness of pbrt's roughness, which is squared first unless `remap`.

@@ -53,12 +53,22 @@ bool is_transparent(const Material& m) {
 }  // namespace
 
 std::vector<WrittenMaterial> MaterialWriter::write() {
-  std::vector<WrittenMaterial> written;
-  for (size_t i = 0; i < scene_.materials.size(); ++i) written.push_back(material(scene_.materials[i], i));
+  written_.resize(scene_.materials.size());
+  for (size_t i = 0; i < scene_.materials.size(); ++i) write_after_parts(i);
   const bool needs_default =
       std::any_of(scene_.meshes.begin(), scene_.meshes.end(), [](const Mesh& mesh) { return mesh.material == kNone; });
-  written.push_back(needs_default ? material(Material{}, scene_.materials.size()) : WrittenMaterial{});
-  return written;
+  written_.push_back(needs_default ? material(Material{}, scene_.materials.size()) : WrittenMaterial{});
+  return std::move(written_);
+}
+
+/// pbrt reads the parts of a mixture before it.
+void MaterialWriter::write_after_parts(size_t index) {
+  const Material& m = scene_.materials[index];
+  if (!written_[index].name.empty()) return;
+  for (const Index part : {m.mix_first, m.mix_second}) {
+    if (part != kNone) write_after_parts(static_cast<size_t>(part));
+  }
+  written_[index] = material(m, index);
 }
 
 WrittenMaterial MaterialWriter::material(const Material& m, size_t index) {
@@ -68,10 +78,20 @@ WrittenMaterial MaterialWriter::material(const Material& m, size_t index) {
   written.area_light = area_light(m);
   written.has_emission_map = (m.unlit ? m.base_color_texture : m.emission_texture).used();
   written.alpha = alpha(m);
-  written.medium = medium(m);
+  written.medium = medium_of(m);
   normal_map_ = normal_map(m);
   written.name = define("", body(m));
   return written;
+}
+
+/// The medium of a material, or of the first part of a mixture that has one.
+std::string MaterialWriter::medium_of(const Material& m) {
+  if (m.mix_first == kNone) return medium(m);
+  const std::string& first = written_[static_cast<size_t>(m.mix_first)].medium;
+  const std::string& second = written_[static_cast<size_t>(m.mix_second)].medium;
+  if (!first.empty() && !second.empty() && first != second)
+    output_.note(fmt::format("material '{}': a shape has one medium, so that of the second part is left out", m.name));
+  return first.empty() ? second : first;
 }
 
 std::string MaterialWriter::define(const std::string& part, const std::string& parameters) {
@@ -83,6 +103,10 @@ std::string MaterialWriter::define(const std::string& part, const std::string& p
 
 std::string MaterialWriter::body(const Material& m) {
   if (m.unlit) return "\"string type\" \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]";
+  if (m.mix_first != kNone) {
+    return mixture(written_[static_cast<size_t>(m.mix_first)].name, written_[static_cast<size_t>(m.mix_second)].name,
+                   m.mix_texture, [&](const Vec4& t) { return m.mix_share * t.x; });
+  }
   const bool is_mixed = m.metallic > 0 && (m.metallic < 1 || m.metallic_roughness_texture.used());
   if (is_mixed) {
     return mixture(define("dielectric", dielectric(m)), define("metal", metal(m)), m.metallic_roughness_texture,
@@ -276,6 +300,15 @@ void MaterialWriter::note_parts(const Material& m) {
     if (is_used) output_.note(fmt::format("material '{}': {}, {}", m.name, part, instead));
   };
   note(m.unlit, "an unlit surface", "emits its colour");
+  if (m.cull_back_faces) output_.note("faces that are invisible from behind become visible");
+  if (m.mix_first != kNone) {
+    const auto has_normals = [&](Index part) {
+      return scene_.materials[static_cast<size_t>(part)].normal_texture.used();
+    };
+    note(m.normal_texture.used() && !(has_normals(m.mix_first) && has_normals(m.mix_second)),
+         "the normal map of a mixture", "which pbrt has in parts only, is left out");
+    return;
+  }
   note(!is_black(m.sheen_color), "sheen", "which pbrt has no form of, is left out");
   note(m.iridescence > 0, "iridescence", "which pbrt has no form of, is left out");
   note(is_transparent(m) && (m.base_color != Rgb(1) || m.base_color_texture.used()), "the tint of transmitted light",
@@ -291,7 +324,6 @@ void MaterialWriter::note_parts(const Material& m) {
   note(m.clearcoat > 0 && (m.metallic < 1 || m.clearcoat < 1), "a clearcoat",
        "is written on metals only, with full strength from one half on");
   note(m.specular_texture.used() || m.specular_color_texture.used(), "textures of specular reflection", "are left out");
-  if (m.cull_back_faces) output_.note("faces that are invisible from behind become visible");
   note(m.microfacet_model != MicrofacetModel::ggx && m.roughness > 0, "Beckmann microfacets", "become GGX");
 }
 

@@ -28,6 +28,7 @@ class MaterialWriter {
   std::vector<WrittenMaterial> write();
 
  private:
+  void write_after_parts(size_t index);
   WrittenMaterial material(const Material& m, size_t index);
   /// Writes the material "NAME.part" or, without a part, "NAME". Returns its name in quotes.
   std::string define(const std::string& part, const std::string& parameters);
@@ -45,6 +46,7 @@ class MaterialWriter {
   std::string area_light(const Material& m);
   std::string alpha(const Material& m);
   std::string medium(const Material& m);
+  std::string medium_of(const Material& m);
   /// Parameter `name` of type rgb, or of a baked texture: `color` of the texel of `ref`, linear.
   std::string color(const std::string& name, const TextureRef& ref, const std::function<Rgb(const Vec4&)>& color);
   /// Parameter `name` of type float, or of a baked texture.
@@ -56,6 +58,7 @@ class MaterialWriter {
 
   const Scene& scene_;
   Output& output_;
+  std::vector<WrittenMaterial> written_;
   std::string name_;        ///< of the material that is written, unique
   std::string normal_map_;  ///< parameter of its parts; empty: none
   int textures_ = 0;

@@ -55,8 +55,7 @@ Scene scene_of(Material material) {
 Material diffuse(const Rgb& color) {
   Material material;
   material.base_color = color;
-  material.metallic = 0;
-  material.specular = 0;
+  material.metallic = material.specular = 0;
   return material;
 }
 
@@ -135,6 +134,22 @@ TEST(PbrtWriter, PartialTransmissionBecomesAMix) {
   const Material loaded = back(window);
   EXPECT_NEAR(loaded.transmission, 0.25f, 1e-5);
   EXPECT_GT(loaded.thickness, 0);
+}
+
+TEST(PbrtWriter, MixturesRoundTrip) {
+  Scene scene = scene_of({});
+  scene.materials.insert(scene.materials.end(), {diffuse({0.1f, 0.2f, 0.3f}), diffuse({1, 1, 1})});
+  scene.materials[0].mix_first = 2;
+  scene.materials[0].mix_second = 1;
+  scene.materials[0].mix_share = 0.75f;
+  Material& glass = scene.materials[2];
+  glass.transmission = glass.thickness = glass.attenuation_distance = 1;
+  glass.attenuation_color.r = 0.5f;
+  const std::vector<Material> m = read_back(scene).materials;
+  EXPECT_FLOAT_EQ(m.at(0).mix_share, 0.75f);
+  expect_near(m.at(static_cast<size_t>(m[0].mix_second)).base_color, {0.1f, 0.2f, 0.3f});
+  const Material& in = m.at(static_cast<size_t>(m[0].mix_first));
+  EXPECT_NEAR(std::pow(in.attenuation_color.r, 1 / in.attenuation_distance), 0.5f, 1e-3f);
 }
 
 TEST(PbrtWriter, MetallicTexturesRoundTrip) {

@@ -58,7 +58,9 @@ struct CameraConnection {
 
 /// Whether a camera in direction `w` looks through the surface, because its back is culled.
 RELUME_HD inline bool hidden_from_camera(const SceneView& scene, const SurfacePoint& sp, const Vec3& w) {
-  if (!scene.materials[sp.material].cull_back_faces) return false;
+  const uint32_t material =
+      scene.meshes[scene.instances[sp.instance].mesh].material;  // a mixture decides for its parts
+  if (!scene.materials[material].cull_back_faces) return false;
   return (glm::dot(sp.ng, w) > 0.0f) != sp.front_face;
 }
 
