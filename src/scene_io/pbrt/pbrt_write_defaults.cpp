@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "scene/compiled_scene.h"
 #include "scene/studio.h"
@@ -6,28 +7,27 @@
 
 namespace relume::pbrt {
 
-std::optional<Scene> with_defaults(const Scene& scene, Output& output) {
+Scene with_defaults(Scene scene, Output& output) {
   const bool has_camera = std::any_of(scene.nodes.begin(), scene.nodes.end(),
                                       [](const Node& candidate) { return candidate.camera != kNone; });
   const bool is_automatic = scene.environment.kind == EnvironmentKind::automatic;
   const bool may_be_studio = is_automatic || scene.environment.kind == EnvironmentKind::studio;
-  if (has_camera && !may_be_studio) return std::nullopt;
+  if (has_camera && !may_be_studio) return scene;
   const IVec2 size = image_size(scene);
   const CompiledScene compiled(scene, {.width = size.x, .height = size.y});
   const CameraPose pose = compiled.camera();
-  Scene complete = scene;
   if (!has_camera) {
     output.note("the scene has no camera; one that frames it is written");
     Node node;
-    node.camera = static_cast<Index>(complete.cameras.size());
+    node.camera = static_cast<Index>(scene.cameras.size());
     node.matrix = pose.to_world;
-    complete.cameras.push_back(pose.camera);
-    complete.add_node(std::move(node));
+    scene.cameras.push_back(pose.camera);
+    scene.add_node(std::move(node));
   }
-  Environment& environment = complete.environment;
+  Environment& environment = scene.environment;
   if (is_automatic) environment.kind = compiled.in_studio() ? EnvironmentKind::studio : EnvironmentKind::none;
   if (compiled.in_studio()) environment.rotation_rad += studio_rotation_rad(-Vec3(pose.to_world[2]));
-  return complete;
+  return scene;
 }
 
 }  // namespace relume::pbrt

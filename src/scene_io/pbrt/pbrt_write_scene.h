@@ -1,7 +1,6 @@
 // Writes geometry, lights, environment and camera as pbrt's directives.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "scene_io/pbrt/pbrt_output.h"
@@ -9,9 +8,8 @@
 
 namespace relume::pbrt {
 
-/// The scene with the camera and the studio that relume renders it with where it has none of its own, for other
-/// programs. std::nullopt if nothing is missing.
-std::optional<Scene> with_defaults(const Scene& scene, Output& output);
+/// Adds the camera and the studio that relume renders the scene with where it has none of its own, for other programs.
+Scene with_defaults(Scene scene, Output& output);
 
 /// Size of the image, pixels: that of the scene's settings, else 720 rows with the aspect ratio of the first camera.
 IVec2 image_size(const Scene& scene);

@@ -66,7 +66,7 @@ class ShapeWriter {
   void write(const Node& node, const Mat4& world) {
     for (const Index mesh : node.meshes) {
       if (scene_.meshes[static_cast<size_t>(mesh)].triangles.empty()) continue;
-      if (node.instances.empty()) place(static_cast<size_t>(mesh), node.skin == kNone ? world : Mat4(1));
+      if (node.instances.empty()) place(static_cast<size_t>(mesh), world);
       for (const Mat4& instance : node.instances) place(static_cast<size_t>(mesh), world * instance);
     }
   }
@@ -111,8 +111,6 @@ class ShapeWriter {
     if (!is_new) return entry->second;
     const Mesh& mesh = scene_.meshes[index];
     if (!mesh.colors.empty()) output_.note("vertex colours, which pbrt has no form of, are left out");
-    if (!mesh.morph_targets.empty() || mesh.influences_per_vertex > 0)
-      output_.note("meshes with skins and morph targets are written at rest");
     std::optional<Vec2> shift = Vec2(0);
     if (material_of(mesh).has_emission_map) shift = shift_to_unit(mesh);
     if (!shift) output_.note("textures of emission do not repeat; beyond the image, its edge emits");

@@ -1,6 +1,7 @@
 // Writes scenes of pbrt-v4.
 #include "relume/scene_io.h"
 #include "scene/scene.h"
+#include "scene/still.h"
 #include "scene_io/pbrt/pbrt_write_scene.h"
 
 namespace relume {
@@ -8,8 +9,7 @@ namespace relume {
 std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Scene& source) {
   validate(source, error_place(source));
   pbrt::Output output(file, source.source_files);
-  const std::optional<Scene> complete = pbrt::with_defaults(source, output);
-  const Scene& scene = complete ? *complete : source;
+  const Scene scene = pbrt::with_defaults(still_scene(source, 0), output);
   const std::vector<Mat4> world = world_matrices(scene, 0);
   const std::vector<bool> visible = visible_nodes(scene, 0);
   output.line("# Written by relume for pbrt-v4");
@@ -18,7 +18,7 @@ std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Sce
   pbrt::write_lights(scene, world, visible, output);
   const std::vector<pbrt::WrittenMaterial> materials = pbrt::MaterialWriter(scene, output).write();
   pbrt::write_shapes(scene, world, visible, materials, output);
-  if (!scene.animation.empty() || !scene.parameter_animation.empty())
+  if (!source.animation.empty() || !source.parameter_animation.empty())
     output.note("the animation is left out; the scene is written at time 0");
   if (!scene.variants.empty()) output.note("variants of materials are left out; the default materials are written");
   return output.finish();
