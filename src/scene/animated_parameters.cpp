@@ -119,4 +119,15 @@ void apply(const ParameterChannel& channel, float time_s, Camera& camera) {
   set(find_parameter(camera, channel.parameter), limited(evaluate(channel, time_s), may_vanish ? 0 : kSmallest, most));
 }
 
+void apply_parameters(Scene& scene, float time_s) {
+  for (const ParameterChannel& c : scene.parameter_animation) {
+    const auto i = static_cast<size_t>(c.index);
+    switch (c.part) {
+      case AnimatedPart::material: apply(c, time_s, scene.materials[i]); break;
+      case AnimatedPart::light: apply(c, time_s, scene.lights[i]); break;
+      case AnimatedPart::camera: apply(c, time_s, scene.cameras[i]); break;
+    }
+  }
+}
+
 }  // namespace relume

@@ -28,4 +28,7 @@ void apply(const ParameterChannel& channel, float time_s, Material& material);
 void apply(const ParameterChannel& channel, float time_s, PunctualLight& light);
 void apply(const ParameterChannel& channel, float time_s, Camera& camera);
 
+/// Sets every animated parameter of the scene.
+void apply_parameters(Scene& scene, float time_s);
+
 }  // namespace relume

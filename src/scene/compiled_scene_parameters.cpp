@@ -6,16 +6,7 @@
 
 namespace relume {
 
-void CompiledScene::apply_parameter_animation() {
-  for (const ParameterChannel& c : source_.parameter_animation) {
-    const auto i = static_cast<size_t>(c.index);
-    switch (c.part) {
-      case AnimatedPart::material: apply(c, time_s_, source_.materials[i]); break;
-      case AnimatedPart::light: apply(c, time_s_, source_.lights[i]); break;
-      case AnimatedPart::camera: apply(c, time_s_, source_.cameras[i]); break;
-    }
-  }
-}
+void CompiledScene::apply_parameter_animation() { apply_parameters(source_, time_s_); }
 
 Change CompiledScene::animate_parameters() {
   if (source_.parameter_animation.empty()) return Change::none;

@@ -52,14 +52,7 @@ void apply_channels(Scene& scene, float time_s) {
     if (is_transform(c.property)) apply(c, time_s, node.transform);
     if (c.property == AnimatedProperty::visible) node.visible = evaluate(c, time_s).x != 0;
   }
-  for (const ParameterChannel& c : scene.parameter_animation) {
-    const auto i = static_cast<size_t>(c.index);
-    switch (c.part) {
-      case AnimatedPart::material: apply(c, time_s, scene.materials[i]); break;
-      case AnimatedPart::light: apply(c, time_s, scene.lights[i]); break;
-      case AnimatedPart::camera: apply(c, time_s, scene.cameras[i]); break;
-    }
-  }
+  apply_parameters(scene, time_s);
   scene.animation.clear();
   scene.parameter_animation.clear();
   scene.clips.clear();
