@@ -136,9 +136,9 @@ def test_texture_formats_fit_their_texels():
 
 
 def test_names_may_have_other_encodings(tmp_path):
-    (tmp_path / "a.mtl").write_bytes(b"newmtl caf\xe9\nKd 1 0 0\n")
-    (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl caf\xe9\nf 1 2 3\n")
-    assert any(material.name.startswith("caf") for material in relume.load(tmp_path / "a.obj").materials)
+    (tmp_path / "a.mtl").write_bytes(b"newmtl glac\xe9\nKd 1 0 0\n")
+    (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl glac\xe9\nf 1 2 3\n")
+    assert any(material.name.startswith("glac") for material in relume.load(tmp_path / "a.obj").materials)
     with pytest.raises(relume.Error):
         relume.load(os.fsdecode(b"b\xfc.obj"))
 
