@@ -15,7 +15,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+/// Escapes the control character DEL, which JSON permits in strings: the text may be shown on a terminal.
+std::string text_of(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(2, ' ', false, Json::error_handler_t::replace)) {
+    if (c == '\x7f') {
+      text += "\\u007f";
+    } else {
+      text += c;
+    }
+  }
+  return text + "\n";
+}
 
 }  // namespace
 

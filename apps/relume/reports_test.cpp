@@ -36,6 +36,12 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5", text);
 }
 
+TEST(Reports, ControlCharactersAreEscaped) {
+  RunReport report;
+  report.scene = "a\x1b[2J\x7f\nb";
+  expect_in("\"scene\": \"a\\u001b[2J\\u007f\\nb\"", to_json(report));
+}
+
 TEST(Reports, SamplesAreWholeWhereTheyCan) {
   EXPECT_EQ(format_samples(1), "1");
   EXPECT_EQ(format_samples(1 << 20), "1048576");
