@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/vec.h"
+#include "scene/compiled_scene.h"
 #include "scene/placement.h"
 #include "scene_io/pbrt/pbrt_camera.h"
 #include "scene_io/pbrt/pbrt_write_scene.h"
@@ -50,18 +51,16 @@ std::string camera_text(const Camera& camera, const IVec2& size) {
   return fmt::format("Camera \"perspective\" \"float fov\" {}", number(glm::degrees(2 * std::atan(half)))) + lens;
 }
 
-/// The first node with a camera, or the end.
-std::vector<Node>::const_iterator camera_node(const Scene& scene) {
-  return std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                      [](const Node& candidate) { return candidate.camera != kNone; });
+const Camera& camera_of(const Scene& scene, Index node) {
+  return scene.cameras[static_cast<size_t>(scene.nodes[static_cast<size_t>(node)].camera)];
 }
 
 }  // namespace
 
 IVec2 image_size(const Scene& scene) {
   const json settings = settings_of(scene);
-  const auto node = camera_node(scene);
-  const float ratio = node == scene.nodes.end() ? 0.0f : scene.cameras[static_cast<size_t>(node->camera)].aspect_ratio;
+  const Index node = find_camera(scene, "");
+  const float ratio = node == kNone ? 0.0f : camera_of(scene, node).aspect_ratio;
   const int height = integer(settings, "height", 720);
   const float aspect = ratio > 0 ? ratio : 16.0f / 9;
   const int width = static_cast<int>(std::lround(static_cast<float>(height) * aspect));
@@ -70,9 +69,9 @@ IVec2 image_size(const Scene& scene) {
 
 void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& output) {
   Mat4 to_world(1);
-  const auto node = camera_node(scene);
-  const Camera& camera = scene.cameras[static_cast<size_t>(node->camera)];
-  const Mat4& found = world[static_cast<size_t>(node - scene.nodes.begin())];
+  const Index node = find_camera(scene, "");
+  const Camera& camera = camera_of(scene, node);
+  const Mat4& found = world[static_cast<size_t>(node)];
   if (const std::optional<Mat3> axes = orientation(found)) {
     to_world = Mat4(*axes);
     to_world[3] = found[3];

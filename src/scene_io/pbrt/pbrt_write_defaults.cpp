@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include "scene/compiled_scene.h"
@@ -8,8 +7,7 @@
 namespace relume::pbrt {
 
 Scene with_defaults(Scene scene, Output& output) {
-  const bool has_camera = std::any_of(scene.nodes.begin(), scene.nodes.end(),
-                                      [](const Node& candidate) { return candidate.camera != kNone; });
+  const bool has_camera = find_camera(scene, "") != kNone;
   const bool is_automatic = scene.environment.kind == EnvironmentKind::automatic;
   const bool may_be_studio = is_automatic || scene.environment.kind == EnvironmentKind::studio;
   if (has_camera && !may_be_studio) return scene;

@@ -301,6 +301,22 @@ TEST(PbrtWriter, CamerasRoundTrip) {
   }
 }
 
+TEST(PbrtWriter, TheCameraIsThatOfRelume) {
+  Scene scene = scene_of({});
+  scene.nodes[1].camera = 1;
+  scene.cameras.push_back(scene.cameras[0]);
+  scene.cameras[1].fov_y_rad = 1.1f;
+  Node node;
+  node.camera = 0;  // the first camera, on the last node
+  node.transform.translation = {0, 0, 5};
+  scene.add_node(node);
+  std::vector<std::string> notes;
+  const Scene loaded = read_back(scene, &notes);
+  EXPECT_NEAR(loaded.cameras.at(0).fov_y_rad, 0.7f, 1e-5);
+  EXPECT_NEAR(world_matrices(loaded, 0).back()[3].z, 5, 1e-5);
+  EXPECT_TRUE(mentions(notes, "the first camera is written"));
+}
+
 TEST(PbrtWriter, InstancesStayInstances) {
   Scene scene = scene_of({});
   scene.nodes[0].instances = {Mat4(1), glm::mat4_cast(Quaternion(0, 0, 1, 0))};
