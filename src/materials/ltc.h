@@ -2,7 +2,7 @@
 // estimate the importance of lights, never for shading.
 #pragma once
 
-#include "core/lanes.h"
+#include "core/triple.h"
 #include "core/vec.h"
 #include "core/view.h"
 
@@ -58,24 +58,6 @@ RELUME_HD inline float ltc_pdf(const LtcMatrix& m, const Vec3& w) {
   return kInvPi * std::fabs(m.determinant()) * q.z / (length2 * length2);
 }
 
-/// Three numbers of type T: float or SIMD lanes.
-template <typename T>
-struct Triple {
-  T x, y, z;
-
-  friend RELUME_HD Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend RELUME_HD Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend RELUME_HD Triple operator*(const Triple& a, const T& s) { return {a.x * s, a.y * s, a.z * s}; }
-};
-template <typename T>
-RELUME_HD inline T dot(const Triple<T>& a, const Triple<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <typename T>
-RELUME_HD inline Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 namespace ltc {
 
 /// z component of the integral over one polygon edge seen from the origin: its angle times the unit normal of its plane
@@ -89,12 +71,6 @@ RELUME_HD inline T edge_integral(const Triple<T>& a, const Triple<T>& b) {
   const T acute = polynomial / square_root(T(1.0f) + y);  // angle / sin of angle
   const T obtuse = T(kPi) / square_root(max(T(1.0f) - x * x, T(1e-7f))) - acute;
   return select(x > T(0.0f), acute, obtuse) * (a.x * b.y - a.y * b.x) * scale;
-}
-
-template <typename T>
-RELUME_HD inline Triple<T> select(const MaskOf<T>& condition, const Triple<T>& yes, const Triple<T>& no) {
-  return {relume::select(condition, yes.x, no.x), relume::select(condition, yes.y, no.y),
-          relume::select(condition, yes.z, no.z)};
 }
 
 /// Triangles seen under less than the root of this (radians) count as points: rounding dominates their integral.
