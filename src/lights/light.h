@@ -104,13 +104,14 @@ struct LightsView {
   TexturedEmission textured;
   EnvironmentView environment;
   SceneBounds bounds;
+  float wide_triangle = kWideTriangle;  ///< infinity: sample_li() and pdf_li() sample triangles by area alone
 };
 
 /// Samples light that reaches `p` from one direction.
 RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
   const Light& light = view.lights[id];
   switch (light.kind) {
-    case LightKind::triangle: return sample_li(light.triangle, view.textured, p, u);
+    case LightKind::triangle: return sample_li(light.triangle, view.textured, p, u, view.wide_triangle);
     case LightKind::point: return sample_li(light.point, p);
     case LightKind::spot: return sample_li(light.spot, p);
     case LightKind::directional: return sample_li(light.directional, u);
@@ -132,7 +133,7 @@ RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p,
                               const EmitterPoint& on_light) {
   const Light& light = view.lights[id];
   switch (light.kind) {
-    case LightKind::triangle: return pdf_li(light.triangle, view.textured, p, wi, on_light);
+    case LightKind::triangle: return pdf_li(light.triangle, view.textured, p, wi, on_light, view.wide_triangle);
     case LightKind::point:
     case LightKind::spot: return 0.0f;
     case LightKind::directional: return pdf_li(light.directional, wi);

@@ -1,4 +1,5 @@
-// Emissive triangles, sampled uniformly in area or, with a texture, in proportion to the emission.
+// Emissive triangles, sampled uniformly in solid angle where they look large, else uniformly in area; with a texture, in
+// proportion to the emission.
 #pragma once
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include "lights/light_types.h"
 #include "materials/material.h"
 #include "sampling/alias_table.h"
+#include "sampling/spherical_triangle.h"
 
 namespace relume {
 
@@ -16,6 +18,7 @@ struct TriangleLight {
   Vec3 e2;       ///< v2 − v0
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
+  float width2;  ///< squared length of the longest edge, m²
   float error;   ///< bound on the rounding error of hits on it, metres
   Rgb radiance;  ///< emission below the coat where the texture is white
   float coat;    ///< weight of the clearcoat where its texture is white
@@ -150,20 +153,63 @@ RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const Textured
   return radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
 }
 
+/// Triangles whose longest edge exceeds this fraction of the distance to their centre are sampled by solid angle.
+/// Nearer to uniform, a smaller one gains less than the computation costs.
+inline constexpr float kWideTriangle = 0.3f;
+
+/// Whether the triangle at `corner`, v0 relative to the receiver, is sampled uniformly in solid angle. `wide`:
+/// kWideTriangle, or infinity for none.
+RELUME_HD inline bool is_wide(const TriangleLight& light, const Vec3& corner, float wide) {
+  const Vec3 centre = corner + (light.e1 + light.e2) * (1.0f / 3.0f);
+  return light.textured < 0 && light.width2 > wide * wide * length_squared(centre);
+}
+
+/// The triangle at `corner` on the unit sphere around the receiver.
+RELUME_HD inline SphericalTriangle<float> on_sphere(const TriangleLight& light, const Vec3& corner) {
+  const float volume = 2.0f * light.area * std::fabs(glm::dot(light.normal, corner));
+  return make_spherical_triangle(triple_of<float>(corner), triple_of<float>(corner + light.e1),
+                                 triple_of<float>(corner + light.e2), volume);
+}
+
+/// Barycentrics of the triangle at `corner` in direction `w`. Rounding may place w beside the triangle: they are those
+/// of a point in it.
+RELUME_HD inline Vec2 barycentric_along(const TriangleLight& light, const Vec3& corner, const Vec3& w) {
+  const Vec3 n = glm::cross(light.e1, light.e2);
+  const Vec3 inside = w * (glm::dot(corner, n) / glm::dot(w, n)) - corner;
+  const Vec2 b = Vec2(glm::dot(glm::cross(inside, light.e2), n), glm::dot(glm::cross(light.e1, inside), n)) /
+                 glm::dot(n, n);
+  const float x = saturate(b.x);
+  return {x, clamp(b.y, 0.0f, 1.0f - x)};
+}
+
 RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
-                                       const Vec2& u) {
-  const TrianglePoint point = sample_area(light, e, u);
+                                       const Vec2& u, float wide) {
   LightSample s;
-  s.barycentric = point.barycentric;
-  s.position = light.position(point.barycentric);
+  const Vec3 corner = light.v0 - p;
+  if (!(light.emission_cosine(-corner) > 0.0f)) return s;
+  const bool by_solid_angle = is_wide(light, corner, wide);
+  float pdf_a = 0;
+  if (by_solid_angle) {
+    const SphericalTriangle<float> t = on_sphere(light, corner);
+    const Triple<float> w = spherical_triangle_from_square(t, u.x, u.y);
+    s.barycentric = barycentric_along(light, corner, {w.x, w.y, w.z});
+    s.pdf_w = t.pdf();
+  } else {
+    const TrianglePoint point = sample_area(light, e, u);
+    s.barycentric = point.barycentric;
+    pdf_a = point.pdf_a;
+  }
+  s.position = light.position(s.barycentric);
   const Vec3 d = s.position - p;
   const float distance_squared = length_squared(d);
-  if (!(distance_squared > 0.0f)) return s;
   s.distance = std::sqrt(distance_squared);
   s.wi = d / s.distance;
   const float cos_light = light.emission_cosine(-s.wi);
-  if (!(cos_light > 0.0f)) return s;
-  s.pdf_w = pdf_w_from_pdf_a(point.pdf_a, distance_squared, cos_light);
+  if (!(cos_light > 0.0f)) {
+    s.pdf_w = 0;
+    return s;
+  }
+  if (!by_solid_angle) s.pdf_w = pdf_w_from_pdf_a(pdf_a, distance_squared, cos_light);
   s.clearance = light.error / cos_light;
   s.radiance = emitted_radiance(light, e, point.barycentric, cos_light);
   s.normal = light.normal;
@@ -171,9 +217,11 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
 }
 
 RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec3& wi,
-                              const EmitterPoint& on_light) {
+                              const EmitterPoint& on_light, float wide) {
   const float cos_light = light.emission_cosine(-wi);
   if (!(cos_light > 0.0f)) return 0.0f;
+  const Vec3 corner = light.v0 - p;
+  if (is_wide(light, corner, wide)) return on_sphere(light, corner).pdf();
   return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
 }
 

@@ -153,6 +153,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     const float twice_area = glm::length(cross);
     light.normal = twice_area > 0.0f ? cross / twice_area : Vec3(0);
     light.area = 0.5f * twice_area;
+    light.width2 = max(length_squared(light.e1), max(length_squared(light.e2), length_squared(light.e1 - light.e2)));
     light.radiance = light.area > 0.0f && instance.visible ? material.emission : Rgb(0);
     light.instance = instance_index;
     light.primitive = k;
