@@ -1,8 +1,8 @@
 // Luminance that a point would reflect towards the viewer from each of many lights, without occlusion. Light selection
 // strategies weight their candidates by this importance ([Dittebrandt20, §4.2]).
 //
-// Triangles are integrated in closed form against Lambert's cosine, and for glossy reflection against a linearly
-// transformed cosine ([Heitz16]). Lights without extent are evaluated. Emission is averaged over the triangle.
+// Triangles count as softened points against Lambert's cosine, and for glossy reflection against a linearly transformed
+// cosine ([Heitz16]). Lights without extent are evaluated. Emission is averaged over the triangle.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ namespace relume {
 
 /// Data of emissive triangles in columns, so that eight triangles load at once. Other lights have no emission here.
 struct LightColumns {
-  enum Column : uint32_t { v0, e1 = 3, e2 = 6, normal = 9, emission = 12, two_sided, count };
+  enum Column : uint32_t { centre, twice_area = 3, radius = 6, emission, two_sided, count };
 
   View<const float> values;
   uint32_t lights = 0;
@@ -79,31 +79,39 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
   return r;
 }
 
-/// Importance of a triangle whose corner and edges are relative to the receiver, in world axes. `facing` > 0 on the
-/// emitting side.
+/// Approximate form factor, ∫ cos θ / π dω above the horizon, of a surface at `middle` for a receiver at the origin
+/// that faces +Z: that of a point with the surface's projected area, which saturates at the cosine of its direction.
+/// `volume`: projected area · distance. Within `radius` of the horizon the height fades to zero, so that every surface
+/// that reaches above the horizon counts.
 template <typename T>
-RELUME_HD inline T triangle_importance(const LightReceiver& r, const Triple<T>& corner, const Triple<T>& e1,
-                                       const Triple<T>& e2, T facing, T emission) {
-  const auto local = [&](const Triple<T>& v) {
-    const auto along = [&](const Vec3& axis) { return v.x * T(axis.x) + v.y * T(axis.y) + v.z * T(axis.z); };
-    return Triple<T>{along(r.frame.t), along(r.frame.b), along(r.frame.n)};
+RELUME_HD_INLINE T soft_form_factor(const Triple<T>& middle, const T& volume, const T& radius) {
+  const T distance2 = max(dot(middle, middle), T(1e-30f));
+  const T distance = square_root(distance2);
+  const T above = max(middle.z + radius, T(0.0f));
+  const T height = select(middle.z > radius, middle.z, above * above / (T(4.0f) * radius));
+  return volume * height / (distance * (T(kPi) * distance2 * distance + volume));
+}
+
+/// Importance of a triangle. `middle`: its centre relative to the receiver, in world axes. `side`: twice its area · the
+/// distance of its plane, > 0 on the emitting side. `radius`: largest distance of a corner from the centre.
+template <typename T>
+RELUME_HD inline T triangle_importance(const LightReceiver& r, const Triple<T>& middle, T side, T radius, T emission) {
+  const auto along = [&](const Vec3& axis) {
+    return middle.x * T(axis.x) + middle.y * T(axis.y) + middle.z * T(axis.z);
   };
-  const Triple<T> v0 = local(corner);
-  const Triple<T> v1 = local(corner + e1);
-  const Triple<T> v2 = local(corner + e2);
-  T reflected = T(r.diffuse) * ltc::form_factor(v0, v1, v2);
+  const Triple<T> m{along(r.frame.t), along(r.frame.b), along(r.frame.n)};
+  const T volume = T(0.5f) * side;
+  T reflected = T(r.diffuse) * soft_form_factor(m, volume, radius);
   if (r.glossy > 0.0f) {
-    const LtcMatrix& m = r.glossy_matrix;
-    const auto transformed = [&](const Triple<T>& v) {
-      return Triple<T>{v.x * T(m.a) + v.z * T(m.b), v.y * T(m.c), v.x * T(m.d) + v.z};
-    };
-    reflected = reflected + T(r.glossy) * ltc::form_factor(transformed(v0), transformed(v1), transformed(v2));
+    const LtcMatrix& l = r.glossy_matrix;
+    const Triple<T> transformed{m.x * T(l.a) + m.z * T(l.b), m.y * T(l.c), m.x * T(l.d) + m.z};
+    const float stretch = std::sqrt(l.d * l.d + 1.0f);  // of heights
+    reflected = reflected + T(r.glossy) * soft_form_factor(transformed, volume * T(std::fabs(l.determinant())),
+                                                           radius * T(stretch));
   }
-  if (r.behind > 0.0f) {
-    const auto mirrored = [](const Triple<T>& v) { return Triple<T>{v.x, v.y, -v.z}; };
-    reflected = reflected + T(r.behind) * ltc::form_factor(mirrored(v0), mirrored(v1), mirrored(v2));
-  }
-  return select(facing > T(0.0f), emission * reflected, T(0.0f));
+  if (r.behind > 0.0f)
+    reflected = reflected + T(r.behind) * soft_form_factor(Triple<T>{m.x, m.y, T(0.0f) - m.z}, volume, radius);
+  return select(side > T(0.0f), emission * reflected, T(0.0f));
 }
 
 /// Importance of a light without extent.
@@ -123,11 +131,11 @@ RELUME_HD inline T of_columns(const LightReceiver& r, const LightColumns& column
     return Triple<T>{load(columns.column(first)), load(columns.column(first + 1)), load(columns.column(first + 2))};
   };
   const Triple<T> p{T(r.position.x), T(r.position.y), T(r.position.z)};
-  const Triple<T> corner = triple(LightColumns::v0) - p;
-  const T side = T(0.0f) - dot(triple(LightColumns::normal), corner);
+  const Triple<T> middle = triple(LightColumns::centre) - p;
+  const T side = T(0.0f) - dot(triple(LightColumns::twice_area), middle);
   const T two_sided = load(columns.column(LightColumns::two_sided));
-  const T facing = select(two_sided > T(0.0f), absolute(side), side);
-  return triangle_importance<T>(r, corner, triple(LightColumns::e1), triple(LightColumns::e2), facing,
+  return triangle_importance<T>(r, middle, select(two_sided > T(0.0f), absolute(side), side),
+                                load(columns.column(LightColumns::radius)),
                                 load(columns.column(LightColumns::emission)));
 }
 

@@ -1,5 +1,5 @@
-// Emissive triangles, sampled uniformly in solid angle where they look large, else uniformly in area; with a texture, in
-// proportion to the emission.
+// Emissive triangles, sampled uniformly in solid angle where they look large, else uniformly in area; with a texture,
+// in proportion to the emission.
 #pragma once
 
 #include <cmath>
@@ -176,8 +176,8 @@ RELUME_HD inline SphericalTriangle<float> on_sphere(const TriangleLight& light, 
 RELUME_HD inline Vec2 barycentric_along(const TriangleLight& light, const Vec3& corner, const Vec3& w) {
   const Vec3 n = glm::cross(light.e1, light.e2);
   const Vec3 inside = w * (glm::dot(corner, n) / glm::dot(w, n)) - corner;
-  const Vec2 b = Vec2(glm::dot(glm::cross(inside, light.e2), n), glm::dot(glm::cross(light.e1, inside), n)) /
-                 glm::dot(n, n);
+  const Vec2 b =
+      Vec2(glm::dot(glm::cross(inside, light.e2), n), glm::dot(glm::cross(light.e1, inside), n)) / glm::dot(n, n);
   const float x = saturate(b.x);
   return {x, clamp(b.y, 0.0f, 1.0f - x)};
 }

@@ -94,9 +94,9 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
   const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric}, -light.wi);
   const bool infinite = pick.id >= c.scene().lights.first_infinite;
   // Weights assume that connections find points of lights as emission does: by area.
-  const float found_by_area = infinite ? pdf.pdf_w
-                                       : pdf_w_from_pdf_a(pdf.pdf_a, sqr(light.distance),
-                                                          std::fabs(glm::dot(light.normal, light.wi)));
+  const float found_by_area =
+      infinite ? pdf.pdf_w
+               : pdf_w_from_pdf_a(pdf.pdf_a, sqr(light.distance), std::fabs(glm::dot(light.normal, light.wi)));
   const float met = light.delta ? 0.0f : sqr(bsdf.pdf_forward / (pmf * found_by_area));
   if (e.count() + 1 > c.max_bidirectional_vertices()) return weight_from(met, 0.0f);
   const float onwards = infinite ? pdf.pdf_a : pdf.pdf_w / sqr(light.distance);
