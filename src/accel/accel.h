@@ -30,12 +30,14 @@ RELUME_HD Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint
 RELUME_HD bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
 /// Capacity of a host packet, rays.
-inline constexpr int kPacketSize = 8;
+inline constexpr int kPacketSize = 16;
 
-/// Host only: nearest hits of up to kPacketSize camera rays at once. `coherent`: the rays have similar origins and
-/// directions.
-void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
-                      bool coherent);
+/// Host only: intersect() for up to kPacketSize rays at once, with the same results.
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count);
+
+/// Host only: intersect_from_camera() for up to kPacketSize rays of neighbouring pixels at once, with the same results.
+void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits,
+                                  int count);
 
 /// Host only: occlusion of up to kPacketSize rays at once.
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* occluded, int count);

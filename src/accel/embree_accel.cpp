@@ -360,35 +360,54 @@ bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id)
   return is_blocked(accel, ray, ray_id, kToCamera);
 }
 
+namespace {
+
+/// Near an edge, packets may find the neighbour of the triangle that a single ray finds.
+bool is_near_edge(const Hit& hit) {
+  constexpr float kNear = 1e-4f;
+  return hit.u < kNear || hit.v < kNear || hit.u + hit.v > 1.0f - kNear;
+}
+
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
-                      bool coherent) {
-  RTCRayHit8 query;
-  alignas(32) int valid[kPacketSize];
+                      unsigned flags, bool coherent) {
+  RTCRayHit16 query;
+  alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
     valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
-    fill_packet(query.ray, i, rays[k], ray_ids[k], kFromCamera);
+    fill_packet(query.ray, i, rays[k], ray_ids[k], flags);
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  embree::intersect8(valid, as_scene(accel), query, options_of(as_scene(accel), kFromCamera, coherent));
+  embree::intersect16(valid, as_scene(accel), query, options_of(as_scene(accel), flags, coherent));
   for (int i = 0; i < count; ++i) {
-    hits[i] =
-        query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
-            ? Hit{}
-            : hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
+    hits[i] = {};
+    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    hits[i] = hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
+    if (is_near_edge(hits[i])) hits[i] = nearest_hit(accel, rays[i], ray_ids[i], flags);
   }
 }
 
+}  // namespace
+
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count) {
+  intersect_packet(accel, rays, ray_ids, hits, count, 0, false);
+}
+
+void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits,
+                                  int count) {
+  intersect_packet(accel, rays, ray_ids, hits, count, kFromCamera, true);
+}
+
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
-  RTCRay8 query;
-  alignas(32) int valid[kPacketSize];
+  RTCRay16 query;
+  alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
     valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
     fill_packet(query, i, rays[k], ray_ids[k], 0);
   }
-  embree::occluded8(valid, as_scene(accel), query, {});
+  embree::occluded16(valid, as_scene(accel), query, {});
   for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
 }
 

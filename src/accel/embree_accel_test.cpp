@@ -67,7 +67,7 @@ std::vector<int> hits_along(const EmbreeAccel& accel, size_t count) {
     const Hit hit = intersect(accel.view(), ray, id);
     Hit in_packet;
     bool hidden = false;
-    intersect_packet(accel.view(), &ray, &id, &in_packet, 1, false);
+    intersect_packet(accel.view(), &ray, &id, &in_packet, 1);
     occluded_packet(accel.view(), &ray, &id, &hidden, 1);
     EXPECT_EQ(in_packet.instance, hit.instance);
     EXPECT_EQ(hidden, hit.valid());

@@ -211,7 +211,7 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
   }
   if (!by_solid_angle) s.pdf_w = pdf_w_from_pdf_a(pdf_a, distance_squared, cos_light);
   s.clearance = light.error / cos_light;
-  s.radiance = emitted_radiance(light, e, point.barycentric, cos_light);
+  s.radiance = emitted_radiance(light, e, s.barycentric, cos_light);
   s.normal = light.normal;
   return s;
 }

@@ -200,7 +200,7 @@ TEST(CompiledScene, NonFiniteRaysHitNothing) {
   const uint32_t ids[kCount] = {};
   Hit hits[kCount];
   bool blocked[kCount];
-  intersect_packet(accel, rays, ids, hits, kCount, true);
+  intersect_packet_from_camera(accel, rays, ids, hits, kCount);
   occluded_packet(accel, rays, ids, blocked, kCount);
   for (int i = 0; i < kCount; ++i) {
     EXPECT_EQ(intersect(accel, rays[i], 0).valid(), i == 0) << i;

@@ -136,7 +136,7 @@ TEST(CompiledScene, FindsStaticGeometryAmongMoving) {
     EXPECT_TRUE(occluded(compiled.view().accel, ray, 0));
     Hit packet[kPacketSize];
     const uint32_t id = 0;
-    intersect_packet(compiled.view().accel, &ray, &id, packet, 1, true);
+    intersect_packet_from_camera(compiled.view().accel, &ray, &id, packet, 1);
     EXPECT_EQ(packet[0].instance, i);
   }
 }

@@ -20,7 +20,7 @@ const Ray kFromBehind{{0.1f, 0.2f, -3}, {0, 0, 1}, kInfinity};
 Hit in_packet(const AccelView& accel, const Ray& ray) {
   const uint32_t id = 1;
   Hit hit;
-  intersect_packet(accel, &ray, &id, &hit, 1, true);
+  intersect_packet_from_camera(accel, &ray, &id, &hit, 1);
   return hit;
 }
 

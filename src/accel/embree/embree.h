@@ -55,14 +55,14 @@ inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options
   rtcOccluded1(scene, &query, &arguments);
 }
 
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, const QueryOptions& options) {
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, const QueryOptions& options) {
   RTCIntersectArguments arguments = intersect_arguments(options);
-  rtcIntersect8(valid, scene, &query, &arguments);
+  rtcIntersect16(valid, scene, &query, &arguments);
 }
 
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const QueryOptions& options) {
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, const QueryOptions& options) {
   RTCOccludedArguments arguments = occluded_arguments(options);
-  rtcOccluded8(valid, scene, &query, &arguments);
+  rtcOccluded16(valid, scene, &query, &arguments);
 }
 
 #else
@@ -91,14 +91,14 @@ inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options
   rtcOccluded1(scene, &context, &query);
 }
 
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, const QueryOptions& options) {
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, const QueryOptions& options) {
   RTCIntersectContext context = make_context(options);
-  rtcIntersect8(valid, scene, &context, &query);
+  rtcIntersect16(valid, scene, &context, &query);
 }
 
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const QueryOptions& options) {
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, const QueryOptions& options) {
   RTCIntersectContext context = make_context(options);
-  rtcOccluded8(valid, scene, &context, &query);
+  rtcOccluded16(valid, scene, &context, &query);
 }
 
 #endif

@@ -56,7 +56,7 @@ struct PrimaryHitsKernel {
     if (packet.count == 0) return;
     packet.generate(camera, index);
     Hit found[kPacketSize];
-    intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
+    intersect_packet_from_camera(accel, packet.rays, packet.ids, found, packet.count);
     for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
   }
   RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }

@@ -10,8 +10,8 @@ namespace relume {
 inline constexpr uint32_t kMaxWeighedLights = 64;
 
 struct WeighedLights {
-  LightId ids[kMaxWeighedLights] = {};
-  float weights[kMaxWeighedLights] = {};
+  LightId ids[kMaxWeighedLights];  // not initialised: zeroing half a kilobyte costs more than most look-ups
+  float weights[kMaxWeighedLights];
   uint32_t count = 0;
   float sum = 0;  ///< of the weights; above 0 after weigh()
 

@@ -9,7 +9,7 @@ namespace relume {
 
 /// Paths with equal numbers of bounces, and their connections to lights.
 struct PathBatch {
-  static constexpr uint32_t kSize = 32;  ///< small enough for the first-level cache
+  static constexpr uint32_t kSize = 64;  ///< four packets
 
   PathState paths[kSize];
   Sampler samplers[kSize];
@@ -60,6 +60,24 @@ inline void add_visible(const AccelView& accel, const SurfacePoint* points, Path
   }
 }
 
+/// Nearest hits of the rays of all active paths.
+inline void intersect_all(const AccelView& accel, PathBatch& b) {
+  for (uint32_t first = 0; first < b.count; first += kPacketSize) {
+    const int size = static_cast<int>(relume::min(b.count - first, static_cast<uint32_t>(kPacketSize)));
+    Ray rays[kPacketSize];
+    uint32_t ids[kPacketSize];
+    Hit hits[kPacketSize];
+    for (int k = 0; k < size; ++k) {
+      const uint32_t i = b.active[first + k];
+      rays[k] = b.paths[i].ray;
+      ids[k] = b.samplers[i].ray_id();
+      ++b.paths[i].rays;
+    }
+    intersect_packet(accel, rays, ids, hits, size);
+    for (int k = 0; k < size; ++k) b.hits[b.active[first + k]] = hits[k];
+  }
+}
+
 /// Next event estimation for all active paths.
 template <typename Policy>
 inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Policy* policies) {
@@ -88,11 +106,7 @@ inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
       policies[i].scattered(points[i], s, b.paths[i]);
       return true;
     });
-    for (uint32_t k = 0; k < b.count; ++k) {
-      const uint32_t i = b.active[k];
-      b.hits[i] = intersect(c.scene.accel, b.paths[i].ray, b.samplers[i].ray_id());
-      ++b.paths[i].rays;
-    }
+    intersect_all(c.scene.accel, b);
   }
 }
 
