@@ -8,6 +8,7 @@
 #include "techniques/gbuffer/primary_hits/primary_hits.h"
 #include "techniques/guiding/direction_sampling/direction_sampler.h"
 #include "techniques/light_sampling/light_selection/light_selector.h"
+#include "techniques/transport/path/indirect_rate.h"
 #include "techniques/transport/path/path_policy.h"
 
 namespace relume {
@@ -26,9 +27,10 @@ struct PathState {
                            ///< light subpaths
   bool delta = true;  ///< whether the ray leaves the camera or a delta lobe, where next event estimation has no density
   Rgb medium{0};      ///< absorption along the ray, per metre: the sum over all media around it
-  float cone_width = 0;   ///< footprint at the ray's origin, metres
-  float cone_spread = 0;  ///< growth per metre
-  uint32_t bounce = 0;    ///< scattering events so far
+  float cone_width = 0;       ///< footprint at the ray's origin, metres
+  float cone_spread = 0;      ///< growth per metre
+  float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel up to the first vertex that is no mirror, then 1
+  uint32_t bounce = 0;        ///< scattering events so far
   uint32_t rays = 0;
 };
 
@@ -52,6 +54,7 @@ struct PathContext {
   DirectionSampler directions;
   uint32_t max_bounces = 8;
   bool russian_roulette = true;
+  IndirectRate indirect;
 };
 
 /// Shadow rays are shortened by this fraction of the distance, to avoid hitting the light.
@@ -191,6 +194,11 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
+  if (!s.delta) {
+    if (path.indirect_weight == 0.0f) return false;
+    path.throughput *= path.indirect_weight;
+    path.indirect_weight = 1;
+  }
   if (c.scene.disperses) disperse(c.scene, sp, s.wi, mode, path);
   // A black throughput ends the path. So does NaN, which is added to the radiance for the pixel to report.
   if (!(path.throughput.r + path.throughput.g + path.throughput.b > 0.0f)) {
@@ -233,6 +241,7 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
   path.cone_spread = c.scene.camera.cone_spread();
   path.medium = c.scene.camera_medium;
   path.wavelength_nm = path_wavelength(c.scene, sampler);
+  path.indirect_weight = c.indirect.weight(x, y);
   path.rays = 1;
   return path;
 }

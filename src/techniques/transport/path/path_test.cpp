@@ -157,6 +157,13 @@ TEST(Path, RussianRouletteKeepsTheMean) {
   expect_equal_means(with, without);
 }
 
+TEST(Path, FewerIndirectPathsKeepTheMean) {
+  const RenderSettings all = small(16, 6);
+  RenderSettings fewer = all;
+  fewer.path.indirect_rate = 0.3f;
+  expect_equal_means(all, fewer);
+}
+
 TEST(Path, SelectorsAgreeInTheMean) {
   const RenderSettings power = small(16, 6);
   RenderSettings uniform = power;

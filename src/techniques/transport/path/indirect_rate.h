@@ -1,0 +1,37 @@
+// Choice of the pixels whose paths go on after the first surface, where a frame has fewer than one such path per pixel.
+#pragma once
+
+#include "core/vec.h"
+#include "sampling/blue_noise.h"
+#include "sampling/sample_index.h"
+
+namespace relume {
+
+/// In each frame a share of the pixels has indirect light. Blue noise spreads them evenly over the image; its shift by
+/// multiples of the golden ratio spreads the frames of a pixel. The first shift is uniform, so that each pixel of each
+/// frame is chosen with probability `rate`.
+struct IndirectRate {
+  View<const uint16_t> tile = {};  ///< blue noise; empty: all paths go on
+  float rate = 1;
+  float shift = 0;  ///< of this frame, in [0, 1)
+
+  /// Factor of the light that reaches pixel (x, y) through paths beyond the first surface: 1 / rate or 0.
+  RELUME_HD float weight(uint32_t x, uint32_t y) const {
+    if (tile.empty()) return 1.0f;
+    constexpr uint32_t kMask = kBlueNoiseEdge - 1;
+    constexpr float kNumbers = kBlueNoiseEdge * kBlueNoiseEdge;
+    const uint32_t number = tile[(y & kMask) * kBlueNoiseEdge + (x & kMask)];
+    const float shifted = (static_cast<float>(number) + 0.5f) / kNumbers + shift;
+    return shifted - (shifted < 1.0f ? 0.0f : 1.0f) < rate ? 1.0f / rate : 0.0f;
+  }
+};
+
+/// That of a frame, for rates in (0, 1].
+inline IndirectRate indirect_rate(float rate, const SampleIndex& index) {
+  if (rate >= 1) return {};
+  constexpr uint32_t kSaltIndirect = 0x7f4a7c15u;
+  constexpr uint32_t kGoldenRatio = 0x9e3779b9u;  // its fraction, times 2^32
+  return {blue_noise_tile(), rate, to_unit_float(hash(index.seed, kSaltIndirect) + index.frame * kGoldenRatio)};
+}
+
+}  // namespace relume
