@@ -9,25 +9,12 @@
 
 #include "accel/embree/hit_filter.h"
 #include "accel/refit_cost.h"
-#include "accel/triangle.h"
 #include "core/activity.h"
 #include "core/parallel.h"
 #include "relume/error.h"
 
 namespace relume {
 namespace {
-
-/// Computes the hit on the triangle that the traversal found.
-Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
-  const AccelInstance& instance = accel.instances[instance_index];
-  Corners c = corners_of(accel.meshes[instance.mesh], primitive);
-  if (!instance.in_world_space) {
-    c = {transform_point(instance.to_world, c.p0), transform_point(instance.to_world, c.p1),
-         transform_point(instance.to_world, c.p2)};
-  }
-  const TriangleHit hit = intersect_triangle(ray.origin, ray.direction, c.p0, c.p1, c.p2);
-  return {instance_index, primitive, hit.u, hit.v, hit.t};
-}
 
 /// Whether Embree can transform rays into the space of an instance. The result must be finite, or Embree terminates the
 /// process. Instances scaled to (nearly) zero have no such space and are omitted.
@@ -66,72 +53,6 @@ RTCDevice new_device() {
   RTCDevice device = rtcNewDevice(nullptr);
   if (!device) throw Error("Embree could not start on this processor; it needs at least SSE2");
   return device;
-}
-
-RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
-
-/// Whether a ray is finite. Embree terminates the process otherwise; such rays hit nothing.
-bool is_traceable(const Ray& ray) {
-  constexpr float kMost = 1e17f;
-  const Vec3 reach = abs(ray.origin) + abs(ray.direction);
-  return reach.x + reach.y + reach.z <= kMost && ray.t_max >= 0.0f;
-}
-
-RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
-  RTCRay r;
-  r.org_x = ray.origin.x;
-  r.org_y = ray.origin.y;
-  r.org_z = ray.origin.z;
-  r.tnear = 0.0f;
-  r.dir_x = ray.direction.x;
-  r.dir_y = ray.direction.y;
-  r.dir_z = ray.direction.z;
-  r.time = 0.0f;
-  r.tfar = ray.t_max;
-  r.mask = 0xffffffffu;
-  r.id = ray_id;
-  r.flags = flags;
-  return r;
-}
-
-/// Options for rays with these flags.
-embree::QueryOptions options_of(RTCScene scene, unsigned flags, bool coherent = false) {
-  const bool culls = flags != 0 && embree::takes_query_filter(scene);
-  return {coherent, culls ? culling_filter : nullptr};
-}
-
-Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
-  if (!is_traceable(ray)) return {};
-  RTCRayHit query;
-  query.ray = to_embree(ray, ray_id, flags);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect1(as_scene(accel), query, options_of(as_scene(accel), flags));
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
-}
-
-bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
-  if (!is_traceable(ray)) return false;
-  RTCRay query = to_embree(ray, ray_id, flags);
-  embree::occluded1(as_scene(accel), query, options_of(as_scene(accel), flags));
-  return query.tfar < 0.0f;
-}
-
-template <typename Packet>
-void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigned flags) {
-  packet.org_x[i] = ray.origin.x;
-  packet.org_y[i] = ray.origin.y;
-  packet.org_z[i] = ray.origin.z;
-  packet.tnear[i] = 0.0f;
-  packet.dir_x[i] = ray.direction.x;
-  packet.dir_y[i] = ray.direction.y;
-  packet.dir_z[i] = ray.direction.z;
-  packet.time[i] = 0.0f;
-  packet.tfar[i] = ray.t_max;
-  packet.mask[i] = 0xffffffffu;
-  packet.id[i] = ray_id;
-  packet.flags[i] = flags;
 }
 
 }  // namespace
@@ -348,67 +269,6 @@ std::string EmbreeAccel::embree_version() {
   const auto part = [&](RTCDeviceProperty name) { return std::to_string(rtcGetDeviceProperty(device.get(), name)); };
   return part(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + part(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
          part(RTC_DEVICE_PROPERTY_VERSION_PATCH);
-}
-
-Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return nearest_hit(accel, ray, ray_id, 0); }
-Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return nearest_hit(accel, ray, ray_id, kFromCamera);
-}
-
-bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return is_blocked(accel, ray, ray_id, 0); }
-bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return is_blocked(accel, ray, ray_id, kToCamera);
-}
-
-namespace {
-
-/// Near an edge, packets may find the neighbour of the triangle that a single ray finds.
-bool is_near_edge(const Hit& hit) {
-  constexpr float kNear = 1e-4f;
-  return hit.u < kNear || hit.v < kNear || hit.u + hit.v > 1.0f - kNear;
-}
-
-void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
-                      unsigned flags, bool coherent) {
-  RTCRayHit16 query;
-  alignas(64) int valid[kPacketSize];
-  for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
-    const int k = i < count ? i : 0;
-    fill_packet(query.ray, i, rays[k], ray_ids[k], flags);
-    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  }
-  embree::intersect16(valid, as_scene(accel), query, options_of(as_scene(accel), flags, coherent));
-  for (int i = 0; i < count; ++i) {
-    hits[i] = {};
-    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    hits[i] = hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
-    if (is_near_edge(hits[i])) hits[i] = nearest_hit(accel, rays[i], ray_ids[i], flags);
-  }
-}
-
-}  // namespace
-
-void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count) {
-  intersect_packet(accel, rays, ray_ids, hits, count, 0, false);
-}
-
-void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits,
-                                  int count) {
-  intersect_packet(accel, rays, ray_ids, hits, count, kFromCamera, true);
-}
-
-void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
-  RTCRay16 query;
-  alignas(64) int valid[kPacketSize];
-  for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
-    const int k = i < count ? i : 0;
-    fill_packet(query, i, rays[k], ray_ids[k], 0);
-  }
-  embree::occluded16(valid, as_scene(accel), query, {});
-  for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
 }
 
 }  // namespace relume

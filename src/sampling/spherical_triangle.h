@@ -1,6 +1,6 @@
-// Uniform directions in a triangle on the unit sphere, stratified as in [Arvo95]: the first random number chooses a
-// point c' on the arc a c by the area of the triangle a b c', the second a point on the arc b c'. In half angles, which
-// need one arc tangent in place of Arvo's three angles ([Peters21]).
+// Uniform directions in a triangle on the unit sphere, stratified as in [Arvo95]. The first random number chooses a
+// point c' on the arc a c by the area of the triangle a b c', the second a point on the arc b c'. Half angles need one
+// arc tangent in place of Arvo's three angles ([Peters21]).
 #pragma once
 
 #include "core/math.h"

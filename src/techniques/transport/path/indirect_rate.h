@@ -1,4 +1,5 @@
-// Choice of the pixels whose paths go on after the first surface, where a frame has fewer than one such path per pixel.
+// Choice of the pixels whose paths continue beyond the first surface, where a frame has fewer than one such path per
+// pixel.
 #pragma once
 
 #include "core/vec.h"
@@ -11,7 +12,7 @@ namespace relume {
 /// multiples of the golden ratio spreads the frames of a pixel. The first shift is uniform, so that each pixel of each
 /// frame is chosen with probability `rate`.
 struct IndirectRate {
-  View<const uint16_t> tile = {};  ///< blue noise; empty: all paths go on
+  View<const uint16_t> tile = {};  ///< blue noise; empty: all paths continue
   float rate = 1;
   float shift = 0;  ///< of this frame, in [0, 1)
 

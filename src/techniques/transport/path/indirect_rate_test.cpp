@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kEdge = kBlueNoiseEdge;
 
-TEST(IndirectRate, AllPathsGoOnByDefault) {
+TEST(IndirectRate, AllPathsContinueByDefault) {
   EXPECT_EQ(IndirectRate{}.weight(3, 5), 1.0f);
   EXPECT_EQ(indirect_rate(1, {}).weight(3, 5), 1.0f);
 }

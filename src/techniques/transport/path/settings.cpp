@@ -13,8 +13,8 @@ SettingList describe(PathSettings& s) {
        "End paths of low throughput at random and scale up the survivors, so that the mean is unchanged"},
       {"indirect-rate",
        &s.indirect_rate,
-       "Share of the pixels whose paths go on after the first surface that is no mirror, in each frame; their light "
-       "is scaled up, so that the mean is unchanged",
+       "Share of the pixels whose paths continue beyond the first surface that is no mirror, in each frame; their "
+       "light is scaled up, so that the mean is unchanged",
        {.min = 0.0625, .max = 1}},
   };
 }
