@@ -368,10 +368,9 @@ void RenderJob::report(StopReason reason) const {
       .buffer_bytes = statistics.buffer_bytes,
       .technique_bytes = statistics.technique_bytes,
       .files = written_,
-      .passes = {},
+      .passes = statistics.passes,
       .figures = {},
   };
-  for (const PassTime& pass : statistics.passes) run.passes.emplace_back(pass.name, pass.seconds);
   for (const PassStatistic& figure : statistics.pass_statistics) run.figures.emplace_back(figure.name, figure.value);
   write_file(options_.stats, to_json(run));
 }

@@ -34,7 +34,15 @@ std::string format_samples(double samples) { return fmt::format("{}", std::round
 
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
-  for (const auto& [name, seconds] : report.passes) passes.push_back({{"name", name}, {"seconds", seconds}});
+  double idle_s = 0;
+  for (const PassTime& pass : report.passes) {
+    const double available_s = report.threads * pass.seconds;
+    passes.push_back({{"name", pass.name},
+                      {"seconds", pass.seconds},
+                      {"idle_share", available_s > 0 ? pass.idle_s / available_s : 0.0}});
+    idle_s += pass.idle_s;
+  }
+  const double available_s = report.threads * report.render_s;
   Json figures = Json::object();
   for (const auto& [name, value] : report.figures) figures[name] = value;
   const PixelWindow& w = report.crop;
@@ -56,6 +64,7 @@ std::string to_json(const RunReport& report) {
       {"rays", report.rays},
       {"nonfinite_samples", report.nonfinite_samples},
       {"threads", report.threads},
+      {"idle_share", available_s > 0 ? idle_s / available_s : 0.0},
       {"peak_memory_bytes", report.peak_memory_bytes},
       {"scene_bytes", report.scene_bytes},
       {"buffer_bytes", report.buffer_bytes},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "relume/image_io.h"
+#include "relume/statistics.h"
 
 namespace relume {
 struct Metrics;
@@ -37,11 +38,11 @@ struct RunReport {
   uint64_t nonfinite_samples = 0;
   int threads = 0;
   uint64_t peak_memory_bytes = 0;
-  uint64_t scene_bytes = 0;                             ///< of geometry, lights, textures, acceleration structure
-  uint64_t buffer_bytes = 0;                            ///< of the per-pixel buffers
-  uint64_t technique_bytes = 0;                         ///< other memory of the techniques
-  std::vector<std::string> files;                       ///< images written
-  std::vector<std::pair<std::string, double>> passes;   ///< name and seconds
+  uint64_t scene_bytes = 0;        ///< of geometry, lights, textures, acceleration structure
+  uint64_t buffer_bytes = 0;       ///< of the per-pixel buffers
+  uint64_t technique_bytes = 0;    ///< other memory of the techniques
+  std::vector<std::string> files;  ///< images written
+  std::vector<PassTime> passes;
   std::vector<std::pair<std::string, double>> figures;  ///< figures reported by techniques
 };
 

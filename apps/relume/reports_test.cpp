@@ -21,7 +21,7 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   report.scene = "a \"quoted\" \xff name";
   report.rays = uint64_t{1} << 60;
   report.estimated_error = std::numeric_limits<double>::infinity();
-  report.passes = {{"trace", 1.5}, {"accumulate", 0.25}};
+  report.passes = {{"trace", 1.5, 0.375}, {"accumulate", 0.25}};
   report.figures = {{"cells.occupancy", 0.25}};
   const std::string text = to_json(report);
   for (const char* name : {"load_s", "build_s", "render_s", "samples", "paths", "nonfinite_samples", "threads",
@@ -40,6 +40,16 @@ TEST(Reports, ControlCharactersAreEscaped) {
   RunReport report;
   report.scene = "a\x1b[2J\x7f\nb";
   expect_in("\"scene\": \"a\\u001b[2J\\u007f\\nb\"", to_json(report));
+}
+
+TEST(Reports, IdleSharesAreOfTheTimeOfAllThreads) {
+  RunReport report;
+  report.threads = 2;
+  report.render_s = 2;
+  report.passes = {{"trace", 1.5, 0.75}, {"accumulate", 0.5, 0.25}};
+  const std::string text = to_json(report);
+  expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5,\n      \"idle_share\": 0.25", text);
+  expect_in("\n  \"idle_share\": 0.25", text);
 }
 
 TEST(Reports, SamplesAreWholeWhereTheyCan) {

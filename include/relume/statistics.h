@@ -12,6 +12,7 @@ namespace relume {
 struct PassTime {
   std::string name;
   double seconds = 0;  ///< elapsed time
+  double idle_s = 0;   ///< thread-seconds without work: of threads that waited for others
 };
 
 /// A number that a pass reports, such as the number of cells in use or of dropped samples.

@@ -123,8 +123,14 @@ py::dict statistics_dict(const Statistics& s) {
   result["technique_bytes"] = s.technique_bytes;
   result["threads"] = s.threads;
   py::dict passes;
-  for (const PassTime& pass : s.passes) passes[py::str(pass.name)] = pass.seconds;
+  py::dict idle;
+  for (const PassTime& pass : s.passes) {
+    passes[py::str(pass.name)] = pass.seconds;
+    const double available_s = s.threads * pass.seconds;
+    idle[py::str(pass.name)] = available_s > 0 ? pass.idle_s / available_s : 0.0;
+  }
   result["passes"] = passes;
+  result["idle_shares"] = idle;
   py::dict figures;
   for (const PassStatistic& figure : s.pass_statistics) figures[py::str(figure.name)] = figure.value;
   result["pass_statistics"] = figures;

@@ -6,6 +6,16 @@
 #include <cstddef>
 
 namespace relume {
+
+/// Times of the loops that the current thread began, outside of iterations of others.
+struct LoopTimes {
+  double elapsed_s = 0;  ///< of the loops
+  double busy_s = 0;     ///< of their iterations and of loops inside, summed over all threads
+};
+
+/// Those since the thread began.
+const LoopTimes& loop_times();
+
 namespace detail {
 
 /// Calls run(body, begin, end) for ranges that cover [0, count) exactly once. `each_alone`: ranges of one iteration.

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace relume {
@@ -37,6 +39,22 @@ TEST(Parallel, LoopsMayBeNested) {
   std::atomic<int> runs = 0;
   parallel_tasks(8, [&](int) { parallel_for(100, [&](int) { ++runs; }); });
   EXPECT_EQ(runs, 800);
+}
+
+TEST(Parallel, LoopsAreTimed) {
+  const auto wait = [](int) { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
+  const LoopTimes before = loop_times();
+  parallel_tasks(8, wait);
+  const LoopTimes flat = loop_times();
+  EXPECT_GE(flat.busy_s - before.busy_s, 0.04);
+  EXPECT_GE(flat.elapsed_s - before.elapsed_s, 0.005);
+  parallel_tasks(2, [&](int) { parallel_tasks(4, wait); });
+  EXPECT_GE(loop_times().busy_s - flat.busy_s, 0.04);
+  const LoopTimes nested = loop_times();
+  parallel_tasks(1, [&](int) { parallel_tasks(1, wait); });  // the inner loop is not counted twice
+  const double elapsed_s = loop_times().elapsed_s - nested.elapsed_s;
+  EXPECT_GE(elapsed_s, 0.005);
+  EXPECT_LE(loop_times().busy_s - nested.busy_s, elapsed_s);
 }
 
 }  // namespace

@@ -80,21 +80,31 @@ int Backend::threads() const { return state_->count; }
 
 void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
 
-void Backend::add_time(std::string_view name, double seconds) {
+template <typename Function>
+void Backend::timed(std::string_view name, const Function& function) {
+  const double start_s = now_s();
+  LoopTimes loops;  // of the thread that the arena chooses
+  state_->arena.execute([&] {
+    const LoopTimes before = loop_times();
+    function();
+    loops = {loop_times().elapsed_s - before.elapsed_s, loop_times().busy_s - before.busy_s};
+  });
+  const double seconds = now_s() - start_s;
+  const double busy_s = loops.busy_s + (seconds - loops.elapsed_s);  // one thread works outside of loops
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
-  LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{std::string(name), 0, 0});
+  LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});
   entry.seconds += seconds;
+  entry.idle_s += std::max(0.0, threads() * seconds - busy_s);
   ++entry.launches;
 }
 
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop, uint32_t tile_size) {
-  const double start_s = now_s();
   const uint32_t columns = (width + tile_size - 1) / tile_size;
   const uint32_t rows = (height + tile_size - 1) / tile_size;
   std::atomic<bool> complete{true};
-  state_->arena.execute([&] {
+  timed(name, [&] {
     parallel_tasks(columns * rows, [&](uint32_t index) {
       if (tile_hook_) tile_hook_();
       if (stop.stop_requested()) {
@@ -107,17 +117,14 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
       run_tile(context, {x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
     });
   });
-  add_time(name, now_s() - start_s);
   return complete.load();
 }
 
 void Backend::run(std::string_view name, const std::function<void()>& function) {
-  const double start_s = now_s();
-  state_->arena.execute([&] {
+  timed(name, [&] {
     const FlushDenormals guard;
     function();
   });
-  add_time(name, now_s() - start_s);
 }
 
 }  // namespace relume

@@ -52,6 +52,7 @@ concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_
 struct LaunchTime {
   std::string name;
   double seconds = 0;
+  double idle_s = 0;  ///< thread-seconds without work: of threads that waited for others
   uint64_t launches = 0;
 };
 
@@ -99,7 +100,9 @@ class Backend {
   void run(std::string_view name, const std::function<void()>& function);
 
  private:
-  void add_time(std::string_view name, double seconds);
+  /// Runs `function` in the arena and adds its times.
+  template <typename Function>
+  void timed(std::string_view name, const Function& function);
 
   struct State;
   std::unique_ptr<State> state_;

@@ -67,7 +67,9 @@ std::vector<T> cut(View<const T> values, const Tile& window, uint32_t width) {
 std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vector<PassTime>& before) {
   for (PassTime& pass : now) {
     const auto old = std::find_if(before.begin(), before.end(), [&](const PassTime& b) { return b.name == pass.name; });
-    if (old != before.end()) pass.seconds -= old->seconds;
+    if (old == before.end()) continue;
+    pass.seconds -= old->seconds;
+    pass.idle_s -= old->idle_s;
   }
   return now;
 }
@@ -178,7 +180,7 @@ const Statistics& Session::statistics() const {
   s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
-  for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds});
+  for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
   s.statistics.pass_statistics = s.passes.pipeline.statistics();
   return s.statistics;
 }

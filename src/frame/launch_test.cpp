@@ -1,0 +1,42 @@
+#include "frame/launch.h"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+
+namespace relume {
+namespace {
+
+void wait_ms(int count) { std::this_thread::sleep_for(std::chrono::milliseconds(count)); }
+
+/// One element works for a while, the others do nothing.
+struct UnevenKernel {
+  RELUME_HD void operator()(uint32_t x, uint32_t) const {
+    if (x == 0) wait_ms(40);
+  }
+};
+
+TEST(Backend, ThreadsThatWaitForOthersAreIdle) {
+  Backend backend(2);
+  backend.run("serial", [] { wait_ms(40); });
+  backend.run("loop", [] { parallel_tasks(2, [](int i) { wait_ms(i == 0 ? 40 : 0); }); });
+  launch(backend, "launch", UnevenKernel{}, 64, 1);
+  ASSERT_EQ(backend.times().size(), 3u);
+  for (const LaunchTime& time : backend.times()) {
+    EXPECT_GE(time.seconds, 0.04) << time.name;
+    EXPECT_GE(time.idle_s, 0.02) << time.name;
+    EXPECT_LE(time.idle_s, 1.1 * time.seconds) << time.name;  // one of two threads works
+  }
+}
+
+TEST(Backend, OneThreadIsNeverIdle) {
+  Backend backend(1);
+  backend.run("loop", [] { parallel_tasks(4, [](int) { wait_ms(5); }); });
+  EXPECT_LT(backend.times().at(0).idle_s, 0.1 * backend.times()[0].seconds);
+}
+
+}  // namespace
+}  // namespace relume
