@@ -3,7 +3,7 @@
 // arc tangent in place of Arvo's three angles ([Peters21]).
 #pragma once
 
-#include "core/math.h"
+#include "core/lane_math.h"
 #include "core/triple.h"
 
 namespace relume {
