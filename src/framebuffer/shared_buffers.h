@@ -41,6 +41,7 @@ inline constexpr BufferKey<float> kLightM2{"light-m2"};
 inline constexpr BufferKey<float> kLightPaths{"light-paths"};
 inline constexpr BufferKey<uint32_t> kLightFrames{"light-frames"};
 inline constexpr BufferKey<uint32_t> kNonfinite{"nonfinite"};
+inline constexpr BufferKey<Rgb> kFilled{"filled"};  ///< kMean without unsampled pixels; exists with temporal upscaling
 inline constexpr BufferKey<Rgb> kDenoised{"denoised"};
 
 // --- Surfaces at pixels -------------------------------------------------------------------------------

@@ -29,6 +29,7 @@
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 #include "techniques/temporal/reprojection/specular_history_pass.h"
+#include "techniques/temporal/upscaling/upscaling_pass.h"
 #include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/path/path_pass.h"
 
@@ -121,9 +122,16 @@ bool needs_first_vertices(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
+bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1; }
+
+/// Whether frames leave pixels without a sample.
+bool skips_pixels(const RenderSettings& settings) {
+  return settings.allocation == AllocationChoice::adaptive || upscales(settings);
+}
+
 /// Whether light paths reach pixels without a camera sample.
 bool needs_splat_image(const RenderSettings& settings) {
-  return settings.estimator != EstimatorChoice::path && settings.allocation == AllocationChoice::adaptive;
+  return settings.estimator != EstimatorChoice::path && skips_pixels(settings);
 }
 
 /// Whether diffuse and specular light are separated. Only path tracing without a radiance cache can separate them.
@@ -196,9 +204,18 @@ void add_history(Builder& builder, const RenderSettings& settings) {
 }
 
 void add_allocation(Builder& builder, const RenderSettings& settings) {
-  if (settings.allocation != AllocationChoice::adaptive) return;
+  if (!skips_pixels(settings)) return;
   builder.add<SampleCountPass>();
-  builder.add<AdaptiveSamplingPass, &RenderSettings::adaptive>(ends_history(settings));
+  if (upscales(settings)) {
+    builder.add<BlockAllocationPass, &RenderSettings::upscaling>();
+  } else {
+    builder.add<AdaptiveSamplingPass, &RenderSettings::adaptive>(ends_history(settings));
+  }
+}
+
+/// Whether the denoiser's own history fills pixels without samples.
+bool denoiser_fills(const RenderSettings& settings) {
+  return settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
 }
 
 void add_denoiser(Builder& builder, const RenderSettings& settings) {
@@ -227,12 +244,27 @@ void check_crop(const RenderSettings& s) {
       {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
+      {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
       {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
       {s.denoise != DenoiseChoice::none, "a denoiser, which reads other pixels; use --denoise none"},
       {s.firefly.limit > 0, "the firefly clamp, which reads other pixels; use --firefly.limit 0"},
   };
   for (const auto& [conflict, with] : conflicts) {
     if (conflict) throw Error(fmt::format("--crop does not combine with {}, or render the whole image", with));
+  }
+}
+
+/// Throws if temporal upscaling does not combine with the other choices.
+void check_upscaling(const RenderSettings& s) {
+  if (s.allocation == AllocationChoice::adaptive) {
+    throw Error(
+        "--upscale does not combine with allocation 'adaptive': both choose the pixels that get a sample; use "
+        "--upscale 1, or allocation 'uniform'");
+  }
+  if (s.history == HistoryChoice::none) {
+    throw Error(
+        "--upscale does not combine with history 'none': pixels without a sample in a frame would be empty; use "
+        "history 'accumulate' or 'reproject'");
   }
 }
 
@@ -261,6 +293,7 @@ void check_combination(const RenderSettings& settings) {
         "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would be "
         "empty; use history 'accumulate' or 'reproject'");
   }
+  if (upscales(settings)) check_upscaling(settings);
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   if (!settings.crop.empty()) check_crop(settings);
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
@@ -309,6 +342,7 @@ FramePasses build_passes(const RenderSettings& settings) {
   if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
   add_history(builder, settings);
   add_allocation(builder, settings);
+  if (upscales(settings) && !denoiser_fills(settings)) builder.add<FillUnsampledPass, &RenderSettings::upscaling>();
   if (settings.auxiliary) builder.add<AuxiliaryPass>();
   add_denoiser(builder, settings);
   if (reads_surface(builder.pipeline())) builder.add<SurfacePass>();

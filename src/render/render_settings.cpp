@@ -97,6 +97,7 @@ SettingList describe_caches(RenderSettings& s) {
 SettingList describe_frames(RenderSettings& s) {
   SettingList list = with_prefix("firefly", describe(s.firefly));
   append(list, with_prefix("adaptive", describe(s.adaptive)));
+  append(list, describe(s.upscaling));
   append(list, with_prefix("reproject", describe(s.reproject)));
   return list;
 }

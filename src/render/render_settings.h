@@ -21,6 +21,7 @@
 #include "techniques/spatial/octree/settings.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
 #include "techniques/temporal/reprojection/settings.h"
+#include "techniques/temporal/upscaling/settings.h"
 #include "techniques/transport/bdpt/settings.h"
 #include "techniques/transport/path/settings.h"
 
@@ -72,6 +73,7 @@ struct RenderSettings {
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
   AdaptiveSamplingSettings adaptive;
+  UpscalingSettings upscaling;
   ReprojectionSettings reproject;
   BdptSettings bdpt;
   FireflySettings firefly;

@@ -139,8 +139,11 @@ struct Session::State {
     if (!replacement.empty()) return view_of(replacement);
     if (shows_kept_image) return view_of(kept_image);
     if (counters.frames == 0) return {};
-    const View<const Rgb> denoised = buffers->view(kDenoised);
-    return denoised.empty() ? buffers->view(kMean) : denoised;
+    for (const BufferKey<Rgb>& key : {kDenoised, kFilled}) {
+      const View<const Rgb> image = buffers->view(key);
+      if (!image.empty()) return image;
+    }
+    return buffers->view(kMean);
   }
   /// Copies the image. show_kept_image() displays the copy until the next complete frame.
   void keep_image() {

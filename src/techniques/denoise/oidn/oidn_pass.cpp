@@ -21,7 +21,8 @@ PassDeclaration OidnPass::declaration() const {
           .owns = {lasting(kOidnAlbedo, "mean albedo, as input of the denoiser", BufferDisplay::value),
                    lasting(kOidnNormal, "mean normal, as input of the denoiser", BufferDisplay::value, "XYZ"),
                    lasting(kDenoised, "the denoised image", BufferDisplay::value)},
-          .reads = {kMean, kFeatureAlbedo, kFeatureEmission, kFeature.normal}};
+          .reads = {kMean, kFeatureAlbedo, kFeatureEmission, kFeature.normal},
+          .reads_if_any = {kFilled}};
 }
 
 bool OidnPass::run(const FrameContext& frame) {
@@ -36,8 +37,10 @@ bool OidnPass::run(const FrameContext& frame) {
   kernel.width = frame.width();
   frame.launch("oidn", kernel);
   if (!oidn_filters_at(frames)) return true;
-  const OidnImages images{frame.read(kMean).data,      kernel.albedo.data, kernel.normal.data,
-                          frame.write(kDenoised).data, frame.width(),      frame.height()};
+  const View<const Rgb> filled = frame.read(kFilled);
+  const View<const Rgb> noisy = filled.empty() ? frame.read(kMean) : filled;
+  const OidnImages images{noisy.data,    kernel.albedo.data, kernel.normal.data, frame.write(kDenoised).data,
+                          frame.width(), frame.height()};
   frame.backend.run("oidn", [&] { oidn_filter(images, frame.backend.threads()); });
   return true;
 }
