@@ -1,6 +1,7 @@
 // Light from all directions: constant, or an equirectangular map sampled in proportion to its luminance.
 #pragma once
 
+#include "core/lane_math.h"
 #include "core/view.h"
 #include "lights/light_types.h"
 #include "sampling/distribution_2d.h"
@@ -28,15 +29,18 @@ struct EnvironmentView {
   RELUME_HD Vec2 uv_from_direction(const Vec3& w) const {
     const float x = cos_rotation * w.x - sin_rotation * w.z;
     const float z = sin_rotation * w.x + cos_rotation * w.z;
-    const float u = 0.5f + std::atan2(x, -z) * (0.5f * kInvPi);
-    return {u, std::atan2(sine_of_polar_angle(w), w.y) * kInvPi};
+    const float half_turn = upper_angle(std::fabs(x), -z) * (0.5f * kInvPi);
+    return {0.5f + std::copysign(half_turn, x), upper_angle(sine_of_polar_angle(w), w.y) * kInvPi};
   }
 
   RELUME_HD Vec3 direction_from_uv(const Vec2& uv, float* sin_theta) const {
     const float phi = (uv.x - 0.5f) * (2.0f * kPi);
-    const float theta = uv.y * kPi;
-    *sin_theta = std::sin(theta);
-    return direction_from_map({*sin_theta * std::sin(phi), std::cos(theta), -*sin_theta * std::cos(phi)});
+    float sin_phi;
+    float cos_phi;
+    float cos_theta;
+    sine_and_cosine(std::fabs(phi), sin_phi, cos_phi);
+    sine_and_cosine(uv.y * kPi, *sin_theta, cos_theta);
+    return direction_from_map({*sin_theta * std::copysign(sin_phi, phi), cos_theta, -*sin_theta * cos_phi});
   }
 
   /// Rotates a direction of the unrotated map.
@@ -44,10 +48,11 @@ struct EnvironmentView {
     return {cos_rotation * w.x + sin_rotation * w.z, w.y, -sin_rotation * w.x + cos_rotation * w.z};
   }
 
-  /// Radiance that arrives along −w, interpolated bilinearly.
-  RELUME_HD Rgb radiance(const Vec3& w) const {
-    if (map.empty()) return scale;
-    const Vec2 uv = uv_from_direction(w);
+  /// Radiance that arrives along −w.
+  RELUME_HD Rgb radiance(const Vec3& w) const { return map.empty() ? scale : radiance_at(uv_from_direction(w)); }
+
+  /// Radiance of the map, interpolated bilinearly.
+  RELUME_HD Rgb radiance_at(const Vec2& uv) const {
     const float x = uv.x * static_cast<float>(width) - 0.5f;
     const float y = uv.y * static_cast<float>(height) - 0.5f;
     const float fx = std::floor(x);
@@ -82,14 +87,15 @@ RELUME_HD inline LightSample sample_li(const EnvironmentView& environment, const
   if (environment.distribution.empty()) {
     s.wi = sphere_from_square(u);
     s.pdf_w = sphere_pdf();
+    s.radiance = environment.radiance(s.wi);
   } else {
     const Distribution2D::Sample point = environment.distribution.sample(u);
     float sin_theta;
     s.wi = environment.direction_from_uv(point.point, &sin_theta);
     if (!(sin_theta > 0.0f)) return s;
     s.pdf_w = point.pdf / (2.0f * kPi * kPi * sin_theta);
+    s.radiance = environment.radiance_at(point.point);
   }
-  s.radiance = environment.radiance(s.wi);
   return s;
 }
 

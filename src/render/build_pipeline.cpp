@@ -122,7 +122,8 @@ bool needs_first_vertices(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
-bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1; }
+/// Whether the frame has the passes of temporal upscaling.
+bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1 || settings.switches_upscaling; }
 
 /// Whether frames leave pixels without a sample.
 bool skips_pixels(const RenderSettings& settings) {
@@ -213,11 +214,6 @@ void add_allocation(Builder& builder, const RenderSettings& settings) {
   }
 }
 
-/// Whether the denoiser's own history fills pixels without samples.
-bool denoiser_fills(const RenderSettings& settings) {
-  return settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
-}
-
 void add_denoiser(Builder& builder, const RenderSettings& settings) {
   const bool mirrors = settings.estimator != EstimatorChoice::light;
   const bool denoises = settings.denoise != DenoiseChoice::none;
@@ -272,6 +268,10 @@ void check_upscaling(const RenderSettings& s) {
 
 bool learns(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
+bool denoiser_fills(const RenderSettings& settings) {
+  return settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
 }
 
 Change ends_sequences(const RenderSettings& settings) {

@@ -19,6 +19,9 @@ std::string refusal(const RenderSettings& settings);
 /// Whether light selection or guiding learn from path samples.
 bool learns(const RenderSettings& settings);
 
+/// Whether the denoiser's own history fills pixels without samples.
+bool denoiser_fills(const RenderSettings& settings);
+
 /// Changes after which every pixel starts a new sample sequence.
 Change ends_sequences(const RenderSettings& settings);
 

@@ -61,6 +61,9 @@ struct RenderSettings {
   /// Records albedo, normal, depth and motion of the first hit. Derived from the requested layers, so not a named
   /// setting.
   bool auxiliary = false;
+  /// Keeps histories when `upscaling` changes between 1 and more. Derived from the viewer's frame rate, so not a named
+  /// setting.
+  bool switches_upscaling = false;
   /// Renders only these pixels, bit-identical to that part of the full image. Other pixels stay black.
   PixelWindow crop;
   PathSettings path;
@@ -85,7 +88,7 @@ struct RenderSettings {
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
-/// All of the above except `auxiliary` and `crop`. `path.max_bounces` is named "max-bounces", because it applies to
+/// All of the above except `auxiliary`, `switches_upscaling` and `crop`. `path.max_bounces` is named "max-bounces", because it applies to
 /// every estimator.
 SettingList describe(RenderSettings& settings);
 

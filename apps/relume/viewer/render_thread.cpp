@@ -10,6 +10,7 @@
 #include "framebuffer/auto_exposure.h"
 #include "platform.h"
 #include "relume/error.h"
+#include "render/build_pipeline.h"
 #include "render/stop_criteria.h"
 #include "render/timed_stop.h"
 #include "viewer/inspect.h"
@@ -183,11 +184,25 @@ bool RenderThread::at_rest() const {
          now_s() - changed_s_ > static_cast<double>(request_.resolution_policy.rest_after_s);
 }
 
-IVec2 RenderThread::choose_size(bool rest) const {
+bool RenderThread::may_upscale() const {
+  const ResolutionPolicy& policy = request_.resolution_policy;
+  // Other denoisers show pixels without samples, which would be filled from surfaces at the cost of every frame.
+  const auto permits = [](const AllSettings& side) {
+    RenderSettings upscaled = side.render;
+    upscaled.upscaling.factor = 2;
+    return side.render.upscaling.factor == 1 && denoiser_fills(upscaled) && refusal(upscaled).empty();
+  };
+  return policy.hold_rate && policy.upscale && permits(request_.settings[0]) &&
+         (!request_.split || permits(request_.settings[1]));
+}
+
+FrameScale RenderThread::choose_scale(bool rest) {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  if (!request_.resolution_policy.hold_rate || rest) return full;
-  return rested_ ? resolution_.first_frame_size(full) : resolution_.size(full);
+  const bool upscales = may_upscale();
+  resolution_.allow_upscaling(upscales);
+  if (!request_.resolution_policy.hold_rate || rest) return {full, 1, upscales};
+  return {rested_ ? resolution_.first_frame_size(full) : resolution_.size(full), resolution_.upscale(), upscales};
 }
 
 void RenderThread::note_size(const IVec2& size, double seconds, bool rest) {
@@ -204,17 +219,17 @@ void RenderThread::render_round(const std::stop_token& stop) {
   if (request_.paused && frame(0) && frame(0)->request_version == request_.version) return;
   // Decided once, because applying the request, such as moving many triangles, may itself take longer than the moment.
   const bool rest = at_rest();
-  const IVec2 size = choose_size(rest);
+  const FrameScale scale = choose_scale(rest);
   const double start_s = now_s();
   const int sides = request_.split ? 2 : 1;
   if (sides == 1) close_second_side();
   for (int side = 0; side < sides; ++side) {
     if (stop.stop_requested()) return;
-    if (render_side(stop, side, size, rest)) continue;
+    if (render_side(stop, side, scale, rest)) continue;
     rested_ = rested_ || rest;
     return;
   }
-  note_size(size, now_s() - start_s, rest);
+  note_size(scale.size, now_s() - start_s, rest);
   goal_reached_ = frame(0)->reached_goal && (sides == 1 || frame(1)->reached_goal);
 }
 
@@ -224,9 +239,9 @@ void RenderThread::close_second_side() {
   frames_[1].reset();
 }
 
-bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec2& size, bool rest) {
+bool RenderThread::render_side(const std::stop_token& stop, int side, const FrameScale& scale, bool rest) {
   SessionSlot& slot = slots_[static_cast<size_t>(side)];
-  slot.update(request_, side, size);
+  slot.update(request_, side, scale);
   Session& session = *slot.session();
   std::stop_token token;
   std::stop_token hurry;
@@ -269,6 +284,7 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->width = image.width;
   frame->height = image.height;
   frame->full_width = request_.settings[0].render.width;
+  frame->upscale = render_settings(session).upscaling.factor;
   frame->metered_exposure = auto_exposure(image.pixels);
   frame->in_studio = session.in_studio();
   frame->radiance = std::move(image.pixels);

@@ -74,14 +74,15 @@ class RenderThread {
   bool wait_for_work(const std::stop_token& stop);
   void run_tasks();
   void render_round(const std::stop_token& stop);
-  bool render_side(const std::stop_token& stop, int side, const IVec2& size, bool rest);
+  bool render_side(const std::stop_token& stop, int side, const FrameScale& scale, bool rest);
   void close_second_side();
   bool ready_for_tasks() const;
   bool tasks_wait() const;
   void finish_tasks();  ///< at the end: reports unfinished tasks
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   void note_size(const IVec2& size, double seconds, bool rest);
-  IVec2 choose_size(bool rest) const;
+  FrameScale choose_scale(bool rest);
+  bool may_upscale() const;  ///< whether the policy and both sides' techniques permit upscaling
   bool at_rest() const;  ///< whether nothing has changed for a moment, so that images may take longer
   bool has_final_size(const Session& session) const;  ///< no larger image follows at rest
   bool goal_reached(int side);

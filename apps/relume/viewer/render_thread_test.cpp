@@ -94,6 +94,31 @@ TEST(RenderThread, AGoalThatIsMetAtASmallSizeDoesNotKeepTheImageSmall) {
   EXPECT_EQ(stage.thread.frame(0)->width, 1000);
 }
 
+TEST(RenderThread, UpscalesInMotionAndTracesEveryPixelAtRest) {
+  Stage stage;
+  stage.settings[0].render.width = 400;
+  stage.settings[0].render.height = 240;
+  stage.settings[0].render.denoise = DenoiseChoice::svgf;
+  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.3f};
+  stage.post();
+  const auto moving = stage.next();
+  ASSERT_TRUE(moving);
+  EXPECT_EQ(moving->upscale, 2);
+  for (int i = 0; i < kPatience_ms && stage.thread.frame(0)->width < 400; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(stage.thread.frame(0)->width, 400);
+  EXPECT_EQ(stage.thread.frame(0)->upscale, 1);
+}
+
+TEST(RenderThread, UpscalesOnlyIfADenoiserFillsThePixels) {
+  Stage stage;
+  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000};
+  stage.post();
+  const auto frame = stage.next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->upscale, 1);
+}
+
 TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
   Stage stage;
   stage.settings[0].stop.spp = 3;

@@ -48,6 +48,7 @@ struct SceneEdits {
 /// Adaptation of the resolution to the frame rate.
 struct ResolutionPolicy {
   bool hold_rate = true;      ///< scale the resolution until `target_hz` is met
+  bool upscale = true;        ///< before that, trace a path in one of four pixels per frame
   float target_hz = 30;       ///< rendered frames per second
   bool full_at_rest = true;   ///< full resolution after a moment without changes
   float rest_after_s = 0.4f;  ///< length of that moment
@@ -77,6 +78,7 @@ struct ViewerFrame {
   int width = 0;
   int height = 0;
   int full_width = 0;  ///< without scaling
+  int upscale = 1;     ///< edge of the blocks of pixels with one path per frame
   std::vector<Rgb> radiance;
   std::string buffer;          ///< name of the inspected buffer; empty: the image
   std::string channels;        ///< its channels, one letter each, at most three

@@ -34,11 +34,11 @@ float smallest_scale(const IVec2& full) {
 int ResolutionControl::smallest_step(const IVec2& full) const {
   int step = 0;
   while (scale_of(step) > smallest_scale(full)) ++step;
-  return step;
+  return may_upscale_ ? step + kUpscaleSteps : step;
 }
 
 IVec2 ResolutionControl::size(const IVec2& full) const {
-  return scaled(full, max(scale_of(step_), smallest_scale(full)));
+  return scaled(full, max(scale_of(size_step()), smallest_scale(full)));
 }
 
 IVec2 ResolutionControl::first_frame_size(const IVec2& full) const {

@@ -17,8 +17,14 @@ inline constexpr double kFirstFrameBudget_s = 0.028;
 /// the budget allows.
 class ResolutionControl {
  public:
+  /// Whether frames may be upscaled over time. That comes before a smaller size.
+  void allow_upscaling(bool allowed) { may_upscale_ = allowed; }
+
   /// Render size.
   IVec2 size(const IVec2& full) const;
+
+  /// Edge of the blocks of pixels with one path per frame (UpscalingSettings): 1 or 2.
+  int upscale() const { return may_upscale_ && step_ >= kUpscaleSteps ? 2 : 1; }
 
   /// Size of the first frame after a rest: at most size(), and within kFirstFrameBudget_s at the latest frame's time
   /// per pixel, but at least the minimum size.
@@ -31,13 +37,18 @@ class ResolutionControl {
   void frame_done(double seconds, double budget_s, const IVec2& full);
 
  private:
+  /// Steps by which the size is smaller.
+  int size_step() const { return upscale() > 1 ? step_ - kUpscaleSteps : step_; }
   int smallest_step(const IVec2& full) const;
   void go_to(int step);
+
+  static constexpr int kUpscaleSteps = 2;  ///< upscaling takes about half of the time
 
   static constexpr int kFarBelow = 64;  ///< more steps than any image has
 
   double pixel_s_ = 0;     ///< seconds per pixel of the latest frame
-  int step_ = kFarBelow;   ///< 0: full size; each step divides the pixels by the square root of two
+  bool may_upscale_ = false;
+  int step_ = kFarBelow;   ///< 0: full size; each step divides the time of a frame by about the square root of two
   int slow_ = 0;           ///< consecutive frames above the budget
   int fast_ = 0;           ///< consecutive frames with time for a larger size
   double slowest_s_ = 0;   ///< slowest of those

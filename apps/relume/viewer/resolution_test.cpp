@@ -75,6 +75,26 @@ TEST(ResolutionControl, TheFirstFrameAfterARestHasTheUsualSizeIfThatIsFastEnough
   EXPECT_EQ(control.first_frame_size(kFull), control.size(kFull));
 }
 
+TEST(ResolutionControl, UpscalesBeforeItLowersTheSize) {
+  ResolutionControl control;
+  control.allow_upscaling(true);
+  // A full frame takes twice the budget, and half of that if it is upscaled.
+  const auto frame = [&](double full_s) {
+    const IVec2 size = control.size(kFull);
+    const double seconds = full_s * size.x * size.y / (1280.0 * 720) * (control.upscale() > 1 ? 0.4 : 1.0);
+    control.frame_done(seconds, kBudget_s, kFull);
+  };
+  for (int i = 0; i < 40; ++i) frame(2 * kBudget_s);
+  EXPECT_EQ(control.size(kFull), kFull);
+  EXPECT_EQ(control.upscale(), 2);
+  for (int i = 0; i < 200; ++i) frame(0.3 * kBudget_s);
+  EXPECT_EQ(control.size(kFull), kFull);
+  EXPECT_EQ(control.upscale(), 1) << "a fast machine traces a path in every pixel";
+  for (int i = 0; i < 40; ++i) frame(100 * kBudget_s);
+  EXPECT_LT(control.size(kFull).x, 400);
+  EXPECT_EQ(control.upscale(), 2);
+}
+
 TEST(ResolutionControl, NeverGoesBelowTheSmallestSize) {
   ResolutionControl control;
   render(control, kFull, 1000 * kBudget_s / (1280 * 720), 50);

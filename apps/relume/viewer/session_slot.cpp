@@ -69,10 +69,12 @@ void SessionSlot::apply_changes(const SceneEdits& edits) {
   applied_ = std::max(applied_, edits.version);
 }
 
-void SessionSlot::update(const RenderRequest& request, int side, const IVec2& size) {
+void SessionSlot::update(const RenderRequest& request, int side, const FrameScale& scale) {
   RenderSettings settings = request.settings[static_cast<size_t>(side)].render;
-  settings.width = size.x;
-  settings.height = size.y;
+  settings.width = scale.size.x;
+  settings.height = scale.size.y;
+  settings.switches_upscaling = scale.switches_upscaling;
+  if (scale.switches_upscaling) settings.upscaling.factor = scale.upscale;
   settings.auxiliary = needs_auxiliary(settings, request.buffer);
   // Time is applied by set_time(), so that an animation does not count as a changed setting.
   if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;

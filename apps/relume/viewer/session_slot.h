@@ -10,11 +10,18 @@
 
 namespace relume::viewer {
 
+/// Pixels of a frame, and those that get a path.
+struct FrameScale {
+  IVec2 size{0};
+  int upscale = 1;                  ///< edge of the blocks of pixels with one path per frame
+  bool switches_upscaling = false;  ///< whether `upscale` may change from frame to frame
+};
+
 class SessionSlot {
  public:
-  /// Applies the settings and edits of `request` for this side, at `size` pixels. Recompiles the scene only for edits
+  /// Applies the settings and edits of `request` for this side, at `scale`. Recompiles the scene only for edits
   /// that the session cannot apply. A change starts a new image. Throws Error, leaving an existing session unchanged.
-  void update(const RenderRequest& request, int side, const IVec2& size);
+  void update(const RenderRequest& request, int side, const FrameScale& scale);
 
   /// Start of the compilation in progress, by now_s(); std::nullopt if there is none. Callable from any thread.
   std::optional<double> compiling_since_s() const;

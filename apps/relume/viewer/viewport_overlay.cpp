@@ -31,6 +31,7 @@ std::string status_of(const State& state, const ViewerFrame& frame) {
   const int percent = static_cast<int>(std::lround(100.0 * frame.width / std::max(frame.full_width, 1)));
   std::string text = fmt::format("{}x{}", frame.width, frame.height);
   if (percent < 100) text += fmt::format(" ({} %)", percent);
+  if (frame.upscale > 1) text += ", upscaled";
   const std::string samples = cli::format_samples(frame.samples);
   text += fmt::format("  \xc2\xb7  {} sample{} per pixel  \xc2\xb7  {:.1f} frames/s", samples,
                       samples == "1" ? "" : "s", state.frames_per_s);

@@ -140,6 +140,20 @@ TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
   }
 }
 
+TEST(Upscaling, ViewsMaySwitchItWithoutLosingTheirHistory) {
+  RenderSettings settings = small_image();
+  settings.denoise = DenoiseChoice::svgf;
+  settings.switches_upscaling = true;
+  settings.upscaling.factor = 2;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  for (int i = 0; i < 4; ++i) session.render_frame();
+  settings.upscaling.factor = 1;
+  ASSERT_TRUE(session.set_settings(settings));
+  session.render_frame();
+  EXPECT_EQ(session.frames_since_change(), 5u);
+  EXPECT_EQ(session.statistics().paths, 2u * 50 * 37);
+}
+
 TEST(Upscaling, RefusesOtherChoicesOfPixels) {
   RenderSettings settings;
   settings.upscaling.factor = 2;
