@@ -234,14 +234,14 @@ uint64_t most_nonfinite(const ContenderResult& contender) {
 
 std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender) {
   std::vector<std::pair<std::string, double>> result;
-  for (const auto& [name, unused] : contender.repetitions.front().passes) {
+  for (const PassTime& pass : contender.repetitions.front().passes) {
     std::vector<double> ms;
     for (const Repetition& repetition : contender.repetitions) {
-      for (const auto& [other, seconds] : repetition.passes) {
-        if (other == name) ms.push_back(1000 * seconds / repetition.frames);
+      for (const PassTime& other : repetition.passes) {
+        if (other.name == pass.name) ms.push_back(1000 * other.seconds / repetition.frames);
       }
     }
-    result.emplace_back(name, median(std::move(ms)));
+    result.emplace_back(pass.name, median(std::move(ms)));
   }
   return result;
 }

@@ -78,7 +78,7 @@ TEST(TimedSession, CountsSinceTheRestart) {
   EXPECT_GT(session.time_s(), 0);
   const Image first = session.session().image();
   double passes = 0;
-  for (const auto& [name, seconds] : session.passes()) passes += seconds;
+  for (const PassTime& pass : session.passes()) passes += pass.seconds;
   EXPECT_GT(passes, 0);
   EXPECT_LE(passes, session.time_s());
   session.restart(2);

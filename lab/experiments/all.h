@@ -23,5 +23,6 @@ Experiment psf_variance_experiment();
 Experiment psf_frametime_experiment();
 Experiment apg_depth_experiment();
 Experiment interactive_experiment();
+Experiment upscaling_experiment();
 
 }  // namespace relume

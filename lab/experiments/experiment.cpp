@@ -31,6 +31,7 @@ const std::vector<Experiment>& experiments() {
       bdpt_cost_experiment(),
       bmfr_experiment(),
       interactive_experiment(),
+      upscaling_experiment(),
   };
   return list;
 }

@@ -88,8 +88,8 @@ struct RenderSettings {
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
-/// All of the above except `auxiliary`, `switches_upscaling` and `crop`. `path.max_bounces` is named "max-bounces", because it applies to
-/// every estimator.
+/// All of the above except `auxiliary`, `switches_upscaling` and `crop`. `path.max_bounces` is named "max-bounces",
+/// because it applies to every estimator.
 SettingList describe(RenderSettings& settings);
 
 /// Parts of describe(RenderSettings&), grouped for reference pages and widgets.

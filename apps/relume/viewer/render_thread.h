@@ -83,7 +83,7 @@ class RenderThread {
   void note_size(const IVec2& size, double seconds, bool rest);
   FrameScale choose_scale(bool rest);
   bool may_upscale() const;  ///< whether the policy and both sides' techniques permit upscaling
-  bool at_rest() const;  ///< whether nothing has changed for a moment, so that images may take longer
+  bool at_rest() const;      ///< whether nothing has changed for a moment, so that images may take longer
   bool has_final_size(const Session& session) const;  ///< no larger image follows at rest
   bool goal_reached(int side);
   bool error_reached(int side);

@@ -46,7 +46,7 @@ class ResolutionControl {
 
   static constexpr int kFarBelow = 64;  ///< more steps than any image has
 
-  double pixel_s_ = 0;     ///< seconds per pixel of the latest frame
+  double pixel_s_ = 0;  ///< seconds per pixel of the latest frame
   bool may_upscale_ = false;
   int step_ = kFarBelow;   ///< 0: full size; each step divides the time of a frame by about the square root of two
   int slow_ = 0;           ///< consecutive frames above the budget

@@ -59,6 +59,7 @@ struct Walk {
     const double weight = 1.0 / (options.views * repetitions);
     const double mse = without_noise(m.mse, reference.mse);
     error.mses.back() += mse / options.views;
+    error.flips.back() += m.flip / options.views;
     error.mse += mse * weight;
     error.flip += m.flip * weight;
   }
@@ -110,9 +111,11 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
       const int repetitions = repetitions_of(contenders[i]);
       if (repetition > repetitions) continue;
       MovingError& error = result.contenders[i];
-      error.frames = std::max(1, static_cast<int>(std::lround(budget_ms / median(frame_ms[i]))));
+      error.frames = options.equal_frames ? options.frames
+                                          : std::max(1, static_cast<int>(std::lround(budget_ms / median(frame_ms[i]))));
       walk.begin(contenders[i], repetition);
       error.mses.push_back(0);
+      error.flips.push_back(0);
       for (int view = 0; view < options.views; ++view) {
         leg_ms[i].push_back(walk.turn_to(view, error.frames));
         walk.measure(view, repetitions, error);

@@ -1,4 +1,4 @@
-// Measures the error of images during camera motion at equal time.
+// Measures the error of images during camera motion, at equal time or for equal numbers of frames.
 #pragma once
 
 #include <string>
@@ -18,8 +18,9 @@ struct MovingContender {
 };
 
 struct MovingOptions {
-  int frames = 16;  ///< frames per view step of the first contender; slower ones render fewer
-  int views = 2;    ///< measured views
+  int frames = 16;            ///< frames per view step of the first contender; slower ones render fewer
+  bool equal_frames = false;  ///< all contenders render `frames`, in different times
+  int views = 2;              ///< measured views
   int repetitions = 3;
   float step_deg = 10;  ///< between views
   int reference_spp = 1024;
@@ -34,8 +35,9 @@ struct MovingError {
   double time_share = 1;  ///< time per view step relative to the first contender; frames are whole
   double mse = 0;
   double flip = 0;
-  std::vector<double> mses = {};  ///< per repetition: mean over its views
-  Image last = {};                ///< last view of the last repetition
+  std::vector<double> mses = {};   ///< per repetition: mean over its views
+  std::vector<double> flips = {};  ///< the same of FLIP
+  Image last = {};                 ///< last view of the last repetition
 };
 
 struct MovingErrors {
@@ -44,9 +46,10 @@ struct MovingErrors {
   Image reference;  ///< last view
 };
 
-/// Turns the camera from view to view; each step takes all contenders the same time. Slower ones render fewer frames,
-/// with larger motion between them. Contenders take turns. The frame count follows from the median of all earlier
-/// timings, which start with separate rounds. Requires a camera in the experiment's scene. Throws ExperimentStopped.
+/// Turns the camera from view to view; each step takes all contenders the same time, unless `equal_frames`. Slower ones
+/// render fewer frames, with larger motion between them. Contenders take turns. The frame count follows from the median
+/// of all earlier timings, which start with separate rounds. Requires a camera in the experiment's scene. Throws
+/// ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

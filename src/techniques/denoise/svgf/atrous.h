@@ -210,8 +210,8 @@ struct AtrousKernel {
     for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(at(light, c, x, y));
     const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - here.brightness);
     const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
-    const F weight = (spline<kRadius>(dx) * spline<kRadius>(dy)) * load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
-                     sharpened(max(cosine, F(0.0f))) *
+    const F weight = (spline<kRadius>(dx) * spline<kRadius>(dy)) *
+                     load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) * sharpened(max(cosine, F(0.0f))) *
                      falloff(absolute(distance) * here.inverse_plane * (1.0f / apart) + contrast * here.inverse_light);
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.channels[c] + weight * channels[c];
     sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] + weight * weight * channels[kAtrousVariance];

@@ -15,7 +15,7 @@ struct BlockPosition {
 
 namespace upscaling_detail {
 
-/// Of 2 × 2 pixels, in the order of [Bayer73]: diagonal neighbours follow each other.
+/// Of 2 × 2 pixels, in the order of a Bayer matrix: diagonal neighbours follow each other.
 RELUME_HD constexpr BlockPosition turn_of_four(uint32_t turn) { return {(turn ^ (turn >> 1)) & 1u, turn & 1u}; }
 
 }  // namespace upscaling_detail

@@ -19,9 +19,9 @@ void bm_fill_unsampled(benchmark::State& state) {
   std::vector<Rgb> filled(kWidth * kHeight);
   Backend backend(1);
   launch(backend, "allocate", BlockAllocationKernel{mutable_view_of(samples), {}, 2, kWidth}, kWidth, kHeight);
-  const FillUnsampledKernel kernel{view_of(color),   view_of(samples),        view_of(color), view_of(normal),
-                                   view_of(surface), mutable_view_of(filled), 2,              kWidth,
-                                   kHeight};
+  const FillUnsampledKernel kernel{
+      view_of(color), view_of(samples), view_of(color), view_of(normal), view_of(surface), mutable_view_of(filled), 2,
+      kWidth,         kHeight};
   for (auto _ : state) launch(backend, "fill", kernel, kWidth, kHeight);
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
 }

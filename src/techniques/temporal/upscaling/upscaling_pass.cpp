@@ -5,10 +5,9 @@
 namespace relume {
 
 PassDeclaration BlockAllocationPass::declaration() const {
-  return {
-      .name = "allocate",
-      .stage = Stage::allocate,
-      .owns = {{.id = kAllocation, .help = "number of samples in this frame", .display = BufferDisplay::value}}};
+  return {.name = "allocate",
+          .stage = Stage::allocate,
+          .owns = {{.id = kAllocation, .help = "number of samples in this frame", .display = BufferDisplay::value}}};
 }
 
 bool BlockAllocationPass::run(const FrameContext& frame) {

@@ -57,8 +57,14 @@ struct Row {
 
   std::vector<Rgb> filled() const {
     std::vector<Rgb> result(mean.size());
-    const FillUnsampledKernel kernel{view_of(mean),   view_of(samples),        view_of(albedo), view_of(normal),
-                                     view_of(surface), mutable_view_of(result), 2,               5,
+    const FillUnsampledKernel kernel{view_of(mean),
+                                     view_of(samples),
+                                     view_of(albedo),
+                                     view_of(normal),
+                                     view_of(surface),
+                                     mutable_view_of(result),
+                                     2,
+                                     5,
                                      1};
     for (uint32_t x = 0; x < 5; ++x) kernel(x, 0);
     return result;
