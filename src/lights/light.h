@@ -74,7 +74,7 @@ inline LightExtent extent_of(const Light& light, double watts) {
 /// Central point of a finite light.
 inline Vec3 position_of(const Light& light) {
   switch (light.kind) {
-    case LightKind::triangle: return light.triangle.position(Vec2(1.0f / 3.0f));
+    case LightKind::triangle: return light.triangle.position(light.triangle.centre());
     case LightKind::point: return light.point.position;
     case LightKind::spot: return light.spot.position;
     case LightKind::directional:

@@ -10,7 +10,7 @@ std::vector<float> build_light_columns(const LightsView& view) {
     if (light.kind != LightKind::triangle) continue;
     const TriangleLight& t = light.triangle;
     const auto put = [&](uint32_t column, float value) { values[size_t{column} * count + i] = value; };
-    const Vec3 centre = t.position(Vec2(1.0f / 3.0f));
+    const Vec3 centre = t.position(t.centre());
     for (int axis = 0; axis < 3; ++axis) {
       const auto k = static_cast<uint32_t>(axis);
       put(LightColumns::centre + k, centre[axis]);

@@ -45,7 +45,7 @@ void for_each_light(const Check& check) {
   }
 }
 
-/// Intersection of a ray with a triangle's plane, if inside.
+/// Intersection of a ray with a light's plane, if inside.
 bool meet(const TriangleLight& t, const Vec3& p, const Vec3& w, EmitterPoint* point) {
   const glm::dvec3 e1(t.e1);
   const glm::dvec3 e2(t.e2);
@@ -59,7 +59,8 @@ bool meet(const TriangleLight& t, const Vec3& p, const Vec3& w, EmitterPoint* po
   const double distance = glm::dot(e2, q) / determinant;
   point->barycentric = Vec2(static_cast<float>(u), static_cast<float>(v));
   point->position = t.position(point->barycentric);
-  return u >= 0 && v >= 0 && u + v <= 1 && distance > 0;
+  const bool inside = t.is_parallelogram ? u <= 1 && v <= 1 : u + v <= 1;
+  return u >= 0 && v >= 0 && inside && distance > 0;
 }
 
 /// pdf_li as a function of direction alone.
@@ -72,7 +73,7 @@ double density_towards(const LightsView& view, LightId id, const Vec3& p, const 
 
 DirectionChart chart_towards(const Light& light, const Vec3& p) {
   if (light.kind == LightKind::triangle) {
-    const Vec3 d = light.triangle.position(Vec2(1.0f / 3.0f)) - p;
+    const Vec3 d = light.triangle.position(light.triangle.centre()) - p;
     return {make_frame(glm::normalize(d)), 0.5 * std::sqrt(light.triangle.area) / glm::length(d)};
   }
   if (light.kind == LightKind::directional) return {make_frame(light.directional.to_light), 0.0023};
@@ -85,11 +86,12 @@ TEST(Lights, ScenesHoldEveryKind) {
   EXPECT_EQ(kinds.size(), size_t{kLightKindCount});
   for (const LightScene& scene : light_scenes()) {
     const bool has_sun = &scene == &light_scenes().back();
-    ASSERT_EQ(scene.named.size(), has_sun ? 10u : 9u);
+    ASSERT_EQ(scene.named.size(), has_sun ? 11u : 10u);
     EXPECT_TRUE(scene.lights().lights[1].triangle.two_sided);
     EXPECT_GE(scene.lights().lights[2].triangle.textured, 0);
     EXPECT_GE(scene.lights().lights[3].triangle.textured, 0);
-    EXPECT_EQ(scene.lights().first_infinite, 6u);
+    EXPECT_TRUE(scene.lights().lights[4].triangle.is_parallelogram);
+    EXPECT_EQ(scene.lights().first_infinite, 7u);
   }
 }
 
@@ -112,8 +114,8 @@ TEST(Lights, DirectionsFollowTheirDensity) {
           histogram.add_outside();
         }
       }
-      const bool behind =
-          p.y > 2.5f && name.find("triangle") != std::string::npos && name.find("two-sided") == std::string::npos;
+      const bool is_surface = view.lights[id].kind == LightKind::triangle;
+      const bool behind = p.y > 2.5f && is_surface && !view.lights[id].triangle.two_sided;
       EXPECT_EQ(any, !behind) << name;
       if (behind) continue;
       const auto pdf = [&](const Vec3& wi) { return density_towards(view, id, p, wi); };
@@ -307,9 +309,11 @@ TEST(Lights, EmittedPositionsFollowTheirDensity) {
     }
     const auto density = [&](double x, double y) -> double {
       if (light.kind != LightKind::triangle) return std::hypot(2 * x - 1, 2 * y - 1) < 1 ? 4.0 / M_PI : 0.0;
-      if (x + y > 1) return 0.0;
+      const TriangleLight& t = light.triangle;
+      if (!t.is_parallelogram && x + y > 1) return 0.0;
       const Vec2 b(static_cast<float>(x), static_cast<float>(y));
-      return 2.0 * light.triangle.area * pdf_le(view, id, {light.triangle.position(b), b}, light.triangle.normal).pdf_a;
+      const double cross = t.is_parallelogram ? t.area : 2.0 * t.area;
+      return cross * pdf_le(view, id, {t.position(b), b}, t.normal).pdf_a;
     };
     EXPECT_GT(histogram.test(density, 7).p_value, testing::significance()) << name;
   });

@@ -182,7 +182,7 @@ TEST(Environment, ItsColourMultipliesSkyAndSun) {
   e.color = Rgb(0.5f, 2, 3);
   const LightScene tinted = testing::make_light_scene(e);
   ASSERT_EQ(plain.lights().lights.size, tinted.lights().lights.size);
-  for (LightId id = 8; id < plain.lights().lights.size; ++id) {  // the sun and the sky
+  for (LightId id = 9; id < plain.lights().lights.size; ++id) {  // the sun and the sky
     const Rgb ratio = power(tinted.lights(), id) / power(plain.lights(), id);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio[c], e.color[c], 1e-4f) << id;
   }

@@ -1,5 +1,5 @@
-// Emissive triangles, sampled uniformly in solid angle where they look large, else uniformly in area; with a texture,
-// in proportion to the emission.
+// Emissive triangles, and parallelograms of two triangles. They are sampled uniformly in solid angle where they look
+// large, else uniformly in area; with a texture, in proportion to the emission.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "lights/light_types.h"
 #include "materials/material.h"
 #include "sampling/alias_table.h"
-#include "sampling/spherical_triangle.h"
+#include "sampling/spherical_parallelogram.h"
 
 namespace relume {
 
@@ -18,16 +18,18 @@ struct TriangleLight {
   Vec3 e2;       ///< v2 − v0
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
-  float width2;  ///< squared length of the longest edge, m²
+  float width2;  ///< squared length of the longest edge or diagonal, m²
   float error;   ///< bound on the rounding error of hits on it, metres
   Rgb radiance;  ///< emission below the coat where the texture is white
   float coat;    ///< weight of the clearcoat where its texture is white
   uint32_t instance;
-  uint32_t primitive;
-  int32_t textured;  ///< index into TexturedEmission::triangles, or −1
+  uint32_t primitive;  ///< a parallelogram: the first of two
+  int32_t textured;    ///< index into TexturedEmission::triangles, or −1; never for a parallelogram
   bool two_sided;
+  bool is_parallelogram;  ///< with the corner v0 + e1 + e2; barycentrics then lie in the unit square
 
   RELUME_HD Vec3 position(const Vec2& b) const { return v0 + b.x * e1 + b.y * e2; }
+  RELUME_HD Vec2 centre() const { return Vec2(is_parallelogram ? 0.5f : 1.0f / 3.0f); }
   /// Cosine at the light towards a receiver; 0 on the side without emission.
   RELUME_HD float emission_cosine(const Vec3& away) const {
     const float c = glm::dot(normal, away);
@@ -125,7 +127,7 @@ struct TrianglePoint {
 };
 
 RELUME_HD inline TrianglePoint sample_area(const TriangleLight& light, const TexturedEmission& e, const Vec2& u) {
-  if (light.textured < 0) return {triangle_from_square(u), 1.0f / light.area};
+  if (light.textured < 0) return {light.is_parallelogram ? u : triangle_from_square(u), 1.0f / light.area};
   const TexturedTriangle& t = e.triangles[static_cast<uint32_t>(light.textured)];
   const DiscreteSample chosen = e.table(t).sample({u.x, hash(float_bits(u.x), float_bits(u.y))});
   const float count = static_cast<float>(t.grid * t.grid);
@@ -153,33 +155,61 @@ RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const Textured
   return radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
 }
 
-/// Triangles whose longest edge exceeds this fraction of the distance to their centre are sampled by solid angle.
-/// Nearer to uniform, a smaller one gains less than the computation costs.
+/// Lights whose longest edge or diagonal exceeds this fraction of the distance to their centre are sampled by solid
+/// angle. For smaller ones, sampling by area is nearly as good, and takes less time.
 inline constexpr float kWideTriangle = 0.3f;
 
-/// Whether the triangle at `corner`, v0 relative to the receiver, is sampled uniformly in solid angle. `wide`:
+/// Whether the light at `corner`, v0 relative to the receiver, is sampled uniformly in solid angle. `wide`:
 /// kWideTriangle, or infinity for none.
 RELUME_HD inline bool is_wide(const TriangleLight& light, const Vec3& corner, float wide) {
-  const Vec3 centre = corner + (light.e1 + light.e2) * (1.0f / 3.0f);
+  const Vec3 centre = corner + light.centre().x * (light.e1 + light.e2);
   return light.textured < 0 && light.width2 > wide * wide * length_squared(centre);
 }
 
+/// |v0 · (e1 × e2)| for v0 at `corner`, m³.
+RELUME_HD inline float volume_at(const TriangleLight& light, const Vec3& corner) {
+  const float cross = light.is_parallelogram ? light.area : 2.0f * light.area;
+  return cross * std::fabs(glm::dot(light.normal, corner));
+}
 /// The triangle at `corner` on the unit sphere around the receiver.
-RELUME_HD inline SphericalTriangle<float> on_sphere(const TriangleLight& light, const Vec3& corner) {
-  const float volume = 2.0f * light.area * std::fabs(glm::dot(light.normal, corner));
+RELUME_HD inline SphericalTriangle<float> triangle_on_sphere(const TriangleLight& light, const Vec3& corner) {
   return make_spherical_triangle(triple_of<float>(corner), triple_of<float>(corner + light.e1),
-                                 triple_of<float>(corner + light.e2), volume);
+                                 triple_of<float>(corner + light.e2), volume_at(light, corner));
+}
+/// The same for a parallelogram.
+RELUME_HD inline SphericalParallelogram<float> parallelogram_on_sphere(const TriangleLight& light, const Vec3& corner) {
+  return make_spherical_parallelogram(triple_of<float>(corner), triple_of<float>(light.e1), triple_of<float>(light.e2),
+                                      volume_at(light, corner));
 }
 
-/// Barycentrics of the triangle at `corner` in direction `w`. Rounding may place w beside the triangle: they are those
-/// of a point in it.
+/// A direction towards the light at `corner`, uniform in solid angle, and its pdf_w.
+RELUME_HD inline Vec3 sample_solid_angle(const TriangleLight& light, const Vec3& corner, const Vec2& u, float* pdf_w) {
+  Triple<float> w;
+  if (light.is_parallelogram) {
+    const SphericalParallelogram<float> p = parallelogram_on_sphere(light, corner);
+    w = spherical_parallelogram_from_square(p, u.x, u.y);
+    *pdf_w = p.pdf();
+  } else {
+    const SphericalTriangle<float> t = triangle_on_sphere(light, corner);
+    w = spherical_triangle_from_square(t, u.x, u.y);
+    *pdf_w = t.pdf();
+  }
+  return {w.x, w.y, w.z};
+}
+RELUME_HD inline float pdf_solid_angle(const TriangleLight& light, const Vec3& corner) {
+  return light.is_parallelogram ? parallelogram_on_sphere(light, corner).pdf()
+                                : triangle_on_sphere(light, corner).pdf();
+}
+
+/// Barycentrics of the light at `corner` in direction `w`. Rounding may place w beside the light: they are those of a
+/// point on it.
 RELUME_HD inline Vec2 barycentric_along(const TriangleLight& light, const Vec3& corner, const Vec3& w) {
   const Vec3 n = glm::cross(light.e1, light.e2);
   const Vec3 inside = w * (glm::dot(corner, n) / glm::dot(w, n)) - corner;
   const Vec2 b =
       Vec2(glm::dot(glm::cross(inside, light.e2), n), glm::dot(glm::cross(light.e1, inside), n)) / glm::dot(n, n);
   const float x = saturate(b.x);
-  return {x, clamp(b.y, 0.0f, 1.0f - x)};
+  return {x, clamp(b.y, 0.0f, light.is_parallelogram ? 1.0f : 1.0f - x)};
 }
 
 RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
@@ -190,10 +220,7 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
   const bool by_solid_angle = is_wide(light, corner, wide);
   float pdf_a = 0;
   if (by_solid_angle) {
-    const SphericalTriangle<float> t = on_sphere(light, corner);
-    const Triple<float> w = spherical_triangle_from_square(t, u.x, u.y);
-    s.barycentric = barycentric_along(light, corner, {w.x, w.y, w.z});
-    s.pdf_w = t.pdf();
+    s.barycentric = barycentric_along(light, corner, sample_solid_angle(light, corner, u, &s.pdf_w));
   } else {
     const TrianglePoint point = sample_area(light, e, u);
     s.barycentric = point.barycentric;
@@ -221,7 +248,7 @@ RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission
   const float cos_light = light.emission_cosine(-wi);
   if (!(cos_light > 0.0f)) return 0.0f;
   const Vec3 corner = light.v0 - p;
-  if (is_wide(light, corner, wide)) return on_sphere(light, corner).pdf();
+  if (is_wide(light, corner, wide)) return pdf_solid_angle(light, corner);
   return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
 }
 
@@ -264,13 +291,15 @@ RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e
 inline LightExtent extent_of(const TriangleLight& light, double watts) {
   LightExtent extent{{}, light.normal, 0, M_PI / 2, light.two_sided, watts / (light.two_sided ? 2 * M_PI : M_PI)};
   for (const Vec3& p : {light.v0, light.v0 + light.e1, light.v0 + light.e2}) extent.box.add(p);
+  if (light.is_parallelogram) extent.box.add(light.position(Vec2(1)));
   return extent;
 }
 
-/// Whether two triangles emit the same light.
+/// Whether two of them emit the same light.
 inline bool same_light(const TriangleLight& a, const TriangleLight& b) {
   return a.v0 == b.v0 && a.e1 == b.e1 && a.e2 == b.e2 && a.normal == b.normal && a.radiance == b.radiance &&
-         a.two_sided == b.two_sided && a.coat == b.coat && a.textured == b.textured;
+         a.two_sided == b.two_sided && a.coat == b.coat && a.textured == b.textured &&
+         a.is_parallelogram == b.is_parallelogram;
 }
 
 }  // namespace relume

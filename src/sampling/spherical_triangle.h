@@ -20,6 +20,19 @@ struct SphericalTriangle {
   RELUME_HD_INLINE T pdf() const { return T(0.5f) / half_solid_angle; }
 };
 
+/// `yes` where the condition is true, `no` elsewhere.
+template <typename T>
+RELUME_HD_INLINE SphericalTriangle<T> select(const MaskOf<T>& condition, const SphericalTriangle<T>& yes,
+                                             const SphericalTriangle<T>& no) {
+  return {select(condition, yes.a, no.a),
+          select(condition, yes.b, no.b),
+          select(condition, yes.c, no.c),
+          select(condition, yes.determinant, no.determinant),
+          select(condition, yes.base, no.base),
+          select(condition, yes.slope, no.slope),
+          select(condition, yes.half_solid_angle, no.half_solid_angle)};
+}
+
 /// `volume`: |v0 · (v1 × v2)| of the corners, m³. The caller's form of it avoids cancellation where the triangle is
 /// small.
 template <typename T>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sampling/spherical_triangle.h"
+#include "sampling/spherical_parallelogram.h"
 #include "testing/histogram.h"
 #include "testing/random.h"
 
@@ -75,6 +75,30 @@ Warp spherical_triangle(const std::string& name, const Vec3& v0, const Vec3& v1,
           2e-4f};  // directions of 24 bits
 }
 
+/// The chart is that of the parallelogram's own coordinates.
+Warp spherical_parallelogram(const std::string& name, const Vec3& v0, const Vec3& e1, const Vec3& e2) {
+  const Vec3 n = glm::cross(e1, e2);
+  const auto triple = [](const Vec3& v) { return triple_of<float>(v); };
+  const auto s = make_spherical_parallelogram(triple(v0), triple(e1), triple(e2), std::fabs(glm::dot(v0, n)));
+  const auto chart = [=](const Vec3& w) {
+    const Vec3 p = w * (glm::dot(v0, n) / glm::dot(w, n)) - v0;
+    return Vec2(glm::dot(glm::cross(p, e2), n), glm::dot(glm::cross(e1, p), n)) / glm::dot(n, n);
+  };
+  return {name,
+          [s](const Vec2& u) {
+            const auto w = spherical_parallelogram_from_square(s, u.x, u.y);
+            return Vec3(w.x, w.y, w.z);
+          },
+          [s, triple](const Vec3& w) { return square_from_spherical_parallelogram(s, triple(w)); },
+          chart,
+          [=](double x, double y) {
+            const glm::dvec3 p = glm::dvec3(v0) + x * glm::dvec3(e1) + y * glm::dvec3(e2);
+            return s.pdf() * std::abs(glm::dot(glm::dvec3(n), p)) / std::pow(glm::length(p), 3);
+          },
+          std::min(1.0, double(glm::length(e1) / glm::length(v0))),
+          2e-4f};
+}
+
 std::vector<Warp> warps() {
   const auto chart = std::make_shared<DirectionChart>();
   std::vector<Warp> list;
@@ -106,6 +130,9 @@ std::vector<Warp> warps() {
   list.push_back(spherical_triangle("far triangle", {3, 4, 9}, {3.2f, 4, 9.1f}, {3, 4.5f, 9}));
   list.push_back(spherical_triangle("narrow triangle", {-5, 1, 0.2f}, {5, 1, 0.2f}, {5, 1.1f, 0.2f}));
   list.push_back(spherical_triangle("triangle around the viewer", {-1, -1, 0.1f}, {0, 1, 0.1f}, {1, -1, 0.1f}));
+  list.push_back(spherical_parallelogram("near rectangle", {-1, -0.5f, 0.6f}, {2, 0, 0.3f}, {-0.15f, 2, 1}));
+  list.push_back(spherical_parallelogram("sheared parallelogram", {1, 2, 3}, {2, 0.5f, 0}, {1.5f, 2, -1}));
+  list.push_back(spherical_parallelogram("rectangle around the viewer", {-1, -1, 0.1f}, {2, 0, 0}, {0, 3, 0}));
   return list;
 }
 

@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "scene/emission_table.h"
 #include "scene/light_parameters.h"
+#include "scene/parallelogram.h"
 #include "scene/placement.h"
 #include "scene/studio.h"
 #include "scene/sun_sky.h"
@@ -24,6 +25,46 @@ float triangle_error(const SceneView& geometry, const UVec3& index, const Instan
         std::max(largest, instance.in_world_space ? error : surface_detail::world_error(instance.to_world, p, error));
   }
   return largest;
+}
+
+/// Bound on the factor by which an instance scales lengths.
+float largest_stretch(const Instance& instance) {
+  if (instance.in_world_space) return 1.0f;
+  const Mat3& m = instance.to_world.linear;
+  return glm::length(m[0]) + glm::length(m[1]) + glm::length(m[2]);
+}
+
+/// TriangleLight::width2.
+float width_squared(const TriangleLight& light) {
+  const float sides = max(length_squared(light.e1), length_squared(light.e2));
+  const float diagonal = length_squared(light.e1 - light.e2);
+  return max(sides, light.is_parallelogram ? max(diagonal, length_squared(light.e1 + light.e2)) : diagonal);
+}
+
+/// Geometry of the light at a triangle, or at that and the next if lights are paired.
+TriangleLight placed_light(const SceneView& geometry, const Instance& instance, uint32_t triangle) {
+  UVec3 index = geometry.triangles[triangle];
+  TriangleLight light{};
+  light.error = triangle_error(geometry, index, instance);
+  if (instance.paired_lights) {
+    const Parallelogram sides = *find_parallelogram(geometry.vertices, index, geometry.triangles[triangle + 1]);
+    index = {sides.corner, sides.first_end, sides.second_end};
+    light.error += sides.deviation * largest_stretch(instance);
+    light.is_parallelogram = true;
+  }
+  const auto position = [&](uint32_t v) {
+    const Vec3& p = geometry.vertices[v].position;
+    return instance.in_world_space ? p : instance.to_world.point(p);
+  };
+  light.v0 = position(index.x);
+  light.e1 = position(index.y) - light.v0;
+  light.e2 = position(index.z) - light.v0;
+  const Vec3 cross = glm::cross(light.e1, light.e2) * instance.orientation;
+  const float length = glm::length(cross);
+  light.normal = length > 0.0f ? cross / length : Vec3(0);
+  light.area = light.is_parallelogram ? length : 0.5f * length;
+  light.width2 = width_squared(light);
+  return light;
 }
 
 /// A punctual light of a node.
@@ -139,29 +180,17 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
   instance.first_light = kNoLight;
   if (!material.emissive()) return;
   instance.first_light = static_cast<LightId>(lights_.size());
-  for (uint32_t k = 0; k < mesh.triangle_count; ++k) {
-    const UVec3 index = geometry.triangles[mesh.first_triangle + k];
-    const auto position = [&](uint32_t v) {
-      const Vec3& p = geometry.vertices[v].position;
-      return instance.in_world_space ? p : instance.to_world.point(p);
-    };
-    TriangleLight light{};
-    light.v0 = position(index.x);
-    light.e1 = position(index.y) - light.v0;
-    light.e2 = position(index.z) - light.v0;
-    const Vec3 cross = glm::cross(light.e1, light.e2) * instance.orientation;
-    const float twice_area = glm::length(cross);
-    light.normal = twice_area > 0.0f ? cross / twice_area : Vec3(0);
-    light.area = 0.5f * twice_area;
-    light.width2 = max(length_squared(light.e1), max(length_squared(light.e2), length_squared(light.e1 - light.e2)));
+  const bool textured = has_textured_emission(material);
+  instance.paired_lights = !textured && !mesh.deforms && consists_of_parallelograms(geometry, mesh);
+  for (uint32_t k = 0; k < mesh.triangle_count; k += instance.paired_lights ? 2 : 1) {
+    TriangleLight light = placed_light(geometry, instance, mesh.first_triangle + k);
     light.radiance = light.area > 0.0f && instance.visible ? material.emission : Rgb(0);
     light.instance = instance_index;
     light.primitive = k;
     light.textured = -1;
     light.two_sided = material.double_sided;
     light.coat = material.clearcoat;
-    light.error = triangle_error(geometry, index, instance);
-    if (light.area > 0.0f && has_textured_emission(material)) {
+    if (light.area > 0.0f && textured) {
       light.textured = textured_indices_.at(mesh.first_triangle + k);
       if (light.textured == kBlackTexture) light.radiance = Rgb(0);
     }

@@ -79,10 +79,16 @@ struct Instance {
   Affine previous_to_world;
   uint32_t mesh = 0;
   LightId first_light = kNoLight;  ///< first of its triangles, if they emit
+  bool paired_lights = false;      ///< whether triangles 2k and 2k + 1 are one light
   bool in_world_space = true;      ///< stored in world space, because static or skinned: the matrices are the identity
   float orientation = 1;           ///< −1: to_world or the skin mirrors
   bool visible = true;             ///< false: invisible to rays, no emission
 };
+
+/// The light of an emissive instance's triangle.
+RELUME_HD inline LightId light_of(const Instance& instance, uint32_t primitive) {
+  return instance.first_light + (instance.paired_lights ? primitive / 2 : primitive);
+}
 
 struct SceneView {
   View<const Vertex> vertices;

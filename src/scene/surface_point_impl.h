@@ -334,7 +334,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   }
   if (outer.emissive() && (sp.front_face || outer.double_sided)) {
     sp.emission = emission_at(scene, outer, uv, cos_front);
-    if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
+    if (instance.first_light != kNoLight) sp.light = light_of(instance, hit.primitive);
   }
   if (material.layers >= 0) {
     const LayerSample layers =

@@ -47,6 +47,18 @@ inline Mesh emissive_triangle(float x, Index material) {
   return m;
 }
 
+/// A sheared parallelogram of two triangles that emits downwards.
+inline Mesh emissive_parallelogram(float x, Index material) {
+  const Vec3 corner(x - 0.4f, 2.0f, -0.5f);
+  const Vec3 e1(0.75f, 0.125f, 0.25f);
+  const Vec3 e2(-0.125f, 0.0f, 0.5f);
+  Mesh m;
+  m.positions = {corner, corner + e1, corner + e1 + e2, corner + e2};
+  m.triangles = {UVec3(0, 1, 2), UVec3(0, 2, 3)};
+  m.material = material;
+  return m;
+}
+
 /// An environment map with a bright spot, linear in between.
 inline Environment noise_environment(int width, int height) {
   Environment e;
@@ -87,8 +99,8 @@ inline Index add_light_node(Scene& scene, const PunctualLight& light, const Vec3
   return scene.add_node(node);
 }
 
-/// Emissive triangles: plain, two-sided, textured, masked. Then point, spot, delta and wide directional lights, and
-/// `environment`.
+/// Emissive triangles: plain, two-sided, textured, masked. A parallelogram of two. Then point, spot, delta and wide
+/// directional lights, and `environment`.
 inline LightScene make_light_scene(const Environment& environment, int texture_size = 16) {
   Scene scene;
   scene.name = "lights";
@@ -108,6 +120,10 @@ inline LightScene make_light_scene(const Environment& environment, int texture_s
     node.meshes = {i};
     scene.add_node(node);
   }
+  scene.meshes.push_back(emissive_parallelogram(2.9f, 0));
+  Node quadrilateral;
+  quadrilateral.meshes = {4};
+  scene.add_node(quadrilateral);
   PunctualLight point{"point", PunctualType::point, Rgb(5, 4, 3)};
   PunctualLight spot{"spot", PunctualType::spot, Rgb(5, 4, 3), 0.3f, 0.6f};
   PunctualLight delta{"delta", PunctualType::directional, Rgb(2, 3, 4)};
@@ -121,11 +137,12 @@ inline LightScene make_light_scene(const Environment& environment, int texture_s
   LightScene result;
   result.compiled =
       std::make_unique<CompiledScene>(std::move(scene), CompileOptions{.camera = {}, .width = 16, .height = 16});
-  const char* names[] = {"triangle", "two-sided triangle", "textured triangle", "masked triangle", "point",
-                         "spot",     "directional",        "sun disk"};
+  const char* names[] = {
+      "triangle", "two-sided triangle", "textured triangle", "masked triangle", "parallelogram", "point",
+      "spot",     "directional",        "sun disk"};
   for (LightId i = 0; i < result.lights().lights.size; ++i) {
     const bool is_environment = result.lights().lights[i].kind == LightKind::environment;
-    result.named.push_back({is_environment ? "environment" : (i < 8 ? names[i] : "the sky's sun"), i});
+    result.named.push_back({is_environment ? "environment" : (i < 9 ? names[i] : "the sky's sun"), i});
   }
   return result;
 }
