@@ -161,6 +161,20 @@ RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #endif
 }
 
+/// Loads eight consecutive pairs, separated by component.
+RELUME_HD_INLINE void load_pairs(const float* from, Lanes (&v)[2]) {
+#if defined(__CUDACC__)
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    for (uint32_t c = 0; c < 2; ++c) v[c].v[i] = from[2 * i + c];
+  }
+#else
+  const auto a = load_lanes(from).v;
+  const auto b = load_lanes(from + kLanes).v;
+  v[0].v = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+  v[1].v = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#endif
+}
+
 /// Relative luminance, as for Rgb (core/vec.h).
 RELUME_HD_INLINE float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 RELUME_HD_INLINE Lanes luminance(const Lanes& r, const Lanes& g, const Lanes& b) {

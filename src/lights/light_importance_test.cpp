@@ -72,7 +72,9 @@ TEST_F(LightImportance, MatchesMatteReflection) {
     for (LightId id = 0; id < scene_.lights().first_infinite; ++id) {
       if (id == 2 || id == 3) continue;  // textured: importance uses the texture's mean
       const double expected = reflected(scene_.lights(), id, r, 4000);
-      EXPECT_NEAR(light_importance_of(r.seen(), scene_.lights(), columns_, id), expected, 0.02 * expected + 1e-5)
+      // A softened point is exact in the limit of small lights; the parallelogram is the largest.
+      const double tolerance = scene_.named[id].name == "parallelogram" ? 0.05 : 0.02;
+      EXPECT_NEAR(light_importance_of(r.seen(), scene_.lights(), columns_, id), expected, tolerance * expected + 1e-5)
           << scene_.named[id].name;
       lit += expected > 0;
     }

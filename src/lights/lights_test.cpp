@@ -187,18 +187,18 @@ TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
 
 TEST(Lights, DeltaLightsFollowTheInverseSquare) {
   const LightsView& view = light_scenes()[0].lights();
-  const PointLight& point = view.lights[4].point;
+  const PointLight& point = view.lights[5].point;
   for (const float d : {0.5f, 1.0f, 3.0f}) {
-    const LightSample s = sample_li(view, 4, point.position - Vec3(0, d, 0), Vec2(0.5f));
+    const LightSample s = sample_li(view, 5, point.position - Vec3(0, d, 0), Vec2(0.5f));
     EXPECT_NEAR(s.radiance.r, 5.0f / (d * d), 1e-4f);
     EXPECT_FLOAT_EQ(s.wi.y, 1.0f);
   }
-  const SpotLight& spot = view.lights[5].spot;
-  const LightSample on_axis = sample_li(view, 5, spot.position + 2.0f * spot.axis, Vec2(0.5f));
+  const SpotLight& spot = view.lights[6].spot;
+  const LightSample on_axis = sample_li(view, 6, spot.position + 2.0f * spot.axis, Vec2(0.5f));
   EXPECT_NEAR(on_axis.radiance.r, 5.0f / 4.0f, 1e-4f);
-  const LightSample outside = sample_li(view, 5, spot.position - spot.axis, Vec2(0.5f));
+  const LightSample outside = sample_li(view, 6, spot.position - spot.axis, Vec2(0.5f));
   EXPECT_TRUE(is_black(outside.radiance));
-  EXPECT_FALSE(sample_li(view, 4, point.position, Vec2(0.5f)).valid());  // at the light itself
+  EXPECT_FALSE(sample_li(view, 5, point.position, Vec2(0.5f)).valid());  // at the light itself
 }
 
 /// Throughput of one emitted ray: radiance, intensity or irradiance over both densities.

@@ -39,6 +39,21 @@ struct SvgfPrepareKernel {
   uint32_t width = 0;
   uint32_t height = 0;
 
+  /// Host: kLanes pixels at once where none has a young history.
+  void operator()(const Tile& tile) const {
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      uint32_t x = tile.x0;
+      for (; x + kLanes <= tile.x1; x += kLanes) {
+        if (has_young(y * width + x)) {
+          for (uint32_t k = 0; k < kLanes; ++k) (*this)(x + k, y);
+        } else {
+          prepare_lanes(x, y);
+        }
+      }
+      for (; x < tile.x1; ++x) (*this)(x, y);
+    }
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const float footprint = footprint_at(pixel);
@@ -73,6 +88,42 @@ struct SvgfPrepareKernel {
     float variance = 0;  ///< variance of a single sample
     float count = 0;
   };
+
+  /// Whether any of kLanes pixels takes its variance from its surroundings.
+  bool has_young(uint32_t first) const {
+    bool any = false;
+    for (uint32_t i = first; i < first + kLanes; ++i) any |= count[i] < kYoungHistory && is_filtered(albedo[i]);
+    return any;
+  }
+
+  /// The single form for kLanes pixels with long histories.
+  void prepare_lanes(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    Lanes color[3];
+    load_vectors(&albedo[pixel].x, color);
+    const LaneMask black = max(color[0], max(color[1], color[2])) < Lanes(kLeastAlbedo);
+    const Lanes footprint = cone_width + cone_spread * load_lanes(&depth[pixel]);
+    store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(black, Lanes(0.0f), Lanes(1.0f)));
+    store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
+                select(footprint > Lanes(0.0f), 1.0f / footprint, Lanes(0.0f)));
+    Lanes n[3];
+    Lanes p[3];
+    Lanes shown[3];
+    load_vectors(&normal[pixel].x, n);
+    load_vectors(&position[pixel].x, p);
+    load_vectors(&light[pixel].x, shown);
+    for (uint32_t c = 0; c < 3; ++c) {
+      store_lanes(features.at(place_of(AtrousPlane::normal_x, c), x, y), n[c]);
+      store_lanes(features.at(place_of(AtrousPlane::position_x, c), x, y), p[c]);
+      store_lanes(planes.at(c, x, y), shown[c]);
+    }
+    Lanes m[2];
+    load_pairs(&moments[pixel].x, m);
+    Lanes others;
+    for (uint32_t k = 0; k < kLanes; ++k) others.v[k] = static_cast<float>(count[pixel + k] - 1);
+    const Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / others;
+    store_lanes(planes.at(kAtrousVariance, x, y), select(black, Lanes(0.0f), variance));
+  }
 
   RELUME_HD float footprint_at(uint32_t pixel) const { return cone_width + cone_spread * depth[pixel]; }
   RELUME_HD void put(AtrousPlane plane, uint32_t x, uint32_t y, float value) const {

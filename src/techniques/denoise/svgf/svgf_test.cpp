@@ -20,7 +20,7 @@ struct Wall {
       position[i] = 0.001f * Vec3(static_cast<float>(i % kWidth), static_cast<float>(i / kWidth), 0);
   }
 
-  void prepare() {
+  SvgfPrepareKernel prepare_kernel() {
     SvgfPrepareKernel kernel;
     kernel.position = view_of(position);
     kernel.normal = view_of(normal);
@@ -34,6 +34,11 @@ struct Wall {
     kernel.cone_spread = 0.001f;
     kernel.width = kWidth;
     kernel.height = kHeight;
+    return kernel;
+  }
+
+  void prepare() {
+    const SvgfPrepareKernel kernel = prepare_kernel();
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
     }
@@ -123,6 +128,30 @@ TEST(Svgf, LanesMatchSinglePixels) {
       }
     }
   }
+}
+
+TEST(Svgf, PreparesLanesLikeSinglePixels) {
+  Wall wall;
+  wall.make_noise(6);
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    wall.position[i].z = 0.01f * static_cast<float>(i % 13);
+    wall.depth[i] = 1.0f + 0.1f * static_cast<float>(i % 7);
+    wall.count[i] = i % 97 == 0 ? i % 4 : 4 + i % 5;  // some are young
+    if (i % 11 == 0) wall.albedo[i] = Rgb(0);
+    if (i % 17 == 0) wall.albedo[i] = Rgb(0, 0.5f * kLeastAlbedo, kLeastAlbedo);
+  }
+  wall.prepare();
+  const std::vector<float> features = wall.features;
+  const std::vector<float> planes = wall.planes;
+  std::fill(wall.features.begin(), wall.features.end(), 0.0f);
+  std::fill(wall.planes.begin(), wall.planes.end(), 0.0f);
+  const SvgfPrepareKernel kernel = wall.prepare_kernel();
+  for (uint32_t y = 0; y < kHeight; y += kTileSize) {
+    for (uint32_t x = 0; x < kWidth; x += kTileSize)
+      kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
+  }
+  EXPECT_EQ(wall.features, features);
+  EXPECT_EQ(wall.planes, planes);
 }
 
 TEST(Svgf, KeepsAConstant) {
