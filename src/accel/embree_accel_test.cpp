@@ -1,10 +1,13 @@
 #include "accel/embree_accel.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
+
+#include "core/hash.h"
 
 namespace relume {
 namespace {
@@ -116,6 +119,74 @@ TEST(EmbreeAccel, OpacityCanBeSwitched) {
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, -1, 2}));
   accel.set_filters(scene.instances[1].mesh, scene.instances, false, false);
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
+}
+
+/// Wavy squares of `edge`² cells over each other: shared edges, silhouettes, and faces that coincide.
+struct Waves {
+  explicit Waves(uint32_t edge) {
+    for (uint32_t i = 0; i < (edge + 1) * (edge + 1); ++i) {
+      const auto x = static_cast<float>(i % (edge + 1));
+      const auto y = static_cast<float>(i / (edge + 1));
+      vertices.emplace_back(x, y, 0.4f * std::sin(1.7f * x) * std::cos(1.1f * y));
+    }
+    for (uint32_t i = 0; i < edge * edge; ++i) {
+      const uint32_t corner = i / edge * (edge + 1) + i % edge;
+      for (const uint32_t offset : {0u, 1u, edge + 2, 0u, edge + 2, edge + 1}) indices.push_back(corner + offset);
+    }
+    const AccelMesh mesh{&vertices[0].x, sizeof(Vec3), vertices.size(), indices.data(), indices.size() / 3, false};
+    meshes.assign(2, mesh);
+    const Mat4 behind = glm::translate(Mat4(1), Vec3(0.25f, 0.5f, -1));
+    instances = {{.mesh = 0}, {.mesh = 1}, {.mesh = 0, .to_world = behind, .in_world_space = false}};
+  }
+
+  std::vector<Vec3> vertices;
+  std::vector<uint32_t> indices;
+  std::vector<AccelMesh> meshes;
+  std::vector<AccelInstance> instances;
+};
+
+/// Every eighth ray is aimed at a vertex, every third at the middle of an edge.
+std::vector<Ray> rays_at(const Waves& waves, size_t count) {
+  std::vector<Ray> rays;
+  for (size_t i = 0; i < count; ++i) {
+    const auto n = static_cast<uint32_t>(i);
+    const Vec3 eye(6 + 3 * to_unit_float(hash(n, 1u)), 5, 4 + to_unit_float(hash(n, 2u)));
+    const size_t triangle = hash(n, 3u) % (waves.indices.size() / 3);
+    const auto corner = [&](size_t k) { return waves.vertices[waves.indices[3 * triangle + k]]; };
+    Vec3 target = corner(0) + (corner(1) - corner(0)) * to_unit_float(hash(n, 4u));
+    if (i % 8 == 0) target = corner(2);
+    if (i % 3 == 0) target = 0.5f * (corner(1) + corner(2));
+    rays.push_back({.origin = eye, .direction = glm::normalize(target - eye)});
+  }
+  return rays;
+}
+
+TEST(EmbreeAccel, PacketsFindTheHitsOfSingleRays) {
+  const Waves waves(12);
+  const EmbreeAccel accel(waves.meshes, waves.instances, {});
+  const std::vector<Ray> rays = rays_at(waves, 32000);
+  std::vector<uint32_t> ids(kPacketSize, 0);
+  size_t hit_count = 0;
+  // Packets of 16 rays, and of fewer.
+  for (size_t first = 0, size = 1; first + size <= rays.size(); first += size, size = size % kPacketSize + 1) {
+    Hit hits[2][kPacketSize];
+    bool blocked[kPacketSize];
+    const int count = static_cast<int>(size);
+    intersect_packet(accel.view(), &rays[first], ids.data(), hits[0], count);
+    intersect_packet_from_camera(accel.view(), &rays[first], ids.data(), hits[1], count);
+    occluded_packet(accel.view(), &rays[first], ids.data(), blocked, count);
+    for (size_t i = 0; i < size; ++i) {
+      const Hit single = intersect(accel.view(), rays[first + i], 0);
+      hit_count += single.valid();
+      for (const auto& packet : hits) {
+        ASSERT_EQ(packet[i].instance, single.instance) << first + i;
+        ASSERT_EQ(packet[i].primitive, single.primitive) << first + i;
+        ASSERT_EQ(packet[i].t, single.t) << first + i;
+      }
+      ASSERT_EQ(blocked[i], single.valid()) << first + i;
+    }
+  }
+  EXPECT_GT(hit_count, rays.size() / 2);
 }
 
 TEST(EmbreeAccel, UpdatesMoveInstances) {

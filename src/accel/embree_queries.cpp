@@ -46,10 +46,9 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   return r;
 }
 
-/// Options for rays with these flags.
-embree::QueryOptions options_of(RTCScene scene, unsigned flags, bool coherent = false) {
-  const bool culls = flags != 0 && embree::takes_query_filter(scene);
-  return {coherent, culls ? culling_filter : nullptr};
+/// Filter for rays with these flags.
+RTCFilterFunctionN filter_of(RTCScene scene, unsigned flags) {
+  return flags != 0 && embree::takes_query_filter(scene) ? culling_filter : nullptr;
 }
 
 Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
@@ -58,7 +57,7 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
   query.ray = to_embree(ray, ray_id, flags);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect1(as_scene(accel), query, options_of(as_scene(accel), flags));
+  embree::intersect1(as_scene(accel), query, filter_of(as_scene(accel), flags));
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
 }
@@ -66,7 +65,7 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
 bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return false;
   RTCRay query = to_embree(ray, ray_id, flags);
-  embree::occluded1(as_scene(accel), query, options_of(as_scene(accel), flags));
+  embree::occluded1(as_scene(accel), query, filter_of(as_scene(accel), flags));
   return query.tfar < 0.0f;
 }
 
@@ -86,14 +85,8 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigne
   packet.flags[i] = flags;
 }
 
-/// Near an edge, packets may find the neighbour of the triangle that a single ray finds.
-bool is_near_edge(const Hit& hit) {
-  constexpr float kNear = 1e-4f;
-  return hit.u < kNear || hit.v < kNear || hit.u + hit.v > 1.0f - kNear;
-}
-
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
-                      unsigned flags, bool coherent) {
+                      unsigned flags) {
   RTCRayHit16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
@@ -103,12 +96,11 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  embree::intersect16(valid, as_scene(accel), query, options_of(as_scene(accel), flags, coherent));
+  embree::intersect16(valid, as_scene(accel), query, filter_of(as_scene(accel), flags));
   for (int i = 0; i < count; ++i) {
     hits[i] = {};
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     hits[i] = hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
-    if (is_near_edge(hits[i])) hits[i] = nearest_hit(accel, rays[i], ray_ids[i], flags);
   }
 }
 
@@ -125,12 +117,12 @@ bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id)
 }
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count) {
-  intersect_packet(accel, rays, ray_ids, hits, count, 0, false);
+  intersect_packet(accel, rays, ray_ids, hits, count, 0);
 }
 
 void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits,
                                   int count) {
-  intersect_packet(accel, rays, ray_ids, hits, count, kFromCamera, true);
+  intersect_packet(accel, rays, ray_ids, hits, count, kFromCamera);
 }
 
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
@@ -141,7 +133,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
     const int k = i < count ? i : 0;
     fill_packet(query, i, rays[k], ray_ids[k], 0);
   }
-  embree::occluded16(valid, as_scene(accel), query, {});
+  embree::occluded16(valid, as_scene(accel), query, nullptr);
   for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
 }
 

@@ -1,6 +1,5 @@
 // Intersection of a ray with a triangle that the traversal reports as hit. The traversal only selects the triangle. Its
-// rounding depends on its version, the processor and the packet width, but only affects shared edges and coincident
-// faces, where two triangles compete.
+// rounding depends on its version, but only affects shared edges and coincident faces, where two triangles compete.
 #pragma once
 
 #include "core/vec.h"

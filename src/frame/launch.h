@@ -4,8 +4,7 @@
 //
 // called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads; in a CUDA
 // build the same struct is a kernel argument. A kernel may provide a second form for the host that processes a tile at
-// once (for example in ray packets). It must compute the same bits as the one-element form, except that ray packets may
-// choose another triangle where a ray hits two at one distance (shared edges, coincident faces):
+// once (for example in ray packets). It must compute the same bits as the one-element form:
 //
 //   void operator()(const Tile& tile) const;
 #pragma once

@@ -185,6 +185,68 @@ TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
   });
 }
 
+/// Irradiance / radiance from a polygon by Lambert's formula, which holds above the receiver's horizon.
+double lambert(const std::vector<glm::dvec3>& corners, const glm::dvec3& n) {
+  glm::dvec3 sum(0);
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const glm::dvec3& a = corners[i];
+    const glm::dvec3& b = corners[(i + 1) % corners.size()];
+    const glm::dvec3 cross = glm::cross(a, b);
+    sum += std::atan2(glm::length(cross), glm::dot(a, b)) * glm::normalize(cross);
+  }
+  return 0.5 * std::fabs(glm::dot(sum, n));
+}
+
+/// Mean of cos θ / pdf_w over an even grid of random numbers.
+double sampled_irradiance(const TriangleLight& light, const Vec3& p, const Vec3& n) {
+  constexpr int kGrid = 512;
+  double sum = 0;
+  for (int i = 0; i < kGrid * kGrid; ++i) {
+    const Vec2 u((static_cast<float>(i % kGrid) + 0.5f) / kGrid, (static_cast<float>(i / kGrid) + 0.5f) / kGrid);
+    const LightSample s = sample_li(light, TexturedEmission{}, p, u, kWideTriangle);
+    if (s.pdf_w > 0.0f) sum += static_cast<double>(relume::max(glm::dot(n, s.wi), 0.0f) / s.pdf_w);
+  }
+  return sum / (kGrid * kGrid);
+}
+
+/// A lamp that faces −Z, at z = 0.
+TriangleLight wide_lamp(bool is_parallelogram, float size) {
+  TriangleLight light{};
+  light.e1 = {size, 0, 0};
+  light.e2 = {0, size, 0};
+  light.normal = {0, 0, -1};
+  light.area = size * size * (is_parallelogram ? 1.0f : 0.5f);
+  light.width2 = 2.0f * size * size;
+  light.radiance = Rgb(1);
+  light.textured = -1;
+  light.is_parallelogram = is_parallelogram;
+  return light;
+}
+
+TEST(Lights, WideLampsGiveTheIrradianceOfTheirShape) {
+  for (const bool is_parallelogram : {false, true}) {
+    for (const float size : {0.01f, 1.0f, 300.0f}) {
+      const TriangleLight light = wide_lamp(is_parallelogram, size);
+      for (const float height : {0.003f, 0.01f, 0.1f, 1.0f, 3.0f}) {
+        const Vec3 p = size * Vec3(0.3f, 0.3f, -height);
+        ASSERT_TRUE(is_wide(light, light.v0 - p, kWideTriangle)) << height;
+        std::vector<glm::dvec3> corners{light.v0 - p, light.v0 + light.e1 - p, light.v0 + light.e2 - p};
+        if (is_parallelogram) corners.insert(corners.begin() + 2, light.position(Vec2(1)) - p);
+        const double expected = lambert(corners, {0, 0, 1});
+        EXPECT_NEAR(sampled_irradiance(light, p, {0, 0, 1}) / expected, 1.0, 2e-3) << size << ' ' << height;
+      }
+    }
+  }
+}
+
+TEST(Lights, AreSampledByAreaNextToTheirPlane) {
+  const TriangleLight light = wide_lamp(true, 2);
+  const auto at_height = [&](float h) { return is_wide(light, light.v0 - Vec3(0.6f, 0.6f, -h), kWideTriangle); };
+  EXPECT_TRUE(at_height(0.01f));
+  EXPECT_FALSE(at_height(0.004f));
+  EXPECT_FALSE(at_height(0.0f));
+}
+
 TEST(Lights, DeltaLightsFollowTheInverseSquare) {
   const LightsView& view = light_scenes()[0].lights();
   const PointLight& point = view.lights[5].point;

@@ -159,11 +159,17 @@ RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const Textured
 /// angle. For smaller ones, sampling by area is nearly as good, and takes less time.
 inline constexpr float kWideTriangle = 0.3f;
 
+/// Nearer to the light's plane than this fraction of the longest edge or diagonal, directions are too imprecise: lights
+/// are then sampled by area. Beneath a light, rounding would darken it from a tenth of this distance on.
+inline constexpr float kLeastHeight = 2e-3f;
+
 /// Whether the light at `corner`, v0 relative to the receiver, is sampled uniformly in solid angle. `wide`:
 /// kWideTriangle, or infinity for none.
 RELUME_HD inline bool is_wide(const TriangleLight& light, const Vec3& corner, float wide) {
+  if (light.textured >= 0) return false;
   const Vec3 centre = corner + light.centre().x * (light.e1 + light.e2);
-  return light.textured < 0 && light.width2 > wide * wide * length_squared(centre);
+  return light.width2 > wide * wide * length_squared(centre) &&
+         sqr(glm::dot(light.normal, corner)) > sqr(kLeastHeight) * light.width2;
 }
 
 /// |v0 · (e1 × e2)| for v0 at `corner`, m³.

@@ -47,10 +47,12 @@ TriangleLight placed_light(const SceneView& geometry, const Instance& instance, 
   TriangleLight light{};
   light.error = triangle_error(geometry, index, instance);
   if (instance.paired_lights) {
-    const Parallelogram sides = *find_parallelogram(geometry.vertices, index, geometry.triangles[triangle + 1]);
-    index = {sides.corner, sides.first_end, sides.second_end};
-    light.error += sides.deviation * largest_stretch(instance);
+    const UVec3& other = geometry.triangles[triangle + 1];
+    const Parallelogram sides = *find_parallelogram(geometry.vertices, index, other);
+    light.error = std::max(light.error, triangle_error(geometry, other, instance)) +
+                  sides.deviation * largest_stretch(instance);
     light.is_parallelogram = true;
+    index = {sides.corner, sides.first_end, sides.second_end};
   }
   const auto position = [&](uint32_t v) {
     const Vec3& p = geometry.vertices[v].position;

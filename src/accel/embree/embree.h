@@ -9,11 +9,8 @@
 
 namespace relume::embree {
 
-/// Options of a query beyond its rays.
-struct QueryOptions {
-  bool coherent = false;                ///< whether the rays have similar origins and directions
-  RTCFilterFunctionN filter = nullptr;  ///< called for hits on geometries with enable_query_filter()
-};
+// Queries take a filter, called for hits on geometries with enable_query_filter(); nullptr: none. They never claim that
+// rays are coherent: then Embree tests the rays of a packet together, with other results at edges.
 
 #if RTC_VERSION_MAJOR >= 4
 
@@ -25,43 +22,37 @@ inline void enable_query_filter(RTCGeometry geometry, bool enabled) {
   rtcSetGeometryEnableFilterFunctionFromArguments(geometry, enabled);
 }
 
-template <typename Arguments>
-void apply(const QueryOptions& options, Arguments& arguments) {
-  if (options.coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-  arguments.filter = options.filter;
-}
-
-inline RTCIntersectArguments intersect_arguments(const QueryOptions& options) {
+inline RTCIntersectArguments intersect_arguments(RTCFilterFunctionN filter) {
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  apply(options, arguments);
+  arguments.filter = filter;
   return arguments;
 }
 
-inline RTCOccludedArguments occluded_arguments(const QueryOptions& options) {
+inline RTCOccludedArguments occluded_arguments(RTCFilterFunctionN filter) {
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
-  apply(options, arguments);
+  arguments.filter = filter;
   return arguments;
 }
 
-inline void intersect1(RTCScene scene, RTCRayHit& query, const QueryOptions& options) {
-  RTCIntersectArguments arguments = intersect_arguments(options);
+inline void intersect1(RTCScene scene, RTCRayHit& query, RTCFilterFunctionN filter) {
+  RTCIntersectArguments arguments = intersect_arguments(filter);
   rtcIntersect1(scene, &query, &arguments);
 }
 
-inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options) {
-  RTCOccludedArguments arguments = occluded_arguments(options);
+inline void occluded1(RTCScene scene, RTCRay& query, RTCFilterFunctionN filter) {
+  RTCOccludedArguments arguments = occluded_arguments(filter);
   rtcOccluded1(scene, &query, &arguments);
 }
 
-inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, const QueryOptions& options) {
-  RTCIntersectArguments arguments = intersect_arguments(options);
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, RTCFilterFunctionN filter) {
+  RTCIntersectArguments arguments = intersect_arguments(filter);
   rtcIntersect16(valid, scene, &query, &arguments);
 }
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, const QueryOptions& options) {
-  RTCOccludedArguments arguments = occluded_arguments(options);
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, RTCFilterFunctionN filter) {
+  RTCOccludedArguments arguments = occluded_arguments(filter);
   rtcOccluded16(valid, scene, &query, &arguments);
 }
 
@@ -73,31 +64,30 @@ inline constexpr RTCSceneFlags kQueryFilterFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_
 /// No effect: Embree 3 passes all geometries of a scene to query filters.
 inline void enable_query_filter(RTCGeometry, bool) {}
 
-inline RTCIntersectContext make_context(const QueryOptions& options) {
+inline RTCIntersectContext make_context(RTCFilterFunctionN filter) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (options.coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  context.filter = options.filter;
+  context.filter = filter;
   return context;
 }
 
-inline void intersect1(RTCScene scene, RTCRayHit& query, const QueryOptions& options) {
-  RTCIntersectContext context = make_context(options);
+inline void intersect1(RTCScene scene, RTCRayHit& query, RTCFilterFunctionN filter) {
+  RTCIntersectContext context = make_context(filter);
   rtcIntersect1(scene, &context, &query);
 }
 
-inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options) {
-  RTCIntersectContext context = make_context(options);
+inline void occluded1(RTCScene scene, RTCRay& query, RTCFilterFunctionN filter) {
+  RTCIntersectContext context = make_context(filter);
   rtcOccluded1(scene, &context, &query);
 }
 
-inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, const QueryOptions& options) {
-  RTCIntersectContext context = make_context(options);
+inline void intersect16(const int* valid, RTCScene scene, RTCRayHit16& query, RTCFilterFunctionN filter) {
+  RTCIntersectContext context = make_context(filter);
   rtcIntersect16(valid, scene, &context, &query);
 }
 
-inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, const QueryOptions& options) {
-  RTCIntersectContext context = make_context(options);
+inline void occluded16(const int* valid, RTCScene scene, RTCRay16& query, RTCFilterFunctionN filter) {
+  RTCIntersectContext context = make_context(filter);
   rtcOccluded16(valid, scene, &context, &query);
 }
 
