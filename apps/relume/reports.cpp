@@ -34,15 +34,14 @@ std::string format_samples(double samples) { return fmt::format("{}", std::round
 
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
-  double idle_s = 0;
+  PassTime all{.name = {}, .seconds = report.render_s};
+  double outside_s = report.render_s;  // on one thread: updates of the scene, bookkeeping
   for (const PassTime& pass : report.passes) {
-    const double available_s = report.threads * pass.seconds;
-    passes.push_back({{"name", pass.name},
-                      {"seconds", pass.seconds},
-                      {"idle_share", available_s > 0 ? pass.idle_s / available_s : 0.0}});
-    idle_s += pass.idle_s;
+    passes.push_back({{"name", pass.name}, {"seconds", pass.seconds}, {"idle_share", pass.idle_share(report.threads)}});
+    all.idle_s += pass.idle_s;
+    outside_s -= pass.seconds;
   }
-  const double available_s = report.threads * report.render_s;
+  all.idle_s += std::max(outside_s, 0.0) * (report.threads - 1);
   Json figures = Json::object();
   for (const auto& [name, value] : report.figures) figures[name] = value;
   const PixelWindow& w = report.crop;
@@ -64,7 +63,7 @@ std::string to_json(const RunReport& report) {
       {"rays", report.rays},
       {"nonfinite_samples", report.nonfinite_samples},
       {"threads", report.threads},
-      {"idle_share", available_s > 0 ? idle_s / available_s : 0.0},
+      {"idle_share", all.idle_share(report.threads)},
       {"peak_memory_bytes", report.peak_memory_bytes},
       {"scene_bytes", report.scene_bytes},
       {"buffer_bytes", report.buffer_bytes},

@@ -45,11 +45,11 @@ TEST(Reports, ControlCharactersAreEscaped) {
 TEST(Reports, IdleSharesAreOfTheTimeOfAllThreads) {
   RunReport report;
   report.threads = 2;
-  report.render_s = 2;
-  report.passes = {{"trace", 1.5, 0.75}, {"accumulate", 0.5, 0.25}};
+  report.render_s = 4;
+  report.passes = {{"trace", 1.5, 0.75}, {"accumulate", 0.5, 0.25}};  // and two seconds on one of two threads
   const std::string text = to_json(report);
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5,\n      \"idle_share\": 0.25", text);
-  expect_in("\n  \"idle_share\": 0.25", text);
+  expect_in("\n  \"idle_share\": 0.375", text);
 }
 
 TEST(Reports, SamplesAreWholeWhereTheyCan) {

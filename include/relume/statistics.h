@@ -13,6 +13,9 @@ struct PassTime {
   std::string name;
   double seconds = 0;  ///< elapsed time
   double idle_s = 0;   ///< thread-seconds without work: of threads that waited for others
+
+  /// Share of the time of `threads` threads without work.
+  double idle_share(int threads) const { return seconds > 0 ? idle_s / (threads * seconds) : 0; }
 };
 
 /// A number that a pass reports, such as the number of cells in use or of dropped samples.

@@ -126,8 +126,7 @@ py::dict statistics_dict(const Statistics& s) {
   py::dict idle;
   for (const PassTime& pass : s.passes) {
     passes[py::str(pass.name)] = pass.seconds;
-    const double available_s = s.threads * pass.seconds;
-    idle[py::str(pass.name)] = available_s > 0 ? pass.idle_s / available_s : 0.0;
+    idle[py::str(pass.name)] = pass.idle_share(s.threads);
   }
   result["passes"] = passes;
   result["idle_shares"] = idle;

@@ -81,7 +81,7 @@ int Backend::threads() const { return state_->count; }
 void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
 
 template <typename Function>
-void Backend::timed(std::string_view name, const Function& function) {
+void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that the arena chooses
   state_->arena.execute([&] {
@@ -94,7 +94,7 @@ void Backend::timed(std::string_view name, const Function& function) {
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
   LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});
   entry.seconds += seconds;
-  entry.idle_s += std::max(0.0, threads() * seconds - busy_s);
+  if (!own_threads) entry.idle_s += std::max(0.0, threads() * seconds - busy_s);
   ++entry.launches;
 }
 
@@ -126,5 +126,7 @@ void Backend::run(std::string_view name, const std::function<void()>& function) 
     function();
   });
 }
+
+void Backend::run_library(std::string_view name, const std::function<void()>& function) { timed(name, function, true); }
 
 }  // namespace relume

@@ -97,11 +97,13 @@ class Backend {
 
   /// The same, timed like a launch, for preparing passes without a grid.
   void run(std::string_view name, const std::function<void()>& function);
+  /// The same for libraries with threads of their own. Their idle time is unknown and counts as 0.
+  void run_library(std::string_view name, const std::function<void()>& function);
 
  private:
-  /// Runs `function` in the arena and adds its times.
+  /// Runs `function` in the arena and adds its times. `own_threads`: it does not use those of the backend.
   template <typename Function>
-  void timed(std::string_view name, const Function& function);
+  void timed(std::string_view name, const Function& function, bool own_threads = false);
 
   struct State;
   std::unique_ptr<State> state_;

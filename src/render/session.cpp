@@ -217,8 +217,10 @@ bool Session::set_settings(const Settings& wanted) {
       settings.width != current.width || settings.height != current.height || settings.crop != current.crop;
   Change change = Change::none;
   const SettingList before = describe(current);  // the result contains pointers into it
+  const bool switches_upscaling = settings.switches_upscaling && current.switches_upscaling;
   for (const Setting* setting : differing_settings(before, describe(settings))) {
-    if (setting->traits.resets_history) change = Change::settings;
+    const bool keeps_histories = setting->name == "upscale" && switches_upscaling;
+    if (setting->traits.resets_history && !keeps_histories) change = Change::settings;
   }
   if (settings.time_s != current.time_s) set_time(settings.time_s);  // before other changes, because it may throw
   s.edit(change);

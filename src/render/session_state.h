@@ -215,7 +215,7 @@ struct Session::State {
     return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.stretch_time_s));
   }
 
-  SampleIndex sample_index(const SampleSchedule& schedule) const {
+  SampleIndex sample_index(const SampleSchedule& schedule) {
     SampleIndex index{.seed = scramble(),
                       .sequence = counters.frames,
                       .frame = counters.frames,
@@ -225,7 +225,9 @@ struct Session::State {
     if (!settings.stratify) return index;  // one single-element sequence per frame
     index.sample = schedule.sample(counters.sequence_age, counters.since_change);
     index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
-    index.taken = buffers->view(kSequenceSamples);
+    if (index.sample == 0) uneven_samples = false;
+    const bool even = settings.switches_upscaling && settings.upscaling.factor == 1 && !uneven_samples;
+    if (!even) index.taken = buffers->view(kSequenceSamples);
     index.camera_runs = schedule.longest_epoch > 0;
     return index;
   }
@@ -251,7 +253,9 @@ struct Session::State {
 
   void count_frame() {
     const View<const uint32_t> allocation = buffers->view(kAllocation);
-    counters.paths += allocation.empty() ? rendered_pixels() : sum(*backend, allocation);
+    const uint64_t paths = allocation.empty() ? rendered_pixels() : sum(*backend, allocation);
+    uneven_samples = uneven_samples || paths < rendered_pixels();
+    counters.paths += paths;
     counters.rays += sum(*backend, buffers->view(kRays));
     ++counters.frames;
     ++counters.since_change;
@@ -267,7 +271,8 @@ struct Session::State {
   FramePasses passes;
   std::unique_ptr<CompiledScene> scene;
   Change changes = Change::none;
-  bool edited = false;  ///< whether `changes` include any from outside the animation
+  bool edited = false;          ///< whether `changes` include any from outside the animation
+  bool uneven_samples = false;  ///< whether pixels have different sample counts since their sequences began
   Counters counters;
   std::stop_token hurry;  ///< see Session::shorten_preparation_on()
   RemovedParts removed;

@@ -49,8 +49,8 @@ TriangleLight placed_light(const SceneView& geometry, const Instance& instance, 
   if (instance.paired_lights) {
     const UVec3& other = geometry.triangles[triangle + 1];
     const Parallelogram sides = *find_parallelogram(geometry.vertices, index, other);
-    light.error = std::max(light.error, triangle_error(geometry, other, instance)) +
-                  sides.deviation * largest_stretch(instance);
+    light.error =
+        std::max(light.error, triangle_error(geometry, other, instance)) + sides.deviation * largest_stretch(instance);
     light.is_parallelogram = true;
     index = {sides.corner, sides.first_end, sides.second_end};
   }

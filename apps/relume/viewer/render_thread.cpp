@@ -186,7 +186,7 @@ bool RenderThread::at_rest() const {
 
 bool RenderThread::may_upscale() const {
   const ResolutionPolicy& policy = request_.resolution_policy;
-  // Other denoisers show pixels without samples, which would be filled from surfaces at the cost of every frame.
+  // Without a denoiser that has its own history, filled pixels would look worse than a smaller image.
   const auto permits = [](const AllSettings& side) {
     RenderSettings upscaled = side.render;
     upscaled.upscaling.factor = 2;
@@ -199,10 +199,13 @@ bool RenderThread::may_upscale() const {
 FrameScale RenderThread::choose_scale(bool rest) {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  const bool upscales = may_upscale();
-  resolution_.allow_upscaling(upscales);
-  if (!request_.resolution_policy.hold_rate || rest) return {full, 1, upscales};
-  return {rested_ ? resolution_.first_frame_size(full) : resolution_.size(full), resolution_.upscale(), upscales};
+  resolution_.allow_upscaling(may_upscale());
+  // At rest, every pixel gets a path, and histories survive.
+  FrameScale scale{.size = full, .upscale = 1, .switches_upscaling = resolution_.upscale() > 1};
+  if (!request_.resolution_policy.hold_rate || rest) return scale;
+  scale.size = rested_ ? resolution_.first_frame_size(full) : resolution_.size(full);
+  scale.upscale = resolution_.upscale();
+  return scale;
 }
 
 void RenderThread::note_size(const IVec2& size, double seconds, bool rest) {

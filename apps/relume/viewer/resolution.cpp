@@ -43,6 +43,7 @@ IVec2 ResolutionControl::size(const IVec2& full) const {
 
 IVec2 ResolutionControl::first_frame_size(const IVec2& full) const {
   const IVec2 usual = size(full);
+  if (upscale() > 1 && usual == full) return full;
   const double pixels = kFirstFrameBudget_s / std::max(pixel_s_, 1e-12);
   const double scale = std::min(std::sqrt(pixels / (double{1} * full.x * full.y)), 1.0);
   const IVec2 small = scaled(full, max(static_cast<float>(scale), smallest_scale(full)));
@@ -54,6 +55,7 @@ void ResolutionControl::measured(double seconds, const IVec2& size) {
 }
 
 void ResolutionControl::go_to(int step) {
+  if (may_upscale_ && step > 0) step = std::max(step, kUpscaleSteps);
   if (step == step_) return;
   step_ = step;
   slow_ = fast_ = 0;

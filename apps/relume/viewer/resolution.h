@@ -27,7 +27,7 @@ class ResolutionControl {
   int upscale() const { return may_upscale_ && step_ >= kUpscaleSteps ? 2 : 1; }
 
   /// Size of the first frame after a rest: at most size(), and within kFirstFrameBudget_s at the latest frame's time
-  /// per pixel, but at least the minimum size.
+  /// per pixel, but at least the minimum size. Upscaled frames of full size keep it, and with it their history.
   IVec2 first_frame_size(const IVec2& full) const;
 
   /// Records the cost of a frame of any size.
@@ -42,7 +42,8 @@ class ResolutionControl {
   int smallest_step(const IVec2& full) const;
   void go_to(int step);
 
-  static constexpr int kUpscaleSteps = 2;  ///< upscaling takes about half of the time
+  /// An upscaled frame of full size takes about half of the time: it is step 2, and there is no step 1.
+  static constexpr int kUpscaleSteps = 2;
 
   static constexpr int kFarBelow = 64;  ///< more steps than any image has
 

@@ -90,6 +90,13 @@ TEST(ResolutionControl, UpscalesBeforeItLowersTheSize) {
   for (int i = 0; i < 200; ++i) frame(0.3 * kBudget_s);
   EXPECT_EQ(control.size(kFull), kFull);
   EXPECT_EQ(control.upscale(), 1) << "a fast machine traces a path in every pixel";
+  for (int i = 0; i < 40; ++i) {
+    frame(1.2 * kBudget_s);
+    ASSERT_EQ(control.size(kFull), kFull) << "no size in between, which would discard histories";
+  }
+  EXPECT_EQ(control.upscale(), 2);
+  control.measured(2 * kBudget_s, kFull);
+  EXPECT_EQ(control.first_frame_size(kFull), kFull) << "also after a rest";
   for (int i = 0; i < 40; ++i) frame(100 * kBudget_s);
   EXPECT_LT(control.size(kFull).x, 400);
   EXPECT_EQ(control.upscale(), 2);

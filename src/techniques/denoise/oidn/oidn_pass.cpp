@@ -41,7 +41,7 @@ bool OidnPass::run(const FrameContext& frame) {
   const View<const Rgb> noisy = filled.empty() ? frame.read(kMean) : filled;
   const OidnImages images{noisy.data,    kernel.albedo.data, kernel.normal.data, frame.write(kDenoised).data,
                           frame.width(), frame.height()};
-  frame.backend.run("oidn", [&] { oidn_filter(images, frame.backend.threads()); });
+  frame.backend.run_library("oidn", [&] { oidn_filter(images, frame.backend.threads()); });
   return true;
 }
 

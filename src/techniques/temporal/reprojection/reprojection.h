@@ -212,8 +212,10 @@ struct DepthVoteKernel {
     const LightId light = changed[random % changed.size];
     if (light >= scene.lights.previous.size) return 0.0f;
     const Vec2 u(to_unit_float(hash(random, 1u)), to_unit_float(hash(random, 2u)));
-    const Received now = receive(sp, sample_li(scene.lights, light, sp.position, u), light);
-    const Received before = receive(sp, sample_li_before(scene.lights, light, sp.position, u), light);
+    LightsView by_area = scene.lights;  // with u, the same point before and now, however wide the light looks
+    by_area.wide_triangle = kInfinity;
+    const Received now = receive(sp, sample_li(by_area, light, sp.position, u), light);
+    const Received before = receive(sp, sample_li_before(by_area, light, sp.position, u), light);
     return std::fabs(now.irradiance * now.f - before.irradiance * before.f) * static_cast<float>(changed.size);
   }
 

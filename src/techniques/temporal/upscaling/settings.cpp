@@ -7,7 +7,7 @@ SettingList describe(UpscalingSettings& s) {
            &s.factor,
            "Temporal upscaling: one path per frame in each block of this many by this many pixels, which take turns. "
            "Surfaces are sampled at every pixel. 1: a path in every pixel",
-           {.min = 1, .max = kMostUpscale, .resets_history = false}}};
+           {.min = 1, .max = kMostUpscale}}};
 }
 
 }  // namespace relume

@@ -46,14 +46,10 @@ struct BlockAllocationKernel {
   }
 };
 
-/// Fills pixels that have no sample yet from those around them. Prefers pixels on the same surface, and scales their
-/// radiance by the ratio of the albedos, so that textures stay sharp.
+/// Fills pixels that have no sample yet with a mean of the samples around them, weighted by 1 / distance².
 struct FillUnsampledKernel {
   View<const Rgb> mean;
   View<const uint32_t> samples;
-  View<const Rgb> albedo;
-  View<const Vec3> normal;
-  View<const uint32_t> surface;
   View<Rgb> filled;
   uint32_t block = 1;
   uint32_t width = 0;
@@ -65,12 +61,8 @@ struct FillUnsampledKernel {
   }
 
  private:
-  /// Weight of pixels on other surfaces, which count only where no other pixel does.
-  static constexpr float kOtherSurface = 1e-4f;
-
   RELUME_HD Rgb from_surroundings(uint32_t x, uint32_t y) const {
     const int reach = static_cast<int>(block) - 1;
-    const uint32_t pixel = y * width + x;
     Rgb sum(0);
     float total = 0;
     for (int dy = -reach; dy <= reach; ++dy) {
@@ -80,25 +72,12 @@ struct FillUnsampledKernel {
         if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
         const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
         if (samples[other] == 0) continue;
-        const float weight = similarity(pixel, other) / static_cast<float>(dx * dx + dy * dy);
-        sum += moved(pixel, other) * weight;
+        const float weight = 1.0f / static_cast<float>(dx * dx + dy * dy);
+        sum += mean[other] * weight;
         total += weight;
       }
     }
     return total > 0.0f ? sum / total : Rgb(0);
-  }
-
-  RELUME_HD float similarity(uint32_t pixel, uint32_t other) const {
-    if (surface[pixel] != surface[other]) return kOtherSurface;
-    const float cosine = relume::max(glm::dot(normal[pixel], normal[other]), 0.0f);
-    return relume::max(sqr(sqr(sqr(cosine))), kOtherSurface);
-  }
-
-  /// Radiance of `other` with the albedo of `pixel`.
-  RELUME_HD Rgb moved(uint32_t pixel, uint32_t other) const {
-    if (surface[pixel] != surface[other]) return mean[other];
-    constexpr float kBlack = 0.01f;  // limits the ratio on black surfaces
-    return mean[other] * ((albedo[pixel] + kBlack) / (albedo[other] + kBlack));
   }
 };
 

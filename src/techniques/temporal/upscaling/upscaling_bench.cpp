@@ -13,15 +13,11 @@ constexpr uint32_t kHeight = 360;
 
 void bm_fill_unsampled(benchmark::State& state) {
   const std::vector<Rgb> color(kWidth * kHeight, Rgb(0.5f));
-  const std::vector<Vec3> normal(kWidth * kHeight, Vec3(0, 1, 0));
-  const std::vector<uint32_t> surface(kWidth * kHeight, 0);
   std::vector<uint32_t> samples(kWidth * kHeight);
   std::vector<Rgb> filled(kWidth * kHeight);
   Backend backend(1);
   launch(backend, "allocate", BlockAllocationKernel{mutable_view_of(samples), {}, 2, kWidth}, kWidth, kHeight);
-  const FillUnsampledKernel kernel{
-      view_of(color), view_of(samples), view_of(color), view_of(normal), view_of(surface), mutable_view_of(filled), 2,
-      kWidth,         kHeight};
+  const FillUnsampledKernel kernel{view_of(color), view_of(samples), mutable_view_of(filled), 2, kWidth, kHeight};
   for (auto _ : state) launch(backend, "fill", kernel, kWidth, kHeight);
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
 }

@@ -1,8 +1,18 @@
 #include "techniques/temporal/upscaling/upscaling_pass.h"
 
+#include <algorithm>
+
 #include "techniques/temporal/upscaling/upscaling.h"
 
 namespace relume {
+namespace {
+
+/// Edge of a block, within the image.
+uint32_t block_of(const UpscalingSettings& settings, const FrameContext& frame) {
+  return std::min({static_cast<uint32_t>(settings.factor), frame.width(), frame.height()});
+}
+
+}  // namespace
 
 PassDeclaration BlockAllocationPass::declaration() const {
   return {.name = "allocate",
@@ -11,7 +21,7 @@ PassDeclaration BlockAllocationPass::declaration() const {
 }
 
 bool BlockAllocationPass::run(const FrameContext& frame) {
-  const auto block = static_cast<uint32_t>(settings_.factor);
+  const uint32_t block = block_of(settings_, frame);
   const BlockAllocationKernel kernel{frame.write(kAllocation), block_position(block, frame.number), block,
                                      frame.width()};
   frame.launch("allocate", kernel);
@@ -25,17 +35,14 @@ PassDeclaration FillUnsampledPass::declaration() const {
                     .help = "mean, with pixels without samples filled from those around them",
                     .persistent = true,
                     .display = BufferDisplay::value}},
-          .reads = {kMean, kSamples, kSurfaceAlbedo, kSurface.normal, kSurface.surface}};
+          .reads = {kMean, kSamples}};
 }
 
 bool FillUnsampledPass::run(const FrameContext& frame) {
   const FillUnsampledKernel kernel{.mean = frame.read(kMean),
                                    .samples = frame.read(kSamples),
-                                   .albedo = frame.read(kSurfaceAlbedo),
-                                   .normal = frame.read(kSurface.normal),
-                                   .surface = frame.read(kSurface.surface),
                                    .filled = frame.write(kFilled),
-                                   .block = static_cast<uint32_t>(settings_.factor),
+                                   .block = block_of(settings_, frame),
                                    .width = frame.width(),
                                    .height = frame.height()};
   frame.launch("fill", kernel);

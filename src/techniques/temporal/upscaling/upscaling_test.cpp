@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <vector>
@@ -47,59 +48,16 @@ TEST(Upscaling, TurnsFormAnEvenGridAsEarlyAsPossible) {
   }
 }
 
-/// A row of pixels, of which every second one has a sample.
-struct Row {
-  std::vector<Rgb> mean{Rgb(1), Rgb(0), Rgb(3), Rgb(0), Rgb(8)};
-  std::vector<uint32_t> samples{1, 0, 1, 0, 1};
-  std::vector<Rgb> albedo = std::vector<Rgb>(5, Rgb(0.5f));
-  std::vector<Vec3> normal = std::vector<Vec3>(5, Vec3(0, 0, 1));
-  std::vector<uint32_t> surface{4, 4, 4, 9, 9};
-
-  std::vector<Rgb> filled() const {
-    std::vector<Rgb> result(mean.size());
-    const FillUnsampledKernel kernel{view_of(mean),
-                                     view_of(samples),
-                                     view_of(albedo),
-                                     view_of(normal),
-                                     view_of(surface),
-                                     mutable_view_of(result),
-                                     2,
-                                     5,
-                                     1};
-    for (uint32_t x = 0; x < 5; ++x) kernel(x, 0);
-    return result;
-  }
-};
-
-TEST(Upscaling, KeepsSampledPixels) {
-  const Row row;
-  const std::vector<Rgb> filled = row.filled();
-  for (const size_t i : {0u, 2u, 4u}) EXPECT_EQ(filled[i], row.mean[i]);
-}
-
-TEST(Upscaling, FillsFromTheSameSurface) {
-  const std::vector<Rgb> filled = Row().filled();
-  EXPECT_NEAR(filled[1].g, 2.0f, 1e-6f);  // mean of 1 and 3
-  EXPECT_NEAR(filled[3].g, 8.0f, 1e-2f);  // 3 belongs to another surface
-}
-
-TEST(Upscaling, FillsFromOtherSurfacesIfThereIsNoOther) {
-  Row row;
-  row.surface[3] = 77;
-  EXPECT_NEAR(row.filled()[3].g, 5.5f, 1e-5f);
-}
-
-TEST(Upscaling, FollowsTheTextureWhereItFills) {
-  Row row;
-  row.albedo[1] = Rgb(0.25f);
-  // From two pixels of twice the albedo.
-  EXPECT_NEAR(row.filled()[1].g, 2.0f * 0.26f / 0.51f, 1e-5f);
-}
-
-TEST(Upscaling, FollowsTheNormalWhereItFills) {
-  Row row;
-  row.normal[2] = Vec3(1, 0, 0);
-  EXPECT_NEAR(row.filled()[1].g, 1.0f, 1e-3f);
+TEST(Upscaling, FillsPixelsFromThoseAroundThem) {
+  const std::vector<Rgb> mean{Rgb(1), Rgb(0), Rgb(3), Rgb(0), Rgb(0), Rgb(8)};
+  const std::vector<uint32_t> samples{1, 0, 1, 0, 0, 1};
+  std::vector<Rgb> filled(mean.size());
+  const FillUnsampledKernel kernel{view_of(mean), view_of(samples), mutable_view_of(filled), 3, 6, 1};
+  for (uint32_t x = 0; x < 6; ++x) kernel(x, 0);
+  for (const size_t i : {0u, 2u, 5u}) EXPECT_EQ(filled[i], mean[i]);
+  EXPECT_FLOAT_EQ(filled[1].g, 2.0f);
+  EXPECT_FLOAT_EQ(filled[3].g, (3.0f + 8.0f / 4) / (1.0f + 1.0f / 4));
+  EXPECT_FLOAT_EQ(filled[4].g, (3.0f / 4 + 8.0f) / (1.0f / 4 + 1.0f));
 }
 
 RenderSettings small_image() {
@@ -135,13 +93,18 @@ TEST(Upscaling, TracesOnePathPerBlock) {
 
 TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
   for (const DenoiseChoice denoise : {DenoiseChoice::none, DenoiseChoice::svgf, DenoiseChoice::bmfr}) {
-    RenderSettings settings = small_image();
-    settings.upscaling.factor = 2;
-    settings.denoise = denoise;
-    Session session(find_builtin_scene("furnace")->build(), settings);
-    session.render_frame();
-    for (const Rgb& pixel : session.image().pixels) {
-      ASSERT_GT(min_component(pixel), 0.0f) << static_cast<int>(denoise);
+    for (const int n : {2, 3, 4}) {
+      for (const int width : {50, 3, 2}) {
+        RenderSettings settings = small_image();
+        settings.width = width;
+        settings.height = std::min(width, 37);
+        settings.upscaling.factor = n;
+        settings.denoise = denoise;
+        Session session(find_builtin_scene("furnace")->build(), settings);
+        session.render_frame();
+        for (const Rgb& pixel : session.image().pixels)
+          ASSERT_GT(min_component(pixel), 0.0f) << static_cast<int>(denoise) << ' ' << n << ' ' << width;
+      }
     }
   }
 }
@@ -158,6 +121,15 @@ TEST(Upscaling, ViewsMaySwitchItWithoutLosingTheirHistory) {
   session.render_frame();
   EXPECT_EQ(session.frames_since_change(), 5u);
   EXPECT_EQ(session.statistics().paths, 2u * 50 * 37);
+}
+
+TEST(Upscaling, ViewsThatDoNotUseItHaveTheBitsOfOthers) {
+  RenderSettings settings = small_image();
+  settings.denoise = DenoiseChoice::svgf;
+  settings.lights = LightSelectionChoice::vlc;  // learns, and renders epochs of several frames
+  const Image without = after(settings, 9);
+  settings.switches_upscaling = true;
+  EXPECT_EQ(after(settings, 9).pixels, without.pixels);
 }
 
 TEST(Upscaling, RefusesOtherChoicesOfPixels) {

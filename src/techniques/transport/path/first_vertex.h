@@ -44,8 +44,9 @@ struct FirstVertexPolicy : NoPolicy {
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
     throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
-    // The wavelength weight is not part of the BSDF, so `indirect` includes it.
+    // These weights are not part of the BSDF, so `indirect` includes them.
     if (after.dispersed) throughput /= wavelength_weight(after.wavelength_nm);
+    throughput /= after.indirect_weight;
   }
   RELUME_HD void finished(const PathState& path) {
     const Rgb found = path.radiance - radiance_before;

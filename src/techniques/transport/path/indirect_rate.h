@@ -8,9 +8,9 @@
 
 namespace relume {
 
-/// In each frame a share of the pixels has indirect light. Blue noise spreads them evenly over the image; its shift by
-/// multiples of the golden ratio spreads the frames of a pixel. The first shift is uniform, so that each pixel of each
-/// frame is chosen with probability `rate`.
+/// In each frame a share of the pixels has indirect light. Blue noise spreads them evenly over the image. An
+/// independent uniform number shifts it in each frame, so that each pixel of each frame is chosen with probability
+/// `rate`, whichever frames sample the pixel.
 struct IndirectRate {
   View<const uint16_t> tile = {};  ///< blue noise; empty: all paths continue
   float rate = 1;
@@ -31,8 +31,7 @@ struct IndirectRate {
 inline IndirectRate indirect_rate(float rate, const SampleIndex& index) {
   if (rate >= 1) return {};
   constexpr uint32_t kSaltIndirect = 0x7f4a7c15u;
-  constexpr uint32_t kGoldenRatio = 0x9e3779b9u;  // its fraction, times 2^32
-  return {blue_noise_tile(), rate, to_unit_float(hash(index.seed, kSaltIndirect) + index.frame * kGoldenRatio)};
+  return {blue_noise_tile(), rate, to_unit_float(hash(hash(index.seed, kSaltIndirect), index.frame))};
 }
 
 }  // namespace relume

@@ -1,6 +1,5 @@
 #include "techniques/transport/path/indirect_rate.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,19 +25,25 @@ TEST(IndirectRate, EachFrameHasItsShareOfPixels) {
   }
 }
 
+/// With temporal upscaling, a pixel has a sample in every n²-th frame only.
 TEST(IndirectRate, EachPixelHasItsShareOfFrames) {
-  constexpr uint32_t kFrames = 1000;
-  for (const uint32_t x : {0u, 17u, 63u, 130u}) {
-    double sum = 0;
-    uint32_t gap = 0, longest = 0;
-    for (uint32_t frame = 0; frame < kFrames; ++frame) {
-      const float weight = indirect_rate(0.5f, {.seed = 1, .frame = frame}).weight(x, 2 * x);
-      sum += static_cast<double>(weight);
-      gap = weight > 0.0f ? 0 : gap + 1;
-      longest = std::max(longest, gap);
+  constexpr uint32_t kFrames = 2000;
+  for (const uint32_t stride : {1u, 4u, 9u, 16u}) {
+    for (const uint32_t x : {0u, 17u, 63u, 130u}) {
+      double sum = 0;
+      double pairs = 0;
+      double before = 1;
+      for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        const double weight =
+            static_cast<double>(indirect_rate(0.5f, {.seed = 1, .frame = stride * frame}).weight(x, 2 * x));
+        sum += weight;
+        pairs += (weight - 1) * (before - 1);
+        before = weight;
+      }
+      const double deviation = 1 / std::sqrt(kFrames);  // weights are 0 or 2
+      EXPECT_NEAR(sum / kFrames, 1, 4.5 * deviation) << stride;
+      EXPECT_NEAR(pairs / kFrames, 0, 4.5 * deviation) << stride << ": neighbouring samples are independent";
     }
-    EXPECT_NEAR(sum / kFrames, 1, 0.01);
-    EXPECT_LE(longest, 2u);  // independent choices would leave about 9 frames in a row without indirect light
   }
 }
 

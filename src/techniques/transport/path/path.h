@@ -29,7 +29,8 @@ struct PathState {
   Rgb medium{0};      ///< absorption along the ray, per metre: the sum over all media around it
   float cone_width = 0;       ///< footprint at the ray's origin, metres
   float cone_spread = 0;      ///< growth per metre
-  float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel up to the first vertex that is no mirror, then 1
+  float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel
+  bool indirect = false;      ///< beyond the first vertex that is no mirror; the throughput then includes that weight
   uint32_t bounce = 0;        ///< scattering events so far
   uint32_t rays = 0;
 };
@@ -194,10 +195,10 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
-  if (!s.delta) {
+  if (!s.delta && !path.indirect) {
     if (path.indirect_weight == 0.0f) return false;
     path.throughput *= path.indirect_weight;
-    path.indirect_weight = 1;
+    path.indirect = true;
   }
   if (c.scene.disperses) disperse(c.scene, sp, s.wi, mode, path);
   // A black throughput ends the path. So does NaN, which is added to the radiance for the pixel to report.

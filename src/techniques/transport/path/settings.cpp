@@ -14,7 +14,7 @@ SettingList describe(PathSettings& s) {
       {"indirect-rate",
        &s.indirect_rate,
        "Share of the pixels whose paths continue beyond the first surface that is no mirror, in each frame; their "
-       "light is scaled up, so that the mean is unchanged",
+       "light is scaled up, so that the mean is unchanged (estimator path)",
        {.min = 0.0625, .max = 1}},
   };
 }

@@ -8,7 +8,7 @@ namespace relume {
 struct PathSettings {
   int max_bounces = 8;  ///< scattering events after the camera
   bool russian_roulette = true;
-  float indirect_rate = 1;  ///< share of the paths that continue beyond the first surface
+  float indirect_rate = 1;  ///< share of the paths that continue beyond the first surface that is no mirror
 };
 
 SettingList describe(PathSettings& settings);
