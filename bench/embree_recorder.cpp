@@ -21,8 +21,8 @@ using OccludedOptions = RTCIntersectContext;
 extern "C" {
 void __real_rtcIntersect1(RELUME_ARGUMENTS(RTCRayHit, IntersectOptions));
 void __real_rtcOccluded1(RELUME_ARGUMENTS(RTCRay, OccludedOptions));
-void __real_rtcIntersect8(const int* valid, RELUME_ARGUMENTS(RTCRayHit8, IntersectOptions));
-void __real_rtcOccluded8(const int* valid, RELUME_ARGUMENTS(RTCRay8, OccludedOptions));
+void __real_rtcIntersect16(const int* valid, RELUME_ARGUMENTS(RTCRayHit16, IntersectOptions));
+void __real_rtcOccluded16(const int* valid, RELUME_ARGUMENTS(RTCRay16, OccludedOptions));
 }
 
 namespace relume {
@@ -37,14 +37,6 @@ void note_scene(RTCScene scene) {
   if (last_scene.load(std::memory_order_relaxed) != scene) last_scene.store(scene, std::memory_order_relaxed);
 }
 
-bool is_coherent(const IntersectOptions* options) {
-#if RTC_VERSION_MAJOR >= 4
-  return options && (options->flags & RTC_RAY_QUERY_FLAG_COHERENT) != 0;
-#else
-  return (options->flags & RTC_INTERSECT_CONTEXT_FLAG_COHERENT) != 0;
-#endif
-}
-
 uint64_t bits(float value) { return std::bit_cast<uint32_t>(value); }
 
 /// Query result as a number.
@@ -54,36 +46,36 @@ uint64_t found(const RTCRayHit& query) {
 
 uint64_t found(const RTCRay& query) { return query.tfar < 0.0f ? 1 : 0; }
 
-uint64_t found(const int* valid, const RTCRayHit8& query) {
+uint64_t found(const int* valid, const RTCRayHit16& query) {
   uint64_t sum = 0;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < kPacketSize; ++i) {
     if (valid[i] != 0 && query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
       sum += bits(query.ray.tfar[i]) + query.hit.primID[i];
   }
   return sum;
 }
 
-uint64_t found(const int* valid, const RTCRay8& query) {
+uint64_t found(const int* valid, const RTCRay16& query) {
   uint64_t sum = 0;
-  for (int i = 0; i < 8; ++i) sum += valid[i] != 0 && query.tfar[i] < 0.0f ? 1 : 0;
+  for (int i = 0; i < kPacketSize; ++i) sum += valid[i] != 0 && query.tfar[i] < 0.0f ? 1 : 0;
   return sum;
 }
 
 }  // namespace
 
 void QueryLog::add(const RTCRay& ray, bool occlusion) {
-  queries_.push_back({static_cast<uint32_t>(singles_.size()), false, occlusion, false});
+  queries_.push_back({static_cast<uint32_t>(singles_.size()), false, occlusion});
   singles_.push_back(ray);
-  ++(occlusion ? shadow_rays : path_rays);
+  ++(occlusion ? shadow_rays : nearest_rays);
 }
 
-void QueryLog::add(const RTCRay8& rays, const int* valid, bool occlusion, bool coherent) {
-  queries_.push_back({static_cast<uint32_t>(packets_.size()), true, occlusion, coherent});
+void QueryLog::add(const RTCRay16& rays, const int* valid, bool occlusion) {
+  queries_.push_back({static_cast<uint32_t>(packets_.size()), true, occlusion});
   Packet& packet = packets_.emplace_back();
   packet.rays = rays;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < kPacketSize; ++i) {
     packet.valid[i] = valid[i];
-    if (valid[i] != 0) ++(occlusion ? shadow_rays : camera_rays);
+    if (valid[i] != 0) ++(occlusion ? shadow_rays : nearest_rays);
   }
 }
 
@@ -96,22 +88,22 @@ uint64_t QueryLog::replay(RTCScene scene, size_t begin, size_t end) const {
       hit.ray = singles_[query.index];
       hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      embree::intersect1(scene, hit, {});
+      embree::intersect1(scene, hit, nullptr);
       sum += found(hit);
     } else if (!query.packet) {
       RTCRay ray = singles_[query.index];
-      embree::occluded1(scene, ray, {});
+      embree::occluded1(scene, ray, nullptr);
       sum += found(ray);
     } else if (!query.occlusion) {
       const Packet& packet = packets_[query.index];
-      RTCRayHit8 hits;
+      RTCRayHit16 hits;
       hits.ray = packet.rays;
-      for (int k = 0; k < 8; ++k) hits.hit.geomID[k] = hits.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-      embree::intersect8(packet.valid, scene, hits, {.coherent = query.coherent});
+      for (int k = 0; k < kPacketSize; ++k) hits.hit.geomID[k] = hits.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+      embree::intersect16(packet.valid, scene, hits, nullptr);
       sum += found(packet.valid, hits);
     } else {
-      RTCRay8 rays = packets_[query.index].rays;
-      embree::occluded8(packets_[query.index].valid, scene, rays, {});
+      RTCRay16 rays = packets_[query.index].rays;
+      embree::occluded16(packets_[query.index].valid, scene, rays, nullptr);
       sum += found(packets_[query.index].valid, rays);
     }
   }
@@ -142,17 +134,17 @@ void __wrap_rtcOccluded1(RELUME_ARGUMENTS(RTCRay, OccludedOptions)) {
   if (current_log) found_sum += found(*query);
 }
 
-void __wrap_rtcIntersect8(const int* valid, RELUME_ARGUMENTS(RTCRayHit8, IntersectOptions)) {
+void __wrap_rtcIntersect16(const int* valid, RELUME_ARGUMENTS(RTCRayHit16, IntersectOptions)) {
   note_scene(scene);
-  if (current_log) current_log->add(query->ray, valid, false, is_coherent(options));
-  __real_rtcIntersect8(valid, RELUME_PASS_ON);
+  if (current_log) current_log->add(query->ray, valid, false);
+  __real_rtcIntersect16(valid, RELUME_PASS_ON);
   if (current_log) found_sum += found(valid, *query);
 }
 
-void __wrap_rtcOccluded8(const int* valid, RELUME_ARGUMENTS(RTCRay8, OccludedOptions)) {
+void __wrap_rtcOccluded16(const int* valid, RELUME_ARGUMENTS(RTCRay16, OccludedOptions)) {
   note_scene(scene);
-  if (current_log) current_log->add(*query, valid, true, false);
-  __real_rtcOccluded8(valid, RELUME_PASS_ON);
+  if (current_log) current_log->add(*query, valid, true);
+  __real_rtcOccluded16(valid, RELUME_PASS_ON);
   if (current_log) found_sum += found(valid, *query);
 }
 }

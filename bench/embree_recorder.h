@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "accel/accel.h"
 #include "accel/embree/embree.h"
 
 namespace relume {
@@ -14,16 +15,15 @@ namespace relume {
 class QueryLog {
  public:
   void add(const RTCRay& ray, bool occlusion);
-  void add(const RTCRay8& rays, const int* valid, bool occlusion, bool coherent);
+  void add(const RTCRay16& rays, const int* valid, bool occlusion);
 
   /// Number of queries; a packet counts as one.
   size_t size() const { return queries_.size(); }
 
-  /// Rays by kind; camera rays are those in packets of nearest-hit queries.
-  uint64_t camera_rays = 0;
-  uint64_t path_rays = 0;
+  /// Rays by kind: of the camera and along paths, and towards lights.
+  uint64_t nearest_rays = 0;
   uint64_t shadow_rays = 0;
-  uint64_t rays() const { return camera_rays + path_rays + shadow_rays; }
+  uint64_t rays() const { return nearest_rays + shadow_rays; }
 
   /// Repeats queries [begin, end). Returns the sum of their results, which does not depend on their order.
   uint64_t replay(RTCScene scene, size_t begin, size_t end) const;
@@ -33,11 +33,10 @@ class QueryLog {
     uint32_t index = 0;  ///< index in singles_ or packets_
     bool packet = false;
     bool occlusion = false;
-    bool coherent = false;
   };
   struct Packet {
-    RTCRay8 rays;
-    alignas(32) int valid[8];
+    RTCRay16 rays;
+    alignas(64) int valid[kPacketSize];
   };
 
   std::vector<Query> queries_;

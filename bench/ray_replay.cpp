@@ -108,10 +108,9 @@ AllSettings settings_of(const std::vector<std::string>& arguments, const Scene& 
 void print(const RenderSettings& settings, const Recording& recording, const Times (&times)[2]) {
   const auto samples = static_cast<double>(recording.samples);
   const QueryLog& log = recording.log;
-  fmt::print("{}x{}, {} bounces; rays a sample: {:.3f} (camera {:.3f}, path {:.3f}, shadow {:.3f})\n", settings.width,
+  fmt::print("{}x{}, {} bounces; rays a sample: {:.3f} (camera and path {:.3f}, shadow {:.3f})\n", settings.width,
              settings.height, settings.path.max_bounces, static_cast<double>(log.rays()) / samples,
-             static_cast<double>(log.camera_rays) / samples, static_cast<double>(log.path_rays) / samples,
-             static_cast<double>(log.shadow_rays) / samples);
+             static_cast<double>(log.nearest_rays) / samples, static_cast<double>(log.shadow_rays) / samples);
   fmt::print("threads   frame ms   replay ms   replay/frame   frame Mrays/s   replay Mrays/s\n");
   double frame_s[2];
   double replay_s[2];

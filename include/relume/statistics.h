@@ -12,7 +12,7 @@ namespace relume {
 struct PassTime {
   std::string name;
   double seconds = 0;  ///< elapsed time
-  double idle_s = 0;   ///< thread-seconds without work: of threads that waited for others
+  double idle_s = 0;   ///< thread-seconds spent waiting for other threads
 
   /// Share of the time of `threads` threads without work.
   double idle_share(int threads) const { return seconds > 0 ? idle_s / (threads * seconds) : 0; }

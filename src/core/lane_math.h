@@ -1,5 +1,5 @@
 // Elementary functions of floats and lanes. They use + − × ÷ and comparisons alone, so that every processor computes
-// the same bits. Polynomials minimise the largest error.
+// the same bits (compiled without contraction). Polynomials minimise the largest error.
 #pragma once
 
 #include "core/lanes.h"
@@ -22,7 +22,7 @@ RELUME_HD_INLINE T upper_angle(const T& y, const T& x) {
   return select(x < T(0.0f), T(kPi) - right, right);
 }
 
-/// Sine and cosine of x in [0, π]. Errors below 3e-7, of the sine of acute angles relative.
+/// Sine and cosine of x in [0, π]. Absolute errors below 3e-7; that of the sine of acute angles is relative.
 template <typename T>
 RELUME_HD_INLINE void sine_and_cosine(const T& x, T& sine, T& cosine) {
   const MaskOf<T> obtuse = x > T(kPi / 2);

@@ -38,8 +38,8 @@ thread_local LoopTimes times_of_thread;
 /// Sum of the outer loop whose iteration this thread runs; nullptr: none.
 thread_local std::atomic<double>* current_busy_s = nullptr;
 
-/// Adds the time of a range to the sum of the outer loop. A range that a thread runs while another one waits is part of
-/// that one.
+/// Adds the time of a range to the sum of the outer loop. While a thread waits in a range, it may run another range,
+/// whose time is already part of the outer one.
 class BusyRange {
  public:
   explicit BusyRange(std::atomic<double>& busy_s) : is_outer_(current_busy_s == nullptr) {

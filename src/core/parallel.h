@@ -7,13 +7,13 @@
 
 namespace relume {
 
-/// Times of the loops that the current thread began, outside of iterations of others.
+/// Times of the outermost loops that the current thread started.
 struct LoopTimes {
-  double elapsed_s = 0;  ///< of the loops
+  double elapsed_s = 0;  ///< wall time of the loops, seconds
   double busy_s = 0;     ///< of their iterations and of loops inside, summed over all threads
 };
 
-/// Those since the thread began.
+/// Totals of the current thread since it started.
 const LoopTimes& loop_times();
 
 namespace detail {

@@ -83,7 +83,7 @@ void Backend::execute(const std::function<void()>& function) { state_->arena.exe
 template <typename Function>
 void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
   const double start_s = now_s();
-  LoopTimes loops;  // of the thread that the arena chooses
+  LoopTimes loops;  // of the thread that runs `function`
   state_->arena.execute([&] {
     const LoopTimes before = loop_times();
     function();

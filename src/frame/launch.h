@@ -51,7 +51,7 @@ concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_
 struct LaunchTime {
   std::string name;
   double seconds = 0;
-  double idle_s = 0;  ///< thread-seconds without work: of threads that waited for others
+  double idle_s = 0;  ///< thread-seconds spent waiting for other threads
   uint64_t launches = 0;
 };
 
@@ -101,7 +101,8 @@ class Backend {
   void run_library(std::string_view name, const std::function<void()>& function);
 
  private:
-  /// Runs `function` in the arena and adds its times. `own_threads`: it does not use those of the backend.
+  /// Runs `function` in the arena and adds its times. `own_threads`: it runs on threads of a library, not on the
+  /// backend's.
   template <typename Function>
   void timed(std::string_view name, const Function& function, bool own_threads = false);
 

@@ -104,7 +104,8 @@ struct LightsView {
   TexturedEmission textured;
   EnvironmentView environment;
   SceneBounds bounds;
-  float wide_triangle = kWideTriangle;  ///< infinity: sample_li() and pdf_li() sample triangles by area alone
+  float wide_triangle =
+      kWideTriangle;  ///< relative width above which triangles are sampled by solid angle; infinity: never
 };
 
 /// Samples light that reaches `p` from one direction.

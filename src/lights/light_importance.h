@@ -1,8 +1,8 @@
 // Luminance that a point would reflect towards the viewer from each of many lights, without occlusion. Light selection
 // strategies weight their candidates by this importance ([Dittebrandt20, §4.2]).
 //
-// Triangles count as softened points against Lambert's cosine, and for glossy reflection against a linearly transformed
-// cosine ([Heitz16]). Lights without extent are evaluated. Emission is averaged over the triangle.
+// Triangles and parallelograms are approximated by soft_form_factor() for a cosine lobe, and for a linearly transformed
+// cosine ([Heitz16]). Point and spot lights are evaluated exactly. Emission is averaged over the light.
 #pragma once
 
 #include <vector>
@@ -92,8 +92,9 @@ RELUME_HD_INLINE T soft_form_factor(const Triple<T>& middle, const T& volume, co
   return volume * height / (distance * (T(kPi) * distance2 * distance + volume));
 }
 
-/// Importance of a triangle. `middle`: its centre relative to the receiver, in world axes. `side`: twice its area · the
-/// distance of its plane, > 0 on the emitting side. `radius`: largest distance of a corner from the centre.
+/// Importance of a triangle or parallelogram. `middle`: its centre relative to the receiver, in world axes. `side`:
+/// twice its area · the distance of its plane, > 0 on the emitting side. `radius`: largest distance of a corner from
+/// the centre.
 template <typename T>
 RELUME_HD inline T triangle_importance(const LightReceiver& r, const Triple<T>& middle, T side, T radius, T emission) {
   const auto along = [&](const Vec3& axis) {

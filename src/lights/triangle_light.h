@@ -159,8 +159,8 @@ RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const Textured
 /// angle. For smaller ones, sampling by area is nearly as good, and takes less time.
 inline constexpr float kWideTriangle = 0.3f;
 
-/// Nearer to the light's plane than this fraction of the longest edge or diagonal, directions are too imprecise: lights
-/// are then sampled by area. Beneath a light, rounding would darken it from a tenth of this distance on.
+/// Closer to the light's plane than this fraction of the longest edge or diagonal, directions are too imprecise, and
+/// lights are sampled by area. Rounding errors exceed 1 % below about a seventh of this distance.
 inline constexpr float kLeastHeight = 2e-3f;
 
 /// Whether the light at `corner`, v0 relative to the receiver, is sampled uniformly in solid angle. `wide`:
@@ -207,8 +207,8 @@ RELUME_HD inline float pdf_solid_angle(const TriangleLight& light, const Vec3& c
                                 : triangle_on_sphere(light, corner).pdf();
 }
 
-/// Barycentrics of the light at `corner` in direction `w`. Rounding may place w beside the light: they are those of a
-/// point on it.
+/// Barycentrics of the light at `corner` in direction `w`, clamped to the light, because rounding may move w outside
+/// it.
 RELUME_HD inline Vec2 barycentric_along(const TriangleLight& light, const Vec3& corner, const Vec3& w) {
   const Vec3 n = glm::cross(light.e1, light.e2);
   const Vec3 inside = w * (glm::dot(corner, n) / glm::dot(w, n)) - corner;
@@ -301,7 +301,7 @@ inline LightExtent extent_of(const TriangleLight& light, double watts) {
   return extent;
 }
 
-/// Whether two of them emit the same light.
+/// Whether two lights have the same geometry and emission.
 inline bool same_light(const TriangleLight& a, const TriangleLight& b) {
   return a.v0 == b.v0 && a.e1 == b.e1 && a.e2 == b.e2 && a.normal == b.normal && a.radiance == b.radiance &&
          a.two_sided == b.two_sided && a.coat == b.coat && a.textured == b.textured &&

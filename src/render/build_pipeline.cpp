@@ -253,14 +253,16 @@ void check_crop(const RenderSettings& s) {
 /// Throws if temporal upscaling does not combine with the other choices.
 void check_upscaling(const RenderSettings& s) {
   if (s.allocation == AllocationChoice::adaptive) {
-    throw Error(
-        "--upscale does not combine with allocation 'adaptive': both choose the pixels that get a sample; use "
-        "--upscale 1, or allocation 'uniform'");
+    throw Error(fmt::format(
+        "upscale {} does not combine with allocation 'adaptive': both choose which pixels get a sample; use upscale 1 "
+        "or allocation 'uniform'",
+        s.upscaling.factor));
   }
   if (s.history == HistoryChoice::none) {
-    throw Error(
-        "--upscale does not combine with history 'none': pixels without a sample in a frame would be empty; use "
-        "history 'accumulate' or 'reproject'");
+    throw Error(fmt::format(
+        "upscale {} does not combine with history 'none': pixels without a sample in a frame would be empty; use "
+        "upscale 1, or history 'accumulate' or 'reproject'",
+        s.upscaling.factor));
   }
 }
 

@@ -72,7 +72,8 @@ TEST(Settings, SurviveJson) {
   for (const Setting& setting : describe(written)) {  // changes every value from its default
     if (auto* const* flag = std::get_if<bool*>(&setting.value)) **flag = !**flag;
     if (auto* const* number = std::get_if<int*>(&setting.value)) **number += **number < setting.traits.max ? 1 : -1;
-    if (auto* const* number = std::get_if<float*>(&setting.value)) **number += 0.1f;
+    if (auto* const* number = std::get_if<float*>(&setting.value))
+      **number += **number + 0.1f <= setting.traits.max ? 0.1f : -0.1f;
     if (const auto* number = std::get_if<OptionalNumberRef>(&setting.value)) *number->value = 0.5f;
     if (auto* const* text = std::get_if<std::string*>(&setting.value)) **text = "1,2,3";
     if (const auto* slot = std::get_if<ChoiceRef>(&setting.value))

@@ -1,6 +1,7 @@
 // Uniform directions in a parallelogram on the unit sphere: two spherical triangles that share the diagonal from one
 // corner. The first random number turns an arc around that corner, the second chooses a point on it, so the map is
-// continuous. Rectangles need fewer arc tangents than with [Urena13], and edges need not be perpendicular.
+// continuous. It needs fewer inverse trigonometric functions than the map of [Urena13] for rectangles, and edges need
+// not be perpendicular.
 #pragma once
 
 #include "sampling/spherical_triangle.h"

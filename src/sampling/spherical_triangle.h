@@ -68,7 +68,7 @@ RELUME_HD_INLINE Triple<T> corner_at(const SphericalTriangle<T>& t, const T& u) 
 template <typename T>
 RELUME_HD_INLINE Triple<T> spherical_triangle_from_square(const SphericalTriangle<T>& t, const T& u, const T& v) {
   const Triple<T> corner = corner_at(t, u);
-  // 1 − cos of the arc b c', without cancellation. The point lies at 1 − v of it.
+  // 1 − cos of the arc b c', without cancellation. From b to the point, 1 − cos is v · depth.
   const Triple<T> chord = corner - t.b;
   const T depth = T(0.5f) * dot(chord, chord);
   const T along = square_root(v * (T(2.0f) - v * depth) / max(T(2.0f) - depth, T(1e-6f)));

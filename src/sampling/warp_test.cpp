@@ -48,7 +48,7 @@ Warp cone(const std::string& name, double angle_rad) {
           std::min(angle_rad, 1.0)};
 }
 
-/// The chart are the barycentrics of the flat triangle v0 v1 v2.
+/// The chart maps to the barycentrics of the flat triangle v0 v1 v2.
 Warp spherical_triangle(const std::string& name, const Vec3& v0, const Vec3& v1, const Vec3& v2) {
   const Vec3 e1 = v1 - v0;
   const Vec3 e2 = v2 - v0;

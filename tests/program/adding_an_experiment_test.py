@@ -19,7 +19,8 @@ class TheFile(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="relume_") as name:
             file = pathlib.Path(name) / "filter_error.cpp"
             file.write_text(source)
-            command = [COMPILER, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *(f"-I{ROOT / folder}" for folder in ("include", "src", "lab")), file]
+            # Lanes are vectors: without the flags of the build, GCC warns that their ABI depends on the processor.
+            command = [COMPILER, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-Wno-psabi", "-fsyntax-only", *(f"-I{ROOT / folder}" for folder in ("include", "src", "lab")), file]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr[-4000:])
 

@@ -199,9 +199,9 @@ bool RenderThread::may_upscale() const {
 FrameScale RenderThread::choose_scale(bool rest) {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  resolution_.allow_upscaling(may_upscale());
-  // At rest, every pixel gets a path, and histories survive.
-  FrameScale scale{.size = full, .upscale = 1, .switches_upscaling = resolution_.upscale() > 1};
+  const bool upscales = may_upscale();
+  resolution_.allow_upscaling(upscales);
+  FrameScale scale{.size = full, .upscale = 1, .switches_upscaling = upscales};
   if (!request_.resolution_policy.hold_rate || rest) return scale;
   scale.size = rested_ ? resolution_.first_frame_size(full) : resolution_.size(full);
   scale.upscale = resolution_.upscale();

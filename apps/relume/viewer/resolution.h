@@ -17,7 +17,7 @@ inline constexpr double kFirstFrameBudget_s = 0.028;
 /// the budget allows.
 class ResolutionControl {
  public:
-  /// Whether frames may be upscaled over time. That comes before a smaller size.
+  /// Allows temporal upscaling, which is used before the size is lowered.
   void allow_upscaling(bool allowed) { may_upscale_ = allowed; }
 
   /// Render size.
@@ -37,12 +37,13 @@ class ResolutionControl {
   void frame_done(double seconds, double budget_s, const IVec2& full);
 
  private:
-  /// Steps by which the size is smaller.
+  /// Steps of the size below full size.
   int size_step() const { return upscale() > 1 ? step_ - kUpscaleSteps : step_; }
   int smallest_step(const IVec2& full) const;
   void go_to(int step);
 
-  /// An upscaled frame of full size takes about half of the time: it is step 2, and there is no step 1.
+  /// An upscaled frame of full size takes about half the time of a normal one, as a frame two steps smaller does. It is
+  /// step 2, and step 1 is skipped.
   static constexpr int kUpscaleSteps = 2;
 
   static constexpr int kFarBelow = 64;  ///< more steps than any image has

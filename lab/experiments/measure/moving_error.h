@@ -46,10 +46,10 @@ struct MovingErrors {
   Image reference;  ///< last view
 };
 
-/// Turns the camera from view to view; each step takes all contenders the same time, unless `equal_frames`. Slower ones
-/// render fewer frames, with larger motion between them. Contenders take turns. The frame count follows from the median
-/// of all earlier timings, which start with separate rounds. Requires a camera in the experiment's scene. Throws
-/// ExperimentStopped.
+/// Turns the camera from view to view. By default, each step takes all contenders the same time, so slower ones render
+/// fewer frames, with larger motion between them. With `equal_frames`, all render `frames` frames. Contenders take
+/// turns. The frame count follows from the median of all earlier timings, which start with separate rounds. Requires a
+/// camera in the experiment's scene. Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

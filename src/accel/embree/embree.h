@@ -9,8 +9,8 @@
 
 namespace relume::embree {
 
-// Queries take a filter, called for hits on geometries with enable_query_filter(); nullptr: none. They never claim that
-// rays are coherent: then Embree tests the rays of a packet together, with other results at edges.
+// Queries take a filter, called for hits on geometries with enable_query_filter(); nullptr: none. They never set the
+// coherence flag: with it, Embree tests the rays of a packet together and finds other hits at edges.
 
 #if RTC_VERSION_MAJOR >= 4
 

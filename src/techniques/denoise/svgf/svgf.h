@@ -65,7 +65,7 @@ struct SvgfPrepareKernel {
     } else if (valid) {
       const Surroundings around = surroundings(x, y);
       valid = around.count > 0.0f;
-      if (count[pixel] == 0) shown = around.light;
+      if (count[pixel] == 0) shown = valid ? around.light : around.any_light;
       variance =
           around.variance * static_cast<float>(kYoungHistory) / relume::max(1.0f, static_cast<float>(count[pixel]));
     }
@@ -87,6 +87,7 @@ struct SvgfPrepareKernel {
     Rgb light{0};
     float variance = 0;  ///< variance of a single sample
     float count = 0;
+    Rgb any_light{0};  ///< mean over all filtered pixels with samples, if none lies on the pixel's plane
   };
 
   /// Whether any of kLanes pixels takes its variance from its surroundings.
@@ -96,7 +97,7 @@ struct SvgfPrepareKernel {
     return any;
   }
 
-  /// The single form for kLanes pixels with long histories.
+  /// operator()(x, y) for kLanes pixels, none of which has_young().
   void prepare_lanes(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     Lanes color[3];
@@ -135,8 +136,7 @@ struct SvgfPrepareKernel {
     return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
   }
 
-  RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
-    if (count[other] == 0 || !is_filtered(albedo[other])) return false;
+  RELUME_HD bool same_plane(uint32_t pixel, uint32_t other) const {
     const float distance = std::fabs(glm::dot(normal[pixel], position[other] - position[pixel]));
     return distance <= footprint_at(pixel) * kReach && glm::dot(normal[pixel], normal[other]) >= 0.9f;
   }
@@ -144,18 +144,23 @@ struct SvgfPrepareKernel {
   RELUME_HD Surroundings surroundings(uint32_t x, uint32_t y) const {
     Surroundings s;
     Vec2 sum(0);
+    float any = 0;
     for (int dy = -kReach; dy <= kReach; ++dy) {
       for (int dx = -kReach; dx <= kReach; ++dx) {
         const int qx = static_cast<int>(x) + dx;
         const int qy = static_cast<int>(y) + dy;
         if (qx < 0 || qy < 0 || qx >= static_cast<int>(width) || qy >= static_cast<int>(height)) continue;
         const uint32_t other = static_cast<uint32_t>(qy) * width + static_cast<uint32_t>(qx);
-        if (!same_surface(y * width + x, other)) continue;
+        if (count[other] == 0 || !is_filtered(albedo[other])) continue;
+        s.any_light += light[other];
+        any += 1.0f;
+        if (!same_plane(y * width + x, other)) continue;
         sum += moments[other];
         s.light += light[other];
         s.count += 1.0f;
       }
     }
+    if (any > 0.0f) s.any_light /= any;
     if (s.count == 0.0f) return s;
     s.light /= s.count;
     s.variance = relume::max(sum.y / s.count - sqr(sum.x / s.count), 0.0f);

@@ -218,6 +218,16 @@ TEST(Svgf, PixelsWithoutSamplesUseTheirNeighbours) {
   for (uint32_t i = 0; i < kPixels; ++i) ASSERT_NEAR(wall.at(1, i % kWidth, i / kWidth), 2.0f, 1e-4f) << i;
 }
 
+TEST(Svgf, PixelsWithoutSamplesThatAreAloneOnTheirPlaneUseAllNeighbours) {
+  Wall wall;
+  const uint32_t alone = 20 * kWidth + 30;
+  wall.normal[alone] = Vec3(1, 0, 0);
+  wall.count[alone] = 0;
+  wall.light[alone] = Rgb(0);
+  wall.filter();
+  EXPECT_NEAR(wall.at(1, 30, 20), 2.0f, 1e-4f);
+}
+
 TEST(Svgf, UnfilteredPixelsDoNotLeak) {
   Wall wall;
   wall.moments.assign(kPixels, Vec2(1, 100));

@@ -161,13 +161,13 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   const View<const uint32_t> known = buffer_table(session).view(kKnownLights);
   uint32_t all = 0;
   for (const uint32_t count : known) {
-    EXPECT_LE(count, 6u);  // two triangles per lamp
-    all += count == 6 ? 1 : 0;
+    EXPECT_LE(count, 3u);
+    all += count == 3 ? 1 : 0;
   }
   EXPECT_GT(all, known.size / 2);
   Session single(floor_scene(1), s);
   render(single, 4);
-  for (const uint32_t count : buffer_table(single).view(kKnownLights)) EXPECT_LE(count, 2u);
+  for (const uint32_t count : buffer_table(single).view(kKnownLights)) EXPECT_LE(count, 1u);
 }
 
 }  // namespace

@@ -212,7 +212,7 @@ struct DepthVoteKernel {
     const LightId light = changed[random % changed.size];
     if (light >= scene.lights.previous.size) return 0.0f;
     const Vec2 u(to_unit_float(hash(random, 1u)), to_unit_float(hash(random, 2u)));
-    LightsView by_area = scene.lights;  // with u, the same point before and now, however wide the light looks
+    LightsView by_area = scene.lights;  // maps u to the same point in both frames
     by_area.wide_triangle = kInfinity;
     const Received now = receive(sp, sample_li(by_area, light, sp.position, u), light);
     const Received before = receive(sp, sample_li_before(by_area, light, sp.position, u), light);

@@ -5,8 +5,8 @@ namespace relume {
 SettingList describe(UpscalingSettings& s) {
   return {{"upscale",
            &s.factor,
-           "Temporal upscaling: one path per frame in each block of this many by this many pixels, which take turns. "
-           "Surfaces are sampled at every pixel. 1: a path in every pixel",
+           "Temporal upscaling: edge of blocks of pixels, each of which traces one path per frame, at another of its "
+           "pixels each time. Denoisers still read surfaces at every pixel. 1: a path in every pixel",
            {.min = 1, .max = kMostUpscale}}};
 }
 

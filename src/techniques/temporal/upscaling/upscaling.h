@@ -15,12 +15,12 @@ struct BlockPosition {
 
 namespace upscaling_detail {
 
-/// Of 2 × 2 pixels, in the order of a Bayer matrix: diagonal neighbours follow each other.
+/// Pixel of a 2 × 2 block, in the order of a Bayer matrix: (0, 0), (1, 1), (1, 0), (0, 1).
 RELUME_HD constexpr BlockPosition turn_of_four(uint32_t turn) { return {(turn ^ (turn >> 1)) & 1u, turn & 1u}; }
 
 }  // namespace upscaling_detail
 
-/// Pixel that a block of n × n samples in a turn, n at most 4. Successive turns lie far apart.
+/// Pixel that a block of n × n samples in a turn; n is at most 4. Bayer order for 2 and 4, along diagonals for 3.
 RELUME_HD inline BlockPosition block_position(uint32_t n, uint32_t turn) {
   using upscaling_detail::turn_of_four;
   if (n == 2) return turn_of_four(turn);

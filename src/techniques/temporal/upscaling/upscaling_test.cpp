@@ -11,6 +11,7 @@
 #include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
+#include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/temporal/upscaling/settings.h"
 
 namespace relume {
@@ -100,7 +101,7 @@ TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
         settings.height = std::min(width, 37);
         settings.upscaling.factor = n;
         settings.denoise = denoise;
-        Session session(find_builtin_scene("furnace")->build(), settings);
+        Session session(testing::closed_furnace(0.5f), settings);
         session.render_frame();
         for (const Rgb& pixel : session.image().pixels)
           ASSERT_GT(min_component(pixel), 0.0f) << static_cast<int>(denoise) << ' ' << n << ' ' << width;

@@ -153,15 +153,15 @@ TEST(Bdpt, SmallCameraConnectionsAreRarelyTested) {
 
 TEST(Bdpt, OneBounceTakesThreeRaysAndKeepsTheMean) {
   for (const char* scene : {"cornell", "cornell-closed", "cornell-glass", "slit"}) {
+    const uint32_t samples = std::string_view(scene) == "slit" ? 2048 : 256;  // the slit is noisier
     const auto measure = [&](float roulette, double* rays) {
       BdptFrame frame(find_builtin_scene(scene)->build(),
                       {.width = 24, .height = 24, .max_bounces = 1, .connection_roulette = roulette});
-      constexpr uint32_t kSamples = 256;
       glm::dvec3 sum(0);
-      for (uint32_t sample = 0; sample < kSamples; ++sample) {
+      for (uint32_t sample = 0; sample < samples; ++sample) {
         frame.run(5, sample);
         for (size_t p = 0; p < frame.rays.size(); ++p) {
-          sum += glm::dvec3(frame.radiance[p]) / static_cast<double>(kSamples * frame.rays.size());
+          sum += glm::dvec3(frame.radiance[p]) / static_cast<double>(samples * frame.rays.size());
           *rays = std::max(*rays, static_cast<double>(frame.rays[p]));
         }
       }
@@ -179,12 +179,12 @@ TEST(Bdpt, OneBounceTakesThreeRaysAndKeepsTheMean) {
 
 TEST(Bdpt, LightsInsideMediaUseTheirAbsorption) {
   BdptFrame frame(make_lamp_in_glass(), {});
-  ASSERT_EQ(frame.light_medium.size(), 2u);
+  ASSERT_EQ(frame.light_medium.size(), 1u);
   for (const Rgb& medium : frame.light_medium) {
     EXPECT_NEAR(medium.r, -std::log(0.3f), 1e-4f);
     EXPECT_NEAR(medium.b, -std::log(0.5f), 1e-4f);
   }
-  EXPECT_EQ(BdptFrame(find_builtin_scene("cornell-glass")->build(), {}).light_medium, std::vector<Rgb>(2, Rgb(0)));
+  EXPECT_EQ(BdptFrame(find_builtin_scene("cornell-glass")->build(), {}).light_medium, std::vector<Rgb>(1, Rgb(0)));
   EXPECT_TRUE(BdptFrame(find_builtin_scene("cornell")->build(), {}).light_medium.empty());
 }
 
@@ -210,7 +210,7 @@ TEST(Bdpt, CamerasInsideMediaUseTheirAbsorption) {
 }
 
 TEST(Bdpt, LampsHalfInsideAMediumKeepTheMean) {
-  EXPECT_EQ(BdptFrame(make_lamp_half_in_glass(), {}).light_medium, std::vector<Rgb>(2, Rgb(kSeveralMedia)));
+  EXPECT_EQ(BdptFrame(make_lamp_half_in_glass(), {}).light_medium, std::vector<Rgb>(1, Rgb(kSeveralMedia)));
   const auto mean = [](const BdptOptions& options) {
     return mean_of(render_bdpt(make_lamp_half_in_glass(), options, 2048));
   };

@@ -1,5 +1,4 @@
-// Choice of the pixels whose paths continue beyond the first surface, where a frame has fewer than one such path per
-// pixel.
+// Chooses the pixels that trace indirect light in a frame.
 #pragma once
 
 #include "core/vec.h"
@@ -8,15 +7,15 @@
 
 namespace relume {
 
-/// In each frame a share of the pixels has indirect light. Blue noise spreads them evenly over the image. An
-/// independent uniform number shifts it in each frame, so that each pixel of each frame is chosen with probability
-/// `rate`, whichever frames sample the pixel.
+/// In each frame a fraction of the pixels has indirect light. Blue noise spreads them evenly over the image. Each frame
+/// shifts it by an independent uniform number, so that each pixel of each frame is chosen with probability `rate`,
+/// whichever frames sample the pixel.
 struct IndirectRate {
   View<const uint16_t> tile = {};  ///< blue noise; empty: all paths continue
   float rate = 1;
   float shift = 0;  ///< of this frame, in [0, 1)
 
-  /// Factor of the light that reaches pixel (x, y) through paths beyond the first surface: 1 / rate or 0.
+  /// Factor of the indirect light of pixel (x, y): 1 / rate or 0.
   RELUME_HD float weight(uint32_t x, uint32_t y) const {
     if (tile.empty()) return 1.0f;
     constexpr uint32_t kMask = kBlueNoiseEdge - 1;
@@ -27,7 +26,7 @@ struct IndirectRate {
   }
 };
 
-/// That of a frame, for rates in (0, 1].
+/// The choice for one frame; `rate` is in (0, 1].
 inline IndirectRate indirect_rate(float rate, const SampleIndex& index) {
   if (rate >= 1) return {};
   constexpr uint32_t kSaltIndirect = 0x7f4a7c15u;

@@ -30,7 +30,7 @@ struct PathState {
   float cone_width = 0;       ///< footprint at the ray's origin, metres
   float cone_spread = 0;      ///< growth per metre
   float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel
-  bool indirect = false;      ///< beyond the first vertex that is no mirror; the throughput then includes that weight
+  bool indirect = false;      ///< past the first non-specular vertex; the throughput then includes that weight
   uint32_t bounce = 0;        ///< scattering events so far
   uint32_t rays = 0;
 };

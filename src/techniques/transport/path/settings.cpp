@@ -13,8 +13,8 @@ SettingList describe(PathSettings& s) {
        "End paths of low throughput at random and scale up the survivors, so that the mean is unchanged"},
       {"indirect-rate",
        &s.indirect_rate,
-       "Share of the pixels whose paths continue beyond the first surface that is no mirror, in each frame; their "
-       "light is scaled up, so that the mean is unchanged (estimator path)",
+       "Fraction of the pixels per frame whose paths continue past the first non-specular surface; their light is "
+       "scaled up, so that the mean is unchanged (estimator path)",
        {.min = 0.0625, .max = 1}},
   };
 }

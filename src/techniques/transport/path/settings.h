@@ -8,7 +8,7 @@ namespace relume {
 struct PathSettings {
   int max_bounces = 8;  ///< scattering events after the camera
   bool russian_roulette = true;
-  float indirect_rate = 1;  ///< share of the paths that continue beyond the first surface that is no mirror
+  float indirect_rate = 1;  ///< fraction of the pixels whose paths continue past the first non-specular surface
 };
 
 SettingList describe(PathSettings& settings);
