@@ -24,9 +24,9 @@ class LightBuilder {
   /// Discards the sampling tables of textured emitters after a change of their materials.
   void discard_texture_tables();
 
-  /// Rebuilds the list of lights: triangles or parallelograms of emissive instances, then punctual lights, then those
-  /// at infinity. Writes Instance::first_light and Instance::paired_lights. `geometry` needs vertices, triangles,
-  /// meshes, instances, materials, textures.
+  /// Rebuilds the list of lights: triangles of emissive instances, or parallelograms if all triangles of the mesh pair
+  /// up, then punctual lights, then those at infinity. Writes Instance::first_light and Instance::paired_lights.
+  /// `geometry` needs vertices, triangles, meshes, instances, materials, textures.
   void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
                const PlacedNodes& nodes, const SceneBounds& bounds);
 
