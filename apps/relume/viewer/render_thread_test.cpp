@@ -99,7 +99,8 @@ TEST(RenderThread, UpscalesInMotionAndTracesEveryPixelAtRest) {
   stage.settings[0].render.width = 400;
   stage.settings[0].render.height = 240;
   stage.settings[0].render.denoise = DenoiseChoice::svgf;
-  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.3f};
+  stage.resolution_policy = {
+      .hold_rate = true, .upscale = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.3f};
   stage.post();
   const auto moving = stage.next();
   ASSERT_TRUE(moving);
@@ -112,7 +113,7 @@ TEST(RenderThread, UpscalesInMotionAndTracesEveryPixelAtRest) {
 
 TEST(RenderThread, UpscalesOnlyIfADenoiserFillsThePixels) {
   Stage stage;
-  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000};
+  stage.resolution_policy = {.hold_rate = true, .upscale = true, .target_hz = 1000};
   stage.post();
   const auto frame = stage.next();
   ASSERT_TRUE(frame);

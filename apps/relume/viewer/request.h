@@ -48,7 +48,7 @@ struct SceneEdits {
 /// Adaptation of the resolution to the frame rate.
 struct ResolutionPolicy {
   bool hold_rate = true;      ///< scale the resolution until `target_hz` is met
-  bool upscale = true;        ///< before that, trace a path in one of four pixels per frame
+  bool upscale = false;       ///< before that, trace a path in one of four pixels per frame
   float target_hz = 30;       ///< rendered frames per second
   bool full_at_rest = true;   ///< full resolution after a moment without changes
   float rest_after_s = 0.4f;  ///< length of that moment

@@ -1,6 +1,5 @@
-// One level of the edge-avoiding à-trous filter of [Schied17] §4.4: a B-spline with spaced taps, weighted by the
-// similarity of normals, planes and light. 5 × 5 taps at the first level, 3 × 3 at the others, whose inputs are already
-// smooth. Written once for a float and for lanes of floats.
+// One level of the edge-avoiding à-trous filter of [Schied17] §4.4: a 5 × 5 B-spline with spaced taps, weighted by the
+// similarity of normals, planes and light. Written once for a float and for lanes of floats.
 #pragma once
 
 #include "core/lanes.h"
@@ -34,7 +33,7 @@ inline constexpr uint32_t kAtrousVariance = 3;
 /// Planes one after another. Nothing is valid in the margin on either side, where strips of pixels may be read and
 /// written.
 struct AtrousImage {
-  static constexpr uint32_t kMargin = 24;  ///< reach of the last level, 2⁴, and a strip
+  static constexpr uint32_t kMargin = 40;  ///< reach of the last level, 2 · 2⁴, and a strip
 
   View<float> values;
   uint32_t width = 0;
@@ -110,36 +109,18 @@ struct AtrousKernel {
   float plane_tolerance = 1;
   float light_tolerance = 2;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    if (step == 1) {
-      filter<float, 2>(x, y);
-    } else {
-      filter<float, 1>(x, y);
-    }
-  }
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { filter<float>(x, y); }
 
   /// Host: kLanes pixels at once, which may reach into the margin.
   void operator()(const Tile& tile) const {
-    if (step == 1) {
-      filter_tile<2>(tile);
-    } else {
-      filter_tile<1>(tile);
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; x += kLanes) filter<Lanes>(x, y);
     }
   }
 
  private:
-  /// Weight of a tap at `offset` steps, in one dimension: binomial coefficients, scaled to sum to one.
-  template <int kRadius>
   RELUME_HD static constexpr float spline(int offset) {
-    if constexpr (kRadius == 1) return offset == 0 ? 0.5f : 0.25f;
     return offset == 0 ? 0.375f : (offset == 1 || offset == -1 ? 0.25f : 0.0625f);
-  }
-
-  template <int kRadius>
-  void filter_tile(const Tile& tile) const {
-    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-      for (uint32_t x = tile.x0; x < tile.x1; x += kLanes) filter<Lanes, kRadius>(x, y);
-    }
   }
 
   /// Variance smoothed over 3 × 3 pixels, for a steady tolerance of light ([Schied17 eq. 5]).
@@ -167,7 +148,7 @@ struct AtrousKernel {
     return image.at(plane, 0, row) + static_cast<int32_t>(column);
   }
 
-  template <typename F, int kRadius>
+  template <typename F>
   RELUME_HD_INLINE void filter(uint32_t x, uint32_t y) const {
     using namespace atrous_detail;
     const Pixels<F> pixels(features, light, x, y);
@@ -176,15 +157,15 @@ struct AtrousKernel {
                          load_lanes<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y)) *
                              (1.0f / (plane_tolerance * static_cast<float>(step)))};
     TapSums<F> sums;
-    sums.weight = F(spline<kRadius>(0) * spline<kRadius>(0));
+    sums.weight = F(spline(0) * spline(0));
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.weight * pixels.channels[c];
     sums.channels[kAtrousVariance] = sums.weight * sums.weight * pixels.channels[kAtrousVariance];
-    for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    for (int dy = -2; dy <= 2; ++dy) {
       const int row = static_cast<int>(y) + dy * static_cast<int>(step);
       if (row < 0 || row >= static_cast<int>(light.height)) continue;
-      for (int dx = -kRadius; dx <= kRadius; ++dx) {
+      for (int dx = -2; dx <= 2; ++dx) {
         if (dx == 0 && dy == 0) continue;
-        tap<F, kRadius>(here, static_cast<int>(x) + dx * static_cast<int>(step), row, dx, dy, sums);
+        tap<F>(here, static_cast<int>(x) + dx * static_cast<int>(step), row, dx, dy, sums);
       }
     }
     const F inverse = 1.0f / sums.weight;
@@ -192,7 +173,7 @@ struct AtrousKernel {
     store_lanes(filtered.at(kAtrousVariance, x, y), sums.channels[kAtrousVariance] * inverse * inverse);
   }
 
-  template <typename F, int kRadius>
+  template <typename F>
   RELUME_HD_INLINE void tap(const atrous_detail::Centre<F>& here, int column, int row, int dx, int dy,
                             atrous_detail::TapSums<F>& sums) const {
     using namespace atrous_detail;
@@ -210,8 +191,8 @@ struct AtrousKernel {
     for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(at(light, c, x, y));
     const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - here.brightness);
     const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
-    const F weight = (spline<kRadius>(dx) * spline<kRadius>(dy)) *
-                     load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) * sharpened(max(cosine, F(0.0f))) *
+    const F weight = (spline(dx) * spline(dy)) * load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
+                     sharpened(max(cosine, F(0.0f))) *
                      falloff(absolute(distance) * here.inverse_plane * (1.0f / apart) + contrast * here.inverse_light);
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.channels[c] + weight * channels[c];
     sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] + weight * weight * channels[kAtrousVariance];
