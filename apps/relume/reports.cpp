@@ -38,6 +38,7 @@ std::string to_json(const RunReport& report) {
   double outside_s = report.render_s;  // on one thread: updates of the scene, bookkeeping
   for (const PassTime& pass : report.passes) {
     passes.push_back({{"name", pass.name}, {"seconds", pass.seconds}, {"idle_share", pass.idle_share(report.threads)}});
+    if (pass.name == "build") continue;  // before the frames
     all.idle_s += pass.idle_s;
     outside_s -= pass.seconds;
   }

@@ -46,7 +46,8 @@ TEST(Reports, IdleSharesAreOfTheTimeOfAllThreads) {
   RunReport report;
   report.threads = 2;
   report.render_s = 4;
-  report.passes = {{"trace", 1.5, 0.75}, {"accumulate", 0.5, 0.25}};  // and two seconds on one of two threads
+  // Two seconds outside the passes are on one of two threads. The build comes before render_s.
+  report.passes = {{"build", 3, 2.5}, {"trace", 1.5, 0.75}, {"accumulate", 0.5, 0.25}};
   const std::string text = to_json(report);
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5,\n      \"idle_share\": 0.25", text);
   expect_in("\n  \"idle_share\": 0.375", text);

@@ -80,7 +80,7 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
     const AdaptQuadtreesKernel adapt{
         octree_.groups(),          trees_.view(), options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
         mutable_view_of(weights_), {&moved_, 1}};
-    frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1});
+    frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
   }
   frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
 }
