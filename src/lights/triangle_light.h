@@ -6,9 +6,9 @@
 
 #include "core/view.h"
 #include "lights/light_types.h"
+#include "lights/solid_angle.h"
 #include "materials/material.h"
 #include "sampling/alias_table.h"
-#include "sampling/spherical_parallelogram.h"
 
 namespace relume {
 
@@ -172,81 +172,44 @@ RELUME_HD inline bool is_wide(const TriangleLight& light, const Vec3& corner, fl
          sqr(glm::dot(light.normal, corner)) > sqr(kLeastHeight) * light.width2;
 }
 
-/// |v0 · (e1 × e2)| for v0 at `corner`, m³.
-RELUME_HD inline float volume_at(const TriangleLight& light, const Vec3& corner) {
+/// The light with v0 at `corner` from the receiver.
+RELUME_HD inline EmitterShape<float> shape_at(const TriangleLight& light, const Vec3& corner) {
   const float cross = light.is_parallelogram ? light.area : 2.0f * light.area;
-  return cross * std::fabs(glm::dot(light.normal, corner));
-}
-/// The triangle at `corner` on the unit sphere around the receiver.
-RELUME_HD inline SphericalTriangle<float> triangle_on_sphere(const TriangleLight& light, const Vec3& corner) {
-  return make_spherical_triangle(triple_of<float>(corner), triple_of<float>(corner + light.e1),
-                                 triple_of<float>(corner + light.e2), volume_at(light, corner));
-}
-/// The same for a parallelogram.
-RELUME_HD inline SphericalParallelogram<float> parallelogram_on_sphere(const TriangleLight& light, const Vec3& corner) {
-  return make_spherical_parallelogram(triple_of<float>(corner), triple_of<float>(light.e1), triple_of<float>(light.e2),
-                                      volume_at(light, corner));
+  return {triple_of<float>(corner), triple_of<float>(light.e1), triple_of<float>(light.e2),
+          cross * std::fabs(glm::dot(light.normal, corner)), light.is_parallelogram};
 }
 
-/// A direction towards the light at `corner`, uniform in solid angle, and its pdf_w.
-RELUME_HD inline Vec3 sample_solid_angle(const TriangleLight& light, const Vec3& corner, const Vec2& u, float* pdf_w) {
-  Triple<float> w;
-  if (light.is_parallelogram) {
-    const SphericalParallelogram<float> p = parallelogram_on_sphere(light, corner);
-    w = spherical_parallelogram_from_square(p, u.x, u.y);
-    *pdf_w = p.pdf();
-  } else {
-    const SphericalTriangle<float> t = triangle_on_sphere(light, corner);
-    w = spherical_triangle_from_square(t, u.x, u.y);
-    *pdf_w = t.pdf();
-  }
-  return {w.x, w.y, w.z};
-}
-RELUME_HD inline float pdf_solid_angle(const TriangleLight& light, const Vec3& corner) {
-  return light.is_parallelogram ? parallelogram_on_sphere(light, corner).pdf()
-                                : triangle_on_sphere(light, corner).pdf();
-}
-
-/// Barycentrics of the light at `corner` in direction `w`, clamped to the light, because rounding may move w outside
-/// it.
-RELUME_HD inline Vec2 barycentric_along(const TriangleLight& light, const Vec3& corner, const Vec3& w) {
-  const Vec3 n = glm::cross(light.e1, light.e2);
-  const Vec3 inside = w * (glm::dot(corner, n) / glm::dot(w, n)) - corner;
-  const Vec2 b =
-      Vec2(glm::dot(glm::cross(inside, light.e2), n), glm::dot(glm::cross(light.e1, inside), n)) / glm::dot(n, n);
-  const float x = saturate(b.x);
-  return {x, clamp(b.y, 0.0f, light.is_parallelogram ? 1.0f : 1.0f - x)};
-}
-
-RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
-                                       const Vec2& u, float wide) {
+/// Light that arrives at `p` from a point of the light, whose density is `pdf` per m², or per steradian
+/// (`by_solid_angle`).
+RELUME_HD inline LightSample light_from(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
+                                        const Vec2& barycentric, float pdf, bool by_solid_angle) {
   LightSample s;
-  const Vec3 corner = light.v0 - p;
-  if (!(light.emission_cosine(-corner) > 0.0f)) return s;
-  const bool by_solid_angle = is_wide(light, corner, wide);
-  float pdf_a = 0;
-  if (by_solid_angle) {
-    s.barycentric = barycentric_along(light, corner, sample_solid_angle(light, corner, u, &s.pdf_w));
-  } else {
-    const TrianglePoint point = sample_area(light, e, u);
-    s.barycentric = point.barycentric;
-    pdf_a = point.pdf_a;
-  }
-  s.position = light.position(s.barycentric);
+  s.barycentric = barycentric;
+  s.position = light.position(barycentric);
   const Vec3 d = s.position - p;
   const float distance_squared = length_squared(d);
   s.distance = std::sqrt(distance_squared);
   s.wi = d / s.distance;
   const float cos_light = light.emission_cosine(-s.wi);
-  if (!(cos_light > 0.0f)) {
-    s.pdf_w = 0;
-    return s;
-  }
-  if (!by_solid_angle) s.pdf_w = pdf_w_from_pdf_a(pdf_a, distance_squared, cos_light);
+  if (!(cos_light > 0.0f)) return s;
+  s.pdf_w = by_solid_angle ? pdf : pdf_w_from_pdf_a(pdf, distance_squared, cos_light);
   s.clearance = light.error / cos_light;
-  s.radiance = emitted_radiance(light, e, s.barycentric, cos_light);
+  s.radiance = emitted_radiance(light, e, barycentric, cos_light);
   s.normal = light.normal;
   return s;
+}
+
+RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
+                                       const Vec2& u, float wide) {
+  const Vec3 corner = light.v0 - p;
+  if (!(light.emission_cosine(-corner) > 0.0f)) return {};
+  if (!is_wide(light, corner, wide)) {
+    const TrianglePoint point = sample_area(light, e, u);
+    return light_from(light, e, p, point.barycentric, point.pdf_a, false);
+  }
+  Vec2 barycentric;
+  const float pdf_w = sample_solid_angle(shape_at(light, corner), u.x, u.y, barycentric.x, barycentric.y);
+  return light_from(light, e, p, barycentric, pdf_w, true);
 }
 
 RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec3& wi,
@@ -254,7 +217,7 @@ RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission
   const float cos_light = light.emission_cosine(-wi);
   if (!(cos_light > 0.0f)) return 0.0f;
   const Vec3 corner = light.v0 - p;
-  if (is_wide(light, corner, wide)) return pdf_solid_angle(light, corner);
+  if (is_wide(light, corner, wide)) return pdf_solid_angle(shape_at(light, corner));
   return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
 }
 

@@ -87,8 +87,8 @@ RELUME_HD inline BsdfEval eval_camera_vertex(const CameraSubpath& e, const Surfa
 
 /// Weight of a connection to a point on a light (s = 1).
 RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                                                  const LightPick& pick, const BsdfEval& bsdf) {
-  const LightSample& light = pick.light;
+                                                  const LightPick& pick, const LightSample& light,
+                                                  const BsdfEval& bsdf) {
   const float pmf = weighting_pmf(c, pick.id);
   if (!(pmf > 0.0f)) return 0.0f;
   const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric}, -light.wi);
@@ -108,12 +108,12 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
 RELUME_HD inline Connection connect_to_light(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                              Sampler& sampler) {
   const LightPick pick = pick_light(c.path, sp, sampler);
-  const LightSample& light = pick.light;
+  const LightSample light = sample_picked(c.path, sp, pick);
   if (!light.valid()) return {};
   const Rgb medium = medium_along(c.scene(), sp, light.wi, e.path.medium);
   const BsdfEval bsdf = eval_camera_vertex(e, sp, light.wi);
   if (is_black(bsdf.f)) return {};
-  const float weight = weight_of_light_connection(c, sp, e, pick, bsdf);
+  const float weight = weight_of_light_connection(c, sp, e, pick, light, bsdf);
   Connection connection;
   connection.ray = shadow_ray(sp, light);
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *

@@ -323,13 +323,14 @@ class WeightCheck {
     const SurfacePoint sp = seen(c_.scene(), camera.places[t - 1], -e.path.ray.direction);
     if (!has_non_delta(sp.bsdf)) return;
     const LightPick pick = pick_light(c_.path, sp, sampler);
-    if (!pick.light.valid()) return;
-    const BsdfEval bsdf = eval_camera_vertex(e, sp, pick.light.wi);
+    const LightSample light = sample_picked(c_.path, sp, pick);
+    if (!light.valid()) return;
+    const BsdfEval bsdf = eval_camera_vertex(e, sp, light.wi);
     if (is_black(bsdf.f)) return;
-    WholePath path = path_to_light(camera, t, pick.id, {pick.light.position, pick.light.barycentric}, -pick.light.wi);
-    path.light_can_be_hit = !pick.light.delta;
+    WholePath path = path_to_light(camera, t, pick.id, {light.position, light.barycentric}, -light.wi);
+    path.light_can_be_hit = !light.delta;
     path.surfaces.front().delta = false;
-    compare(weight_of_light_connection(c_, sp, e, pick, bsdf), path, 1, kLightConnection);
+    compare(weight_of_light_connection(c_, sp, e, pick, light, bsdf), path, 1, kLightConnection);
   }
 
   /// Compares the weight where vertex `t` is on a light.

@@ -126,28 +126,29 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
   return covered_by_nee;
 }
 
-/// A light and a point on it, sampled from a surface.
+/// A light selected at a surface.
 struct LightPick {
   LightId id = kNoLight;
-  float pmf = 0;  ///< probability of the light under the selector
-  LightSample light;
-  Vec2 u{0};  ///< random numbers of the point on the light
+  float pmf = 0;  ///< probability of the light under the selector; 0: no light
+  Vec2 u{0};      ///< random numbers of the point on the light
 };
 
 RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& sp, Sampler& sampler) {
-  Vec2 u = sampler.next_2d();
+  const Vec2 u = sampler.next_2d();
   const LightSelection selection = c.selector.sample(sp, sampler.reusable(u.x));
-  if (!(selection.pmf > 0.0f)) return {};
-  u.x = selection.u;
-  return {selection.light, selection.pmf, sample_li(c.scene.lights, selection.light, sp.position, u), u};
+  return {selection.light, selection.pmf, {selection.u, u.y}};
 }
 
-/// Samples a connection to a light. Its contribution includes throughput, BSDF and MIS weight. Returns false, with
-/// `connection` undefined, if it carries no light. It is filled in place, because host batches store many.
-RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
-                                        Sampler& sampler, Connection& connection) {
-  const LightPick pick = pick_light(c, sp, sampler);
-  const LightSample& light = pick.light;
+/// The picked light's sample at the surface; invalid if there is no light.
+RELUME_HD inline LightSample sample_picked(const PathContext& c, const SurfacePoint& sp, const LightPick& pick) {
+  return pick.pmf > 0.0f ? sample_li(c.scene.lights, pick.id, sp.position, pick.u) : LightSample{};
+}
+
+/// Makes a connection to a sample of a light. Its contribution includes throughput, BSDF and MIS weight. Returns false,
+/// with `connection` undefined, if it carries no light. It is filled in place, because host batches store many.
+RELUME_HD inline bool make_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                      const LightPick& pick, const LightSample& light, const Sampler& sampler,
+                                      Connection& connection) {
   if (!light.valid()) return false;
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
   if (is_black(bsdf.f)) return false;
@@ -264,11 +265,18 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
 }
 
-/// Next event estimation at a vertex. Returns whether to test a connection; false where only delta lobes scatter.
+/// Selects the light of next event estimation at a vertex; none where only delta lobes scatter.
+RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                         Sampler& sampler) {
+  sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
+  return has_non_delta(sp.bsdf) ? pick_light(c, sp, sampler) : LightPick{};
+}
+
+/// Next event estimation at a vertex. Returns whether to test a connection.
 RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler,
                               Connection& connection) {
-  sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-  return has_non_delta(sp.bsdf) && sample_connection(c, sp, path, sampler, connection);
+  const LightPick pick = pick_light_at(c, sp, path, sampler);
+  return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
 }
 
 /// Traces a path from the hit of its ray until it ends. The current vertex is stored in points[bounce & 1], the

@@ -1,8 +1,9 @@
 // Host execution of kernels that trace one path per pixel. A batch runs the paths of neighbouring pixels side by side,
-// one step for all of them before the next. The processor then works on one path while another waits for memory, and
-// shadow rays travel in packets. Steps, random numbers and results are those of trace_path().
+// one step for all of them before the next. The processor then works on one path while another waits for memory, lights
+// are sampled eight at once, and rays travel in packets. Steps, random numbers and results are those of trace_path().
 #pragma once
 
+#include "lights/sample_lights.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
@@ -81,10 +82,23 @@ inline void intersect_all(const AccelView& accel, PathBatch& b) {
 /// Next event estimation for all active paths.
 template <typename Policy>
 inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Policy* policies) {
-  b.connection_count = 0;
+  LightPick picks[PathBatch::kSize];
+  LightRequest requests[PathBatch::kSize];
+  LightSample samples[PathBatch::kSize];
+  uint32_t count = 0;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
-    if (!connect(c, points[i], b.paths[i], b.samplers[i], b.connections[b.connection_count])) continue;
+    picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
+    if (!(picks[count].pmf > 0.0f)) continue;
+    requests[count] = {picks[count].id, points[i].position, picks[count].u};
+    b.owners[count++] = i;
+  }
+  sample_lights(c.scene.lights, {requests, count}, samples);
+  b.connection_count = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const uint32_t i = b.owners[k];
+    Connection& connection = b.connections[b.connection_count];
+    if (!make_connection(c, points[i], b.paths[i], picks[k], samples[k], b.samplers[i], connection)) continue;
     b.owners[b.connection_count++] = i;
     ++b.paths[i].rays;
   }
