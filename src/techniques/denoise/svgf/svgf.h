@@ -2,6 +2,9 @@
 // moments over frames. Their variance sets the reach of the filter.
 #pragma once
 
+#include <type_traits>
+
+#include "core/triple.h"
 #include "techniques/denoise/shared/light_history.h"
 #include "techniques/denoise/svgf/atrous.h"
 
@@ -39,15 +42,16 @@ struct SvgfPrepareKernel {
   uint32_t width = 0;
   uint32_t height = 0;
 
-  /// Host: kLanes pixels at once where none has a young history.
+  /// Host: kLanes pixels at once, except at the image's left and right edge.
   void operator()(const Tile& tile) const {
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
       uint32_t x = tile.x0;
       for (; x + kLanes <= tile.x1; x += kLanes) {
-        if (has_young(y * width + x)) {
-          for (uint32_t k = 0; k < kLanes; ++k) (*this)(x + k, y);
-        } else {
+        const bool has_surroundings = x >= kReach && x + kLanes + kReach <= width;
+        if (has_surroundings || !has_young(y * width + x)) {
           prepare_lanes(x, y);
+        } else {
+          for (uint32_t k = 0; k < kLanes; ++k) (*this)(x + k, y);
         }
       }
       for (; x < tile.x1; ++x) (*this)(x, y);
@@ -56,18 +60,17 @@ struct SvgfPrepareKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const float footprint = footprint_at(pixel);
+    const float footprint = footprint_at<float>(pixel);
     Rgb shown = light[pixel];
     float variance = 0.0f;
     bool valid = is_filtered(albedo[pixel]);
     if (valid && count[pixel] >= kYoungHistory) {
       variance = variance_of(moments[pixel], count[pixel]);
     } else if (valid) {
-      const Surroundings around = surroundings(x, y);
+      const Surroundings<float> around = surroundings<float>(x, y);
       valid = around.count > 0.0f;
-      if (count[pixel] == 0) shown = valid ? around.light : around.any_light;
-      variance =
-          around.variance * static_cast<float>(kYoungHistory) / relume::max(1.0f, static_cast<float>(count[pixel]));
+      if (count[pixel] == 0) shown = Rgb(around.light[0], around.light[1], around.light[2]);
+      variance = young_variance(around, static_cast<float>(count[pixel]));
     }
     put(AtrousPlane::valid, x, y, valid ? 1.0f : 0.0f);
     put(AtrousPlane::inverse_footprint, x, y, footprint > 0.0f ? 1.0f / footprint : 0.0f);
@@ -82,51 +85,98 @@ struct SvgfPrepareKernel {
  private:
   static constexpr int kReach = 3;  ///< radius of the estimate from neighbours: 7 × 7
 
-  /// Means over the surrounding pixels on the same plane.
+  /// Means over the surrounding pixels with samples. T: float, or Lanes for kLanes pixels in a row.
+  template <typename T>
   struct Surroundings {
-    Rgb light{0};
-    float variance = 0;  ///< variance of a single sample
-    float count = 0;
-    Rgb any_light{0};  ///< mean over all filtered pixels with samples, if none lies on the pixel's plane
+    T light[3];  ///< of those on the pixel's plane; of all if there are none
+    T variance;  ///< of a single sample
+    T count;     ///< number of pixels on the plane
   };
 
-  /// Whether any of kLanes pixels takes its variance from its surroundings.
-  bool has_young(uint32_t first) const {
+  RELUME_HD bool has_young(uint32_t first) const {
     bool any = false;
     for (uint32_t i = first; i < first + kLanes; ++i) any |= count[i] < kYoungHistory && is_filtered(albedo[i]);
     return any;
   }
 
-  /// operator()(x, y) for kLanes pixels, none of which has_young().
+  /// operator()(x, y) for kLanes pixels.
   void prepare_lanes(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    Lanes color[3];
-    load_vectors(&albedo[pixel].x, color);
-    const LaneMask black = max(color[0], max(color[1], color[2])) < Lanes(kLeastAlbedo);
-    const Lanes footprint = cone_width + cone_spread * load_lanes(&depth[pixel]);
-    store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(black, Lanes(0.0f), Lanes(1.0f)));
-    store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
-                select(footprint > Lanes(0.0f), 1.0f / footprint, Lanes(0.0f)));
-    Lanes n[3];
-    Lanes p[3];
-    Lanes shown[3];
-    load_vectors(&normal[pixel].x, n);
-    load_vectors(&position[pixel].x, p);
-    load_vectors(&light[pixel].x, shown);
-    for (uint32_t c = 0; c < 3; ++c) {
-      store_lanes(features.at(place_of(AtrousPlane::normal_x, c), x, y), n[c]);
-      store_lanes(features.at(place_of(AtrousPlane::position_x, c), x, y), p[c]);
-      store_lanes(planes.at(c, x, y), shown[c]);
-    }
+    const LaneMask filtered = is_filtered_at<Lanes>(pixel);
+    const Lanes footprint = footprint_at<Lanes>(pixel);
+    const Lanes n = count_at<Lanes>(pixel);
     Lanes m[2];
     load_pairs(&moments[pixel].x, m);
-    Lanes others;
-    for (uint32_t k = 0; k < kLanes; ++k) others.v[k] = static_cast<float>(count[pixel + k] - 1);
-    const Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / others;
-    store_lanes(planes.at(kAtrousVariance, x, y), select(black, Lanes(0.0f), variance));
+    Triple<Lanes> shown = vector_at<Lanes>(light, pixel);
+    LaneMask valid = filtered;
+    Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / (n - 1.0f);
+    if (has_young(pixel)) {
+      const Surroundings<Lanes> around = surroundings<Lanes>(x, y);
+      const LaneMask young = n < Lanes(static_cast<float>(kYoungHistory));
+      valid = filtered & (!young | (around.count > Lanes(0.0f)));
+      variance = select(young, young_variance(around, n), variance);
+      shown = select(filtered & (n < Lanes(1.0f)), {around.light[0], around.light[1], around.light[2]}, shown);
+    }
+    store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(valid, Lanes(1.0f), Lanes(0.0f)));
+    store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
+                select(footprint > Lanes(0.0f), 1.0f / footprint, Lanes(0.0f)));
+    store_vectors(features, place_of(AtrousPlane::normal_x), x, y, vector_at<Lanes>(normal, pixel));
+    store_vectors(features, place_of(AtrousPlane::position_x), x, y, vector_at<Lanes>(position, pixel));
+    store_vectors(planes, 0, x, y, shown);
+    store_lanes(planes.at(kAtrousVariance, x, y), select(filtered, variance, Lanes(0.0f)));
   }
 
-  RELUME_HD float footprint_at(uint32_t pixel) const { return cone_width + cone_spread * depth[pixel]; }
+  static void store_vectors(const AtrousImage& image, uint32_t first, uint32_t x, uint32_t y, const Triple<Lanes>& v) {
+    store_lanes(image.at(first, x, y), v.x);
+    store_lanes(image.at(first + 1, x, y), v.y);
+    store_lanes(image.at(first + 2, x, y), v.z);
+  }
+
+  RELUME_HD_INLINE static bool both(bool a, bool b) { return a && b; }
+  RELUME_HD_INLINE static LaneMask both(const LaneMask& a, const LaneMask& b) { return a & b; }
+
+  // Values of a pixel, or of kLanes pixels in a row.
+  template <typename T>
+  RELUME_HD_INLINE static Triple<T> vector_at(const View<const Vec3>& values, uint32_t pixel) {
+    if constexpr (std::is_same_v<T, Lanes>) {
+      Lanes v[3];
+      load_vectors(&values[pixel].x, v);
+      return {v[0], v[1], v[2]};
+    } else {
+      return triple_of<T>(values[pixel]);
+    }
+  }
+  template <typename T>
+  RELUME_HD_INLINE T count_at(uint32_t pixel) const {
+    if constexpr (std::is_same_v<T, Lanes>) {
+      Lanes n;
+      for (uint32_t k = 0; k < kLanes; ++k) n.v[k] = static_cast<float>(static_cast<int>(count[pixel + k]));
+      return n;
+    } else {
+      return static_cast<T>(static_cast<int>(count[pixel]));
+    }
+  }
+  template <typename T>
+  RELUME_HD_INLINE MaskOf<T> is_filtered_at(uint32_t pixel) const {
+    const Triple<T> a = vector_at<T>(albedo, pixel);
+    return !(max(a.x, max(a.y, a.z)) < T(kLeastAlbedo));
+  }
+  template <typename T>
+  RELUME_HD_INLINE T footprint_at(uint32_t pixel) const {
+    return cone_width + cone_spread * load_lanes<T>(&depth[pixel]);
+  }
+  template <typename T>
+  RELUME_HD_INLINE void add_moments(uint32_t pixel, const MaskOf<T>& mask, T (&sums)[2]) const {
+    T m[2];
+    if constexpr (std::is_same_v<T, Lanes>) {
+      load_pairs(&moments[pixel].x, m);
+    } else {
+      m[0] = moments[pixel].x;
+      m[1] = moments[pixel].y;
+    }
+    for (int i = 0; i < 2; ++i) sums[i] = sums[i] + select(mask, m[i], T(0.0f));
+  }
+
   RELUME_HD void put(AtrousPlane plane, uint32_t x, uint32_t y, float value) const {
     *features.at(place_of(plane), x, y) = value;
   }
@@ -135,36 +185,49 @@ struct SvgfPrepareKernel {
   RELUME_HD static float variance_of(const Vec2& m, uint32_t n) {
     return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
   }
-
-  RELUME_HD bool same_plane(uint32_t pixel, uint32_t other) const {
-    const float distance = std::fabs(glm::dot(normal[pixel], position[other] - position[pixel]));
-    return distance <= footprint_at(pixel) * kReach && glm::dot(normal[pixel], normal[other]) >= 0.9f;
+  /// The same for `n` below kYoungHistory.
+  template <typename T>
+  RELUME_HD_INLINE static T young_variance(const Surroundings<T>& around, const T& n) {
+    return around.variance * T(static_cast<float>(kYoungHistory)) / max(n, T(1.0f));
   }
 
-  RELUME_HD Surroundings surroundings(uint32_t x, uint32_t y) const {
-    Surroundings s;
-    Vec2 sum(0);
-    float any = 0;
+  template <typename T>
+  RELUME_HD_INLINE Surroundings<T> surroundings(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Triple<T> n = vector_at<T>(normal, pixel);
+    const Triple<T> p = vector_at<T>(position, pixel);
+    const T reach = footprint_at<T>(pixel) * T(static_cast<float>(kReach));
+    const Triple<T> zero = triple_of<T>(Vec3(0));
+    Triple<T> on_plane = zero;
+    Triple<T> anywhere = zero;
+    T sums[2] = {T(0.0f), T(0.0f)};
+    T count_on_plane(0.0f);
+    T count_anywhere(0.0f);
     for (int dy = -kReach; dy <= kReach; ++dy) {
       for (int dx = -kReach; dx <= kReach; ++dx) {
         const int qx = static_cast<int>(x) + dx;
         const int qy = static_cast<int>(y) + dy;
         if (qx < 0 || qy < 0 || qx >= static_cast<int>(width) || qy >= static_cast<int>(height)) continue;
         const uint32_t other = static_cast<uint32_t>(qy) * width + static_cast<uint32_t>(qx);
-        if (count[other] == 0 || !is_filtered(albedo[other])) continue;
-        s.any_light += light[other];
-        any += 1.0f;
-        if (!same_plane(y * width + x, other)) continue;
-        sum += moments[other];
-        s.light += light[other];
-        s.count += 1.0f;
+        const Triple<T> value = vector_at<T>(light, other);
+        const MaskOf<T> known = both(count_at<T>(other) > T(0.0f), is_filtered_at<T>(other));
+        const T distance = absolute(dot(n, vector_at<T>(position, other) - p));
+        const MaskOf<T> aligned = dot(n, vector_at<T>(normal, other)) > T(0.9f);
+        const MaskOf<T> same = both(known, both(!(distance > reach), aligned));
+        anywhere = anywhere + select(known, value, zero);
+        count_anywhere = count_anywhere + select(known, T(1.0f), T(0.0f));
+        on_plane = on_plane + select(same, value, zero);
+        count_on_plane = count_on_plane + select(same, T(1.0f), T(0.0f));
+        add_moments<T>(other, same, sums);
       }
     }
-    if (any > 0.0f) s.any_light /= any;
-    if (s.count == 0.0f) return s;
-    s.light /= s.count;
-    s.variance = relume::max(sum.y / s.count - sqr(sum.x / s.count), 0.0f);
-    return s;
+    const MaskOf<T> any = count_on_plane > T(0.0f);
+    const T divisor = max(select(any, count_on_plane, count_anywhere), T(1.0f));
+    const Triple<T> sum = select(any, on_plane, anywhere);
+    const T mean = sums[0] / divisor;
+    return {{sum.x / divisor, sum.y / divisor, sum.z / divisor},
+            max(sums[1] / divisor - mean * mean, T(0.0f)),
+            count_on_plane};
   }
 };
 

@@ -136,7 +136,9 @@ TEST(Svgf, PreparesLanesLikeSinglePixels) {
   for (uint32_t i = 0; i < kPixels; ++i) {
     wall.position[i].z = 0.01f * static_cast<float>(i % 13);
     wall.depth[i] = 1.0f + 0.1f * static_cast<float>(i % 7);
-    wall.count[i] = i % 97 == 0 ? i % 4 : 4 + i % 5;  // some are young
+    wall.count[i] = i % 97 < 3 ? i % 4 : 4 + i % 5;  // some are young
+    if (i % 5 == 0) wall.normal[i] = Vec3(1, 0, 0);
+    if (i / kWidth > 20) wall.count[i] = i % 2;  // only these: none, or one
     if (i % 11 == 0) wall.albedo[i] = Rgb(0);
     if (i % 17 == 0) wall.albedo[i] = Rgb(0, 0.5f * kLeastAlbedo, kLeastAlbedo);
   }
