@@ -245,6 +245,7 @@ struct Session::State {
                          .begins_image = counters.since_change == 0 || counters.image_frames == counters.frames,
                          .ends_pilot = pilot > 0 && counters.since_change == pilot,
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
+                         .turns = static_cast<uint32_t>(settings.upscaling.factor * settings.upscaling.factor),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
                          .stop = stop,
                          .window = window(),

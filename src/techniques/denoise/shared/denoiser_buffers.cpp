@@ -132,6 +132,8 @@ bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float 
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;
+  // The images of upscaling count from the first one on for which all pixels had a sample.
+  average.averaged = average.frames - (average.frames < frame.turns ? 0 : frame.turns - 1);
   const bool changed = includes(frame.changes, Change::materials | Change::settings);
   if (frame.number == 0 || changed || lacks_history(frame, buffers.samples, buffers.specular.samples))
     average.newest = 1.0f;

@@ -37,9 +37,10 @@ struct ImageHistoryKernel {
   View<float> filtered_share;         ///< fraction of frames since then that filtered the pixel; updated
   View<Rgb> image;
   SpecularImages specular;
-  float newest = 1;     ///< weight of this frame where something moves; 1: discards earlier images
-  uint32_t frames = 1;  ///< frames since the last change, including this one
-  bool still = false;   ///< nothing has changed
+  float newest = 1;       ///< weight of this frame where something moves; 1: discards earlier images
+  uint32_t frames = 1;    ///< frames since the last change, including this one
+  uint32_t averaged = 1;  ///< of these, the latest ones, whose filtered images are averaged
+  bool still = false;     ///< nothing has changed
   uint32_t width = 0;
   uint32_t height = 0;
 
@@ -76,7 +77,7 @@ struct ImageHistoryKernel {
 
   RELUME_HD void average_specular(uint32_t pixel) const {
     const Rgb history = specular.before[pixel];
-    const float share = relume::min(2.0f / static_cast<float>(frames + 1), 1.0f);
+    const float share = relume::min(2.0f / static_cast<float>(averaged + 1), 1.0f);
     specular.image[pixel] = history + (specular.shown[pixel] - history) * share;
   }
 
@@ -105,7 +106,8 @@ struct ImageHistoryKernel {
     const float share = share_before + ((filtered ? 1.0f : 0.0f) - share_before) / n;
     Rgb light(0);
     if (share_before > 0.0f) light = (before[pixel] - seen_before) / share_before;
-    if (filtered) light += (now - seen - light) * relume::min(2.0f / (share * n + 1.0f), 1.0f);
+    const float images = share * static_cast<float>(static_cast<int>(averaged));
+    if (filtered) light += (now - seen - light) * relume::min(2.0f / (images + 1.0f), 1.0f);
     unfiltered[pixel] = mean;
     filtered_share[pixel] = share;
     image[pixel] = glm::max(mean + light * share, Rgb(0));

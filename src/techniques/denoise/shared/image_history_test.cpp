@@ -33,6 +33,7 @@ struct Images {
     kernel.newest = newest;
     kernel.filtered_share = mutable_view_of(filtered_share);
     kernel.frames = frames;
+    kernel.averaged = averaged > 0 ? averaged : frames;
     kernel.still = still;
     kernel.width = kWidth;
     kernel.height = kHeight;
@@ -55,6 +56,7 @@ struct Images {
   std::vector<Rgb> unfiltered = std::vector<Rgb>(kPixels, Rgb(0));
   std::vector<float> filtered_share = std::vector<float>(kPixels, 1.0f);
   uint32_t frames = 1;
+  uint32_t averaged = 0;  ///< 0: all frames
   std::vector<Vec2> motion = std::vector<Vec2>(kPixels, Vec2(0));
   std::vector<float> m2 = std::vector<float>(kPixels, 0.0f);
   std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 16);
@@ -92,6 +94,17 @@ TEST(ImageHistory, LaterImagesWeighMore) {
   p.frames = 7;
   p.average(true, 0.2f);
   EXPECT_EQ(p.image[7], Rgb(2.5f));  // weight 1/4
+}
+
+TEST(ImageHistory, ImagesCountFromTheFirstCompleteOne) {
+  Images p;
+  p.frames = 5;
+  p.averaged = 1;
+  p.unfiltered[8] = Rgb(1);
+  p.emission[8] = Rgb(0.5f);
+  p.average(true, 0.2f);
+  EXPECT_EQ(p.image[7], Rgb(1)) << "earlier images lack samples";
+  EXPECT_EQ(p.unfiltered[8], Rgb(0.9f)) << "emission averages over all frames";
 }
 
 TEST(ImageHistory, UnfilteredLightCountsEquallyInEveryFrame) {
