@@ -183,6 +183,43 @@ const auto kCells = ::testing::Range(size_t{0}, cells().size());
 INSTANTIATE_TEST_SUITE_P(Shared, Combinations, kCells, cell_name);
 INSTANTIATE_TEST_SUITE_P(Shared, SlowCombinations, kCells, cell_name);
 
+/// A choice with a setting under which not every pixel has a whole path in each frame.
+struct FewerPaths {
+  std::string name;
+  Choice choice;
+  RenderSettings settings;
+};
+
+const std::vector<FewerPaths>& choices_with_fewer_paths() {
+  static const std::vector<FewerPaths> list = [] {
+    std::vector<FewerPaths> all;
+    RenderSettings half_rate = scaled(small_settings(kSize, kSize));
+    half_rate.path.indirect_rate = 0.5f;
+    RenderSettings upscaled = scaled(small_settings(kSize, kSize));
+    upscaled.upscaling.factor = 2;
+    for (const Choice& choice : all_choices()) {
+      for (const auto& [name, base] : {std::pair("half_rate", half_rate), std::pair("upscaled", upscaled)}) {
+        const FewerPaths fewer{test_name(choice.slot + "_" + choice.value + "_" + name), choice,
+                               combine(base, choice, choice)};
+        if (refusal(fewer.settings).empty()) all.push_back(fewer);
+      }
+    }
+    return all;
+  }();
+  return list;
+}
+
+constexpr double kMostErrorOfFewerPaths = 0.01;
+
+class WithFewerPaths : public ::testing::TestWithParam<size_t> {};
+TEST_P(WithFewerPaths, HaveTheCorrectMean) {
+  const FewerPaths& fewer = choices_with_fewer_paths()[GetParam()];
+  const Deviations deviations = deviations_of(fewer.settings, kMostErrorOfFewerPaths);
+  EXPECT_EQ(problem_of(deviations, fewer.choice.bias, kMostErrorOfFewerPaths), "");
+}
+INSTANTIATE_TEST_SUITE_P(Shared, WithFewerPaths, ::testing::Range(size_t{0}, choices_with_fewer_paths().size()),
+                         [](const auto& info) { return choices_with_fewer_paths()[info.param].name; });
+
 TEST(CombinationTable, ErrorsNameWorkingAlternatives) {
   int refused = 0;
   for (const Choice& a : all_choices()) {
