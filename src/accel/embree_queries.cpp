@@ -20,6 +20,33 @@ Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint
   return {instance_index, primitive, hit.u, hit.v, hit.t};
 }
 
+/// A triangle that the traversal of a packet found for a ray.
+struct Found {
+  int ray;
+  uint32_t instance;
+  uint32_t primitive;
+};
+
+/// hit_on() for the triangles of a packet. Each step requests the memory of the next for all of them: one after
+/// another, they would wait for it.
+void find_hits(const AccelView& accel, const Ray* rays, const Found* found, int count, Hit* hits) {
+  const auto mesh_of = [&](const Found& f) -> const AccelMesh& {
+    return accel.meshes[accel.instances[f.instance].mesh];
+  };
+  for (int k = 0; k < count; ++k) __builtin_prefetch(&accel.instances[found[k].instance]);
+  for (int k = 0; k < count; ++k) __builtin_prefetch(mesh_of(found[k]).indices + 3 * size_t{found[k].primitive});
+  for (int k = 0; k < count; ++k) {
+    const AccelMesh& mesh = mesh_of(found[k]);
+    const uint32_t* corners = mesh.indices + 3 * size_t{found[k].primitive};
+    for (int c = 0; c < 3; ++c)
+      __builtin_prefetch(reinterpret_cast<const std::byte*>(mesh.positions) + corners[c] * mesh.position_stride);
+  }
+  for (int k = 0; k < count; ++k) {
+    const Found& f = found[k];
+    hits[f.ray] = hit_on(accel, rays[f.ray], f.instance, f.primitive);
+  }
+}
+
 RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
 
 /// Whether a ray is finite. Embree terminates the process otherwise; such rays hit nothing.
@@ -97,11 +124,14 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   embree::intersect16(valid, as_scene(accel), query, filter_of(as_scene(accel), flags));
+  Found found[kPacketSize];
+  int found_count = 0;
   for (int i = 0; i < count; ++i) {
     hits[i] = {};
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    hits[i] = hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
+    found[found_count++] = {i, instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]};
   }
+  find_hits(accel, rays, found, found_count, hits);
 }
 
 }  // namespace

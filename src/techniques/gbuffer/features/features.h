@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene/medium.h"
+#include "scene/prefetch.h"
 #include "techniques/gbuffer/features/reflection.h"
 #include "techniques/gbuffer/primary_hits/primary_hits.h"
 
@@ -273,7 +274,10 @@ struct FeatureKernel {
         CameraPacket packet;
         packet.take_rows(x, y, tile);
         packet.generate(scene.camera, index);
-        for (int i = 0; i < packet.count; ++i) write(packet.y[i] * width + packet.x[i], packet.rays[i], packet.ids[i]);
+        uint32_t pixels[kPacketSize];
+        for (int i = 0; i < packet.count; ++i) pixels[i] = packet.y[i] * width + packet.x[i];
+        prefetch_surfaces(scene, hits.data, pixels, static_cast<uint32_t>(packet.count));
+        for (int i = 0; i < packet.count; ++i) write(pixels[i], packet.rays[i], packet.ids[i]);
       }
     }
   }

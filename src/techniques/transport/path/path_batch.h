@@ -4,6 +4,7 @@
 #pragma once
 
 #include "lights/sample_lights.h"
+#include "scene/prefetch.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
@@ -111,6 +112,7 @@ inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
+    prefetch_surfaces(c.scene, b.hits, b.active, b.count);
     filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], policies[i]); });
     if constexpr (DecidesLater<Policy>) filter(b, [&](uint32_t i) { return policies[i].goes_on(b.paths[i]); });
     connect_all(c, points, b, policies);
