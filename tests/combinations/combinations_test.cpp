@@ -217,8 +217,11 @@ TEST_P(WithFewerPaths, HaveTheCorrectMean) {
   const Deviations deviations = deviations_of(fewer.settings, kMostErrorOfFewerPaths);
   EXPECT_EQ(problem_of(deviations, fewer.choice.bias, kMostErrorOfFewerPaths), "");
 }
+std::string fewer_paths_name(const ::testing::TestParamInfo<size_t>& info) {
+  return choices_with_fewer_paths()[info.param].name;
+}
 INSTANTIATE_TEST_SUITE_P(Shared, WithFewerPaths, ::testing::Range(size_t{0}, choices_with_fewer_paths().size()),
-                         [](const auto& info) { return choices_with_fewer_paths()[info.param].name; });
+                         fewer_paths_name);
 
 TEST(CombinationTable, ErrorsNameWorkingAlternatives) {
   int refused = 0;

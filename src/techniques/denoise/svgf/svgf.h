@@ -113,7 +113,7 @@ struct SvgfPrepareKernel {
     if (has_young(pixel)) {
       const Surroundings<Lanes> around = surroundings<Lanes>(x, y);
       const LaneMask young = n < Lanes(static_cast<float>(kYoungHistory));
-      valid = filtered & (!young | (around.count > Lanes(0.0f)));
+      valid = filtered & ((!young) | (around.count > Lanes(0.0f)));
       variance = select(young, young_variance(around, n), variance);
       shown = select(filtered & (n < Lanes(1.0f)), {around.light[0], around.light[1], around.light[2]}, shown);
     }
