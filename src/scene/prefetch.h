@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// Requests the memory that make_surface_point() reads of the hits hits[places[0 … count − 1]], so that it is there
-/// when they are evaluated one after another. Each loop requests what the next one reads.
+/// Loads the memory that make_surface_point() reads for hits[places[0 … count − 1]] into the caches. Evaluated one
+/// after another, the hits would wait for it. Each loop requests what the next one reads.
 inline void prefetch_surfaces(const SceneView& scene, const Hit* hits, const uint32_t* places, uint32_t count) {
   const auto for_each_hit = [&](const auto& request) {
     for (uint32_t k = 0; k < count; ++k) {
