@@ -100,12 +100,14 @@ bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples
   const View<const uint32_t> known = frame.read(samples);
   const View<const uint32_t> known_specular = specular_samples.name.empty() ? known : frame.read(specular_samples);
   constexpr uint32_t kStride = 61;
+  // While upscaling, pixels may have one sample for several frames.
+  const uint32_t most_of_fresh = frame.turns > 1 ? 0 : 1;
   uint32_t filtered = 0;
   uint32_t fresh = 0;
   for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
     if (!is_filtered(albedo[i])) continue;
     ++filtered;
-    fresh += std::max(known[i], known_specular[i]) <= 1 ? 1 : 0;
+    fresh += std::max(known[i], known_specular[i]) <= most_of_fresh ? 1 : 0;
   }
   return 2 * fresh > filtered;
 }

@@ -110,6 +110,26 @@ TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
   }
 }
 
+TEST(Upscaling, MovingViewsKeepTheirDenoisedImages) {
+  for (const int n : {1, 2}) {
+    RenderSettings settings = small_image();
+    settings.denoise = DenoiseChoice::svgf;
+    settings.upscaling.factor = n;
+    Session session(find_builtin_scene("cornell-spheres")->build(), settings);
+    for (int i = 0; i < 8; ++i) {
+      CameraPose camera = session.camera();
+      camera.to_world[3] += 0.002f * camera.to_world[0];
+      session.set_camera(camera);
+      session.render_frame();
+    }
+    const std::vector<float> shown = session.aov("svgf-shown").front().values;  // of the last frame alone
+    const std::vector<float> blended = session.aov("svgf-image").front().values;
+    size_t different = 0;
+    for (size_t i = 0; i < shown.size(); ++i) different += shown[i] != blended[i] ? 1 : 0;
+    EXPECT_GT(different, shown.size() / 2) << n;
+  }
+}
+
 TEST(Upscaling, ViewsMaySwitchItWithoutLosingTheirHistory) {
   RenderSettings settings = small_image();
   settings.denoise = DenoiseChoice::svgf;
