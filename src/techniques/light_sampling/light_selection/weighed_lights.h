@@ -10,10 +10,13 @@ namespace relume {
 inline constexpr uint32_t kMaxWeighedLights = 64;
 
 struct WeighedLights {
-  LightId ids[kMaxWeighedLights];  // not initialised: zeroing half a kilobyte costs more than most look-ups
+  // Only the first is initialised: zeroing half a kilobyte costs more than most look-ups.
+  LightId ids[kMaxWeighedLights];
   float weights[kMaxWeighedLights];
   uint32_t count = 0;
   float sum = 0;  ///< of the weights; above 0 after weigh()
+
+  RELUME_HD WeighedLights() { ids[0] = kNoLight; }
 
   RELUME_HD bool weighed() const { return sum > 0.0f; }
 
