@@ -4,6 +4,7 @@
 #include "accel/embree/hit_filter.h"
 #include "accel/embree_accel.h"
 #include "accel/triangle.h"
+#include "core/fixed_point.h"
 
 namespace relume {
 namespace {
@@ -27,19 +28,19 @@ struct Found {
   uint32_t primitive;
 };
 
-/// hit_on() for the triangles of a packet. Each step requests the memory of the next for all of them: one after
-/// another, they would wait for it.
+/// hit_on() for the triangles of a packet. Each loop prefetches what the next one reads: otherwise every ray would wait
+/// for its own memory.
 void find_hits(const AccelView& accel, const Ray* rays, const Found* found, int count, Hit* hits) {
   const auto mesh_of = [&](const Found& f) -> const AccelMesh& {
     return accel.meshes[accel.instances[f.instance].mesh];
   };
-  for (int k = 0; k < count; ++k) __builtin_prefetch(&accel.instances[found[k].instance]);
-  for (int k = 0; k < count; ++k) __builtin_prefetch(mesh_of(found[k]).indices + 3 * size_t{found[k].primitive});
+  for (int k = 0; k < count; ++k) prefetch(&accel.instances[found[k].instance]);
+  for (int k = 0; k < count; ++k) prefetch(mesh_of(found[k]).indices + 3 * size_t{found[k].primitive});
   for (int k = 0; k < count; ++k) {
     const AccelMesh& mesh = mesh_of(found[k]);
     const uint32_t* corners = mesh.indices + 3 * size_t{found[k].primitive};
     for (int c = 0; c < 3; ++c)
-      __builtin_prefetch(reinterpret_cast<const std::byte*>(mesh.positions) + corners[c] * mesh.position_stride);
+      prefetch(reinterpret_cast<const std::byte*>(mesh.positions) + corners[c] * mesh.position_stride);
   }
   for (int k = 0; k < count; ++k) {
     const Found& f = found[k];

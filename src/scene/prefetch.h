@@ -1,12 +1,13 @@
 // Prefetching of surface data, on the host.
 #pragma once
 
+#include "core/fixed_point.h"
 #include "scene/scene_view.h"
 
 namespace relume {
 
-/// Loads the memory that make_surface_point() reads for hits[places[0 … count − 1]] into the caches. Evaluated one
-/// after another, the hits would wait for it. Each loop requests what the next one reads.
+/// Prefetches instance, triangle and vertices of the hits at `places`, before make_surface_point() evaluates one after
+/// another. Each loop prefetches what the next one reads.
 inline void prefetch_surfaces(const SceneView& scene, const Hit* hits, const uint32_t* places, uint32_t count) {
   const auto for_each_hit = [&](const auto& request) {
     for (uint32_t k = 0; k < count; ++k) {
@@ -17,14 +18,14 @@ inline void prefetch_surfaces(const SceneView& scene, const Hit* hits, const uin
   const auto triangle_of = [&](const Hit& hit, const Instance& instance) -> const UVec3& {
     return scene.triangles[scene.meshes[instance.mesh].first_triangle + hit.primitive];
   };
-  for_each_hit([](const Hit&, const Instance& instance) { __builtin_prefetch(&instance.mesh); });
+  for_each_hit([](const Hit&, const Instance& instance) { prefetch(&instance.mesh); });
   for_each_hit([&](const Hit& hit, const Instance& instance) {
-    if (!instance.in_world_space) __builtin_prefetch(&instance.to_world);
-    __builtin_prefetch(&triangle_of(hit, instance));
+    if (!instance.in_world_space) prefetch(&instance.to_world);
+    prefetch(&triangle_of(hit, instance));
   });
   for_each_hit([&](const Hit& hit, const Instance& instance) {
     const UVec3& corners = triangle_of(hit, instance);
-    for (int c = 0; c < 3; ++c) __builtin_prefetch(&scene.vertices[corners[c]]);
+    for (int c = 0; c < 3; ++c) prefetch(&scene.vertices[corners[c]]);
   });
 }
 
