@@ -19,7 +19,7 @@ class WideLights {
     if (count_ == kLanes) sample();
   }
 
-  /// Samples those that are left.
+  /// Samples the remaining lights.
   void sample() {
     if (count_ == 0) return;
     // Unused lanes repeat a light: their values must not slow down the processor.

@@ -1,7 +1,6 @@
 #include "lights/sample_lights.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,7 +16,7 @@ using testing::Random;
 
 bool is_wide(const LightsView& view, const LightRequest& r) {
   const Light& light = view.lights[r.light];
-  return light.kind == LightKind::triangle &&
+  return light.kind == LightKind::triangle && light.triangle.emission_cosine(r.position - light.triangle.v0) > 0.0f &&
          is_wide(light.triangle, light.triangle.v0 - r.position, view.wide_triangle);
 }
 

@@ -20,8 +20,11 @@ struct PathBatch {
   uint32_t active[kSize];         ///< paths that continue
   uint32_t count = 0;
 
+  LightPick picks[kSize];
+  LightRequest requests[kSize];
+  LightSample samples[kSize];  ///< of the picked lights
   Connection connections[kSize];
-  uint32_t owners[kSize];  ///< path of each connection, in ascending order
+  uint32_t owners[kSize];  ///< path of each pick, then of each connection, in ascending order
   uint32_t connection_count = 0;
 };
 
@@ -83,23 +86,20 @@ inline void intersect_all(const AccelView& accel, PathBatch& b) {
 /// Next event estimation for all active paths.
 template <typename Policy>
 inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Policy* policies) {
-  LightPick picks[PathBatch::kSize];
-  LightRequest requests[PathBatch::kSize];
-  LightSample samples[PathBatch::kSize];
   uint32_t count = 0;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
-    picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
-    if (!(picks[count].pmf > 0.0f)) continue;
-    requests[count] = {picks[count].id, points[i].position, picks[count].u};
+    const LightPick pick = b.picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
+    if (!(pick.pmf > 0.0f)) continue;
+    b.requests[count] = {pick.id, points[i].position, pick.u};
     b.owners[count++] = i;
   }
-  sample_lights(c.scene.lights, {requests, count}, samples);
+  sample_lights(c.scene.lights, {b.requests, count}, b.samples);
   b.connection_count = 0;
   for (uint32_t k = 0; k < count; ++k) {
     const uint32_t i = b.owners[k];
     Connection& connection = b.connections[b.connection_count];
-    if (!make_connection(c, points[i], b.paths[i], picks[k], samples[k], b.samplers[i], connection)) continue;
+    if (!make_connection(c, points[i], b.paths[i], b.picks[k], b.samples[k], b.samplers[i], connection)) continue;
     b.owners[b.connection_count++] = i;
     ++b.paths[i].rays;
   }
