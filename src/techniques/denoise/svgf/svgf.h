@@ -93,7 +93,8 @@ struct SvgfPrepareKernel {
     T count;     ///< number of pixels on the plane
   };
 
-  RELUME_HD bool has_young(uint32_t first) const {
+  /// Host: whether any of kLanes pixels takes its variance from its surroundings.
+  bool has_young(uint32_t first) const {
     bool any = false;
     for (uint32_t i = first; i < first + kLanes; ++i) any |= count[i] < kYoungHistory && is_filtered(albedo[i]);
     return any;

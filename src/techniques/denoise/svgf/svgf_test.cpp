@@ -138,7 +138,9 @@ TEST(Svgf, PreparesLanesLikeSinglePixels) {
     wall.depth[i] = 1.0f + 0.1f * static_cast<float>(i % 7);
     wall.count[i] = i % 97 < 3 ? i % 4 : 4 + i % 5;  // some are young
     if (i % 5 == 0) wall.normal[i] = Vec3(1, 0, 0);
-    if (i / kWidth > 20) wall.count[i] = i % 2;  // only these: none, or one
+    if (i / kWidth > 20) wall.count[i] = i % 2;                 // no sample or one
+    if (i / kWidth > 30 && i % kWidth < 24) wall.count[i] = 0;  // more than the reach without samples
+    wall.light[i] *= Rgb(1, 2, 3);
     if (i % 11 == 0) wall.albedo[i] = Rgb(0);
     if (i % 17 == 0) wall.albedo[i] = Rgb(0, 0.5f * kLeastAlbedo, kLeastAlbedo);
   }
