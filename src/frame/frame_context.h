@@ -32,7 +32,7 @@ struct FrameState {
   bool begins_image = false;      ///< first frame of an image: of a sequence, or after a change
   bool ends_pilot = false;        ///< whether the pilot's samples are dropped from the image in this frame
   bool begins_epoch = true;       ///< whether learned structures are replaced by those of later samples
-  uint32_t turns = 1;             ///< number of frames in which each pixel gets a sample
+  uint32_t turns = 1;             ///< number of frames over which every pixel gets one sample
   bool stratified = false;        ///< whether a pixel's samples since the last change form one low-discrepancy sequence
   std::stop_token stop = {};      ///< empty after a pass has committed to the frame
   Tile window = {};               ///< rendered pixels; empty: all pixels

@@ -134,7 +134,7 @@ bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float 
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;
-  // The images of upscaling count from the first one on for which all pixels had a sample.
+  // With upscaling, the average begins with the first image in which all pixels have samples.
   average.averaged = average.frames - (average.frames < frame.turns ? 0 : frame.turns - 1);
   const bool changed = includes(frame.changes, Change::materials | Change::settings);
   if (frame.number == 0 || changed || lacks_history(frame, buffers.samples, buffers.specular.samples))

@@ -92,8 +92,8 @@ struct ImageBuffers {
     BufferKey<uint32_t> samples;
   } specular = {};
 };
-/// Whether most filtered pixels have no samples from earlier frames, as at the start and after a cut. Tests one pixel
-/// in 61.
+/// Whether most filtered pixels have no samples from earlier frames, as at the start and after a cut; while upscaling,
+/// no samples at all. Tests one pixel in 61.
 bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples,
                    const BufferKey<uint32_t>& specular_samples = {});
 

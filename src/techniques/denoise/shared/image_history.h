@@ -23,7 +23,8 @@ struct SpecularImages {
 
 /// Averages this frame's filtered image with earlier ones. While nothing changes, filtered images improve and get
 /// growing weights. Unfiltered pixels, such as lamps and sky, and the part of a pixel that these cover, are averaged
-/// with equal weights: unequal ones would add noise at edges. Where something moves, the previous image is looked up
+/// with equal weights: unequal ones would add noise at edges. With upscaling, the average of filtered images begins
+/// with the first frame after which every pixel has a sample. Where something moves, the previous image is looked up
 /// along the motion and clamped to the range of this frame's surrounding pixels.
 struct ImageHistoryKernel {
   View<const Rgb> shown;  ///< filtered image of this frame
@@ -39,7 +40,7 @@ struct ImageHistoryKernel {
   SpecularImages specular;
   float newest = 1;       ///< weight of this frame where something moves; 1: discards earlier images
   uint32_t frames = 1;    ///< frames since the last change, including this one
-  uint32_t averaged = 1;  ///< of these, the latest ones, whose filtered images are averaged
+  uint32_t averaged = 1;  ///< number of latest frames whose filtered images are averaged
   bool still = false;     ///< nothing has changed
   uint32_t width = 0;
   uint32_t height = 0;

@@ -10,7 +10,7 @@ namespace relume {
 inline constexpr uint32_t kMaxWeighedLights = 64;
 
 struct WeighedLights {
-  // Only the first is initialised: zeroing half a kilobyte costs more than most look-ups.
+  // Zeroing half a kilobyte would cost more than most look-ups. The first is initialised, or compilers warn.
   LightId ids[kMaxWeighedLights];
   float weights[kMaxWeighedLights];
   uint32_t count = 0;

@@ -110,23 +110,49 @@ TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
   }
 }
 
+/// Share of the values in which the average over frames differs from the last frame's denoised image.
+double blended_share(const Session& session) {
+  const std::vector<float> shown = session.aov("svgf-shown").front().values;
+  const std::vector<float> image = session.aov("svgf-image").front().values;
+  int different = 0;
+  for (size_t i = 0; i < shown.size(); ++i) different += shown[i] != image[i] ? 1 : 0;
+  return static_cast<double>(different) / static_cast<double>(shown.size());
+}
+
+void step_sideways(Session& session, float metres) {
+  CameraPose camera = session.camera();
+  camera.to_world[3] += metres * camera.to_world[0];
+  session.set_camera(camera);
+  session.render_frame();
+}
+
 TEST(Upscaling, MovingViewsKeepTheirDenoisedImages) {
   for (const int n : {1, 2}) {
     RenderSettings settings = small_image();
     settings.denoise = DenoiseChoice::svgf;
     settings.upscaling.factor = n;
     Session session(find_builtin_scene("cornell-spheres")->build(), settings);
-    for (int i = 0; i < 8; ++i) {
-      CameraPose camera = session.camera();
-      camera.to_world[3] += 0.002f * camera.to_world[0];
-      session.set_camera(camera);
-      session.render_frame();
-    }
-    const std::vector<float> shown = session.aov("svgf-shown").front().values;  // of the last frame alone
-    const std::vector<float> blended = session.aov("svgf-image").front().values;
-    size_t different = 0;
-    for (size_t i = 0; i < shown.size(); ++i) different += shown[i] != blended[i] ? 1 : 0;
-    EXPECT_GT(different, shown.size() / 2) << n;
+    for (int i = 0; i < 8; ++i) step_sideways(session, 0.002f);
+    EXPECT_GT(blended_share(session), 0.5) << n;
+    CameraPose elsewhere = session.camera();  // a cut: into the room, towards a wall
+    elsewhere.to_world[3] -= 2.0f * elsewhere.to_world[2];
+    std::swap(elsewhere.to_world[0], elsewhere.to_world[2]);
+    elsewhere.to_world[0] *= -1.0f;
+    session.set_camera(elsewhere);
+    session.render_frame();
+    EXPECT_LT(blended_share(session), 0.01) << n;
+  }
+}
+
+TEST(Upscaling, ViewsAtRestAverageImagesInWhichAllPixelsHaveSamples) {
+  RenderSettings settings = small_image();
+  settings.denoise = DenoiseChoice::svgf;
+  settings.upscaling.factor = 2;
+  Session session(find_builtin_scene("cornell-closed")->build(), settings);
+  for (int frame = 1; frame <= 5; ++frame) {
+    session.render_frame();
+    if (frame == 1 || frame == 4) EXPECT_LT(blended_share(session), 0.1) << frame;
+    if (frame == 3 || frame == 5) EXPECT_GT(blended_share(session), 0.5) << frame;
   }
 }
 
