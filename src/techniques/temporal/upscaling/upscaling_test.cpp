@@ -110,49 +110,65 @@ TEST(Upscaling, NoPixelOfTheFirstFrameIsEmpty) {
   }
 }
 
-/// Share of the values in which the average over frames differs from the last frame's denoised image.
-double blended_share(const Session& session) {
-  const std::vector<float> shown = session.aov("svgf-shown").front().values;
-  const std::vector<float> image = session.aov("svgf-image").front().values;
-  int different = 0;
-  for (size_t i = 0; i < shown.size(); ++i) different += shown[i] != image[i] ? 1 : 0;
-  return static_cast<double>(different) / static_cast<double>(shown.size());
-}
+/// A denoised view, beside the same without earlier denoised images.
+struct DenoisedView {
+  explicit DenoisedView(int n, const char* scene = "cornell-spheres")
+      : blended(find_builtin_scene(scene)->build(), settings_of(n, 0.2f)),
+        alone(find_builtin_scene(scene)->build(), settings_of(n, 1.0f)) {}
 
-void step_sideways(Session& session, float metres) {
-  CameraPose camera = session.camera();
-  camera.to_world[3] += metres * camera.to_world[0];
-  session.set_camera(camera);
-  session.render_frame();
-}
+  static RenderSettings settings_of(int n, float newest) {
+    RenderSettings settings = small_image();
+    settings.denoise = DenoiseChoice::svgf;
+    settings.svgf.history.newest = newest;
+    settings.upscaling.factor = n;
+    return settings;
+  }
+  void render_frame() {
+    blended.render_frame();
+    alone.render_frame();
+  }
+  void look(const CameraPose& camera) {
+    blended.set_camera(camera);
+    alone.set_camera(camera);
+    render_frame();
+  }
+  /// Share of the pixels that earlier images change.
+  double blended_share() const {
+    const std::vector<Rgb> a = blended.image().pixels;
+    const std::vector<Rgb> b = alone.image().pixels;
+    int different = 0;
+    for (size_t i = 0; i < a.size(); ++i) different += a[i] != b[i] ? 1 : 0;
+    return static_cast<double>(different) / static_cast<double>(a.size());
+  }
+
+  Session blended;
+  Session alone;
+};
 
 TEST(Upscaling, MovingViewsKeepTheirDenoisedImages) {
   for (const int n : {1, 2}) {
-    RenderSettings settings = small_image();
-    settings.denoise = DenoiseChoice::svgf;
-    settings.upscaling.factor = n;
-    Session session(find_builtin_scene("cornell-spheres")->build(), settings);
-    for (int i = 0; i < 8; ++i) step_sideways(session, 0.002f);
-    EXPECT_GT(blended_share(session), 0.5) << n;
-    CameraPose elsewhere = session.camera();  // a cut: into the room, towards a wall
-    elsewhere.to_world[3] -= 2.0f * elsewhere.to_world[2];
-    std::swap(elsewhere.to_world[0], elsewhere.to_world[2]);
-    elsewhere.to_world[0] *= -1.0f;
-    session.set_camera(elsewhere);
-    session.render_frame();
-    EXPECT_LT(blended_share(session), 0.01) << n;
+    DenoisedView view(n);
+    CameraPose camera = view.blended.camera();
+    for (int i = 0; i < 8; ++i) {
+      camera.to_world[3] += 0.002f * camera.to_world[0];
+      view.look(camera);
+    }
+    EXPECT_GT(view.blended_share(), 0.5) << n;
+    // A cut: into the room, towards a wall.
+    camera.to_world[3] -= 2.0f * camera.to_world[2];
+    std::swap(camera.to_world[0], camera.to_world[2]);
+    camera.to_world[0] *= -1.0f;
+    view.look(camera);
+    EXPECT_EQ(view.blended_share(), 0.0) << n;
   }
 }
 
 TEST(Upscaling, ViewsAtRestAverageImagesInWhichAllPixelsHaveSamples) {
-  RenderSettings settings = small_image();
-  settings.denoise = DenoiseChoice::svgf;
-  settings.upscaling.factor = 2;
-  Session session(find_builtin_scene("cornell-closed")->build(), settings);
+  DenoisedView view(2, "cornell-closed");
   for (int frame = 1; frame <= 5; ++frame) {
-    session.render_frame();
-    if (frame == 1 || frame == 4) EXPECT_LT(blended_share(session), 0.1) << frame;
-    if (frame == 3 || frame == 5) EXPECT_GT(blended_share(session), 0.5) << frame;
+    view.render_frame();
+    const double share = view.blended_share();
+    EXPECT_TRUE(frame == 1 || frame == 4 ? share < 0.1 : share > 0.5) << frame << ": " << share;
   }
 }
 
