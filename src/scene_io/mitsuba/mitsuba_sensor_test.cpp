@@ -194,8 +194,10 @@ TEST(MitsubaSensor, CentredCropsNarrowTheViewOthersAreRequested) {
   const Scene off_centre = load("10");
   EXPECT_EQ(off_centre.crop, (ImagePart{1.0f / 3, 0.05f, 2.0f / 3, 0.3f}));
   EXPECT_EQ(json::parse(off_centre.settings_json)["width"], 300);
-  EXPECT_NE(error_of([&] { load("151"); }).find("the crop 100,151,100,50 is not within the film of 300x200 pixels"),
-            std::string::npos);
+  for (const std::string y : {"151", "-9223372036854775808", "9223372036854775807"}) {
+    EXPECT_NE(error_of([&] { load(y); }).find("the crop 100," + y + ",100,50 is not within the film of 300x200 pixels"),
+              std::string::npos);
+  }
 }
 
 TEST(MitsubaTransform, StepsApplyInTheirOrder) {

@@ -52,8 +52,9 @@ Film read_film(const Parameters& sensor, const Import& import) {
   for (const int64_t side : {film.width, film.height, film.crop_width, film.crop_height}) {
     if (side < 1 || side > kMaxSide) p.fail(fmt::format("a side of {} pixels is not in [1, {}]", side, kMaxSide));
   }
-  const bool is_centred = 2 * x + film.crop_width == film.width && 2 * y + film.crop_height == film.height;
-  if (is_centred) return film;
+  // Without 2 · offset, which may overflow.
+  const auto centres = [](int64_t offset, int64_t rest) { return rest % 2 == 0 && offset == rest / 2; };
+  if (centres(x, film.width - film.crop_width) && centres(y, film.height - film.crop_height)) return film;
   if (x < 0 || y < 0 || x > film.width - film.crop_width || y > film.height - film.crop_height)
     p.fail(fmt::format("the crop {},{},{},{} is not within the film of {}x{} pixels", x, y, film.crop_width,
                        film.crop_height, film.width, film.height));
