@@ -32,7 +32,7 @@ class Scenes(Viewer):
             self.assertGreater(report["mean_luminance"], 0, name)
 
     def test_screenshot_is_not_black(self):
-        self.view("cornell", "frames 4\nscreenshot window.png\n", "--max-bounces", 2)
+        self.view("cornell", "frames 4\nscreenshot window.png\n")
         self.assert_shows_something(self.folder / "window.png")
 
     def test_bad_files_leave_the_scene(self):
