@@ -37,6 +37,7 @@ struct FrameState {
   std::stop_token stop = {};      ///< empty after a pass has committed to the frame
   Tile window = {};               ///< rendered pixels; empty: all pixels
   std::stop_token hurry = {};     ///< if requested, preparation that a later frame can continue ends early
+  bool observed = false;          ///< whether a hook may read and change buffers after each pass
 };
 
 /// Size of the grid of a kernel launch.
@@ -115,6 +116,12 @@ class FrameContext : public FrameState {
   template <PassKernel K>
   [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel, const Grid& grid) const {
     return relume::launch(backend, name, kernel, grid.width, grid.height, stop, grid.tile_size);
+  }
+  /// Host: calls `work(tile)` for the tiles of all rendered pixels, on all threads. Returns false if a stop was
+  /// requested first.
+  template <typename Work>
+  [[nodiscard]] bool launch_tiles_or_stop(std::string_view name, const Work& work) const {
+    return relume::launch_tiles(backend, name, work, rendered(), stop);
   }
 
  private:

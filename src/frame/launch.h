@@ -112,28 +112,38 @@ class Backend {
   std::function<void()> tile_hook_;
 };
 
-/// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
-/// missing. `tile_size`: edge of the square of elements per task; small for expensive elements.
-template <PassKernel K>
-bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
-            const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
+/// Host: calls `work(tile)` for the tiles of `window`, on all threads of `backend`. Returns false if `stop` was
+/// requested first; some tiles are then missing. `tile_size`: edge of a tile, elements; small for expensive elements.
+template <typename Work>
+bool launch_tiles(Backend& backend, std::string_view name, const Work& work, const Tile& window,
+                  const std::stop_token& stop, uint32_t tile_size = kTileSize) {
   struct Task {
-    const K& kernel;
+    const Work& work;
     const Tile& window;
   };
   const auto run = [](const void* context, const Tile& part) {
-    const auto& [k, all] = *static_cast<const Task*>(context);
-    const Tile tile{all.x0 + part.x0, all.y0 + part.y0, all.x0 + part.x1, all.y0 + part.y1};
+    const auto& [on_tile, all] = *static_cast<const Task*>(context);
+    on_tile(Tile{all.x0 + part.x0, all.y0 + part.y0, all.x0 + part.x1, all.y0 + part.y1});
+  };
+  const Task task{work, window};
+  return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
+}
+
+/// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
+/// missing. `tile_size`: as for launch_tiles().
+template <PassKernel K>
+bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
+            const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
+  const auto run = [&](const Tile& tile) {
     if constexpr (TileKernel<K>) {
-      k(tile);
+      kernel(tile);
     } else {
       for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-        for (uint32_t x = tile.x0; x < tile.x1; ++x) k(x, y);
+        for (uint32_t x = tile.x0; x < tile.x1; ++x) kernel(x, y);
       }
     }
   };
-  const Task task{kernel, window};
-  return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
+  return launch_tiles(backend, name, run, window, stop, tile_size);
 }
 
 /// Runs `kernel` over a width × height grid.

@@ -70,6 +70,19 @@ class Builder {
   FramePasses& passes_;
 };
 
+/// Whether a pass of a stage before `end` reads any of the buffers.
+bool read_before(const Pipeline& pipeline, Stage end, const std::vector<BufferDescription>& buffers) {
+  const auto is_one = [&](const BufferId& id) {
+    return std::any_of(buffers.begin(), buffers.end(),
+                       [&](const BufferDescription& buffer) { return buffer.id == id; });
+  };
+  const std::vector<PassDeclaration> list = pipeline.declarations();
+  return std::any_of(list.begin(), list.end(), [&](const PassDeclaration& pass) {
+    return pass.stage < end && (std::any_of(pass.reads.begin(), pass.reads.end(), is_one) ||
+                                std::any_of(pass.reads_if_any.begin(), pass.reads_if_any.end(), is_one));
+  });
+}
+
 bool reads_surface(const Pipeline& pipeline) {
   const std::vector<BufferDescription> surface = SurfacePass().declaration().owns;
   const auto is_surface = [&](const BufferId& buffer) {
@@ -149,19 +162,20 @@ bool history_splits(const RenderSettings& settings) {
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
 /// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
-/// nullptr.
-void add_paths(Builder& builder, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
+/// nullptr. Returns the pass of path tracing without a cache, or nullptr.
+PathPass* add_paths(Builder& builder, const RenderSettings& settings, const PathSource& source,
+                    const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
                                                                                            needs_splat_image(settings));
-    return;
+    return nullptr;
   }
   if (settings.cache == CacheChoice::none) {
     const PathRecords records{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
-    builder.add_tracing<PathPass>(source, records, octree ? &octree->recording() : nullptr);
+    auto& paths = builder.add_tracing<PathPass>(source, records, octree ? &octree->recording() : nullptr);
     if (octree) builder.add<RegionViewPass>(*octree);
-    return;
+    return &paths;
   }
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
@@ -176,6 +190,7 @@ void add_paths(Builder& builder, const RenderSettings& settings, const PathSourc
       break;
   }
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none);
+  return nullptr;
 }
 
 /// Changes that end the history.
@@ -214,12 +229,26 @@ void add_allocation(Builder& builder, const RenderSettings& settings) {
   }
 }
 
+/// Whether the estimator shows images in mirrors.
+bool shows_mirrors(const RenderSettings& settings) { return settings.estimator != EstimatorChoice::light; }
+
+/// Adds noise-free features if a denoiser or a history needs them.
+FeaturesPass* add_features(Builder& builder, const RenderSettings& settings) {
+  if (settings.denoise == DenoiseChoice::none && !history_splits(settings)) return nullptr;
+  return &builder.add<FeaturesPass, &RenderSettings::path>(shows_mirrors(settings), splits_light(settings));
+}
+
+/// Lets paths hand their first surfaces to the features where each pixel has a path and no pass before the paths reads
+/// features.
+void join(const Pipeline& pipeline, const RenderSettings& settings, PathPass* paths, FeaturesPass* features) {
+  if (!paths || !features || skips_pixels(settings)) return;
+  if (read_before(pipeline, Stage::trace, features->declaration().owns)) return;
+  paths->hand_surfaces_to(features->from_paths());
+}
+
 void add_denoiser(Builder& builder, const RenderSettings& settings) {
-  const bool mirrors = settings.estimator != EstimatorChoice::light;
-  const bool denoises = settings.denoise != DenoiseChoice::none;
-  if (denoises || history_splits(settings))
-    builder.add<FeaturesPass, &RenderSettings::path>(mirrors, splits_light(settings));
-  if (!denoises) return;
+  if (settings.denoise == DenoiseChoice::none) return;
+  const bool mirrors = shows_mirrors(settings);
   const bool split = denoiser_splits(settings);
   builder.add<EdgeEmissionPass, &RenderSettings::features, &RenderSettings::path>(mirrors);
   if (split) builder.add<SplitLightPass>();
@@ -339,14 +368,16 @@ FramePasses build_passes(const RenderSettings& settings) {
   const LightSelector& selector = add_light_selection(builder, settings, octree);
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
-  add_paths(builder, settings, source, octree);
+  PathPass* const paths = add_paths(builder, settings, source, octree);
   if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();
   if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
   add_history(builder, settings);
   add_allocation(builder, settings);
   if (upscales(settings) && !denoiser_fills(settings)) builder.add<FillUnsampledPass, &RenderSettings::upscaling>();
   if (settings.auxiliary) builder.add<AuxiliaryPass>();
+  FeaturesPass* const features = add_features(builder, settings);
   add_denoiser(builder, settings);
+  join(builder.pipeline(), settings, paths, features);
   if (reads_surface(builder.pipeline())) builder.add<SurfacePass>();
   builder.add<PrimaryHitsPass>(only_samples_read_hits(builder.pipeline()));
   passes.pipeline.check();

@@ -249,7 +249,8 @@ struct Session::State {
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
                          .stop = stop,
                          .window = window(),
-                         .hurry = hurry});
+                         .hurry = hurry,
+                         .observed = pass_hook != nullptr});
   }
 
   void count_frame() {

@@ -2,6 +2,7 @@
 // mirrors or through smooth glass. Emission along the path is separate.
 #pragma once
 
+#include "core/triple.h"
 #include "scene/medium.h"
 #include "scene/prefetch.h"
 #include "techniques/gbuffer/features/reflection.h"
@@ -114,13 +115,20 @@ struct FeatureTracer {
   /// `reflection`: output, or nullptr if light is not split.
   RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id,
                                  Reflection* reflection = nullptr) const {
+    SurfacePoint sp;
+    if (hit.valid())
+      make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
+    return trace(camera_ray, hit, ray_id, sp, reflection);
+  }
+
+  /// As above, for the surface point `sp` of the hit. Ignores `sp` if the hit is not valid.
+  RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id, const SurfacePoint& sp,
+                                 Reflection* reflection) const {
     Feature f;
     if (!hit.valid()) {
       reach_background(camera_ray, camera_ray, Rgb(1), 0, f);
       return f;
     }
-    SurfacePoint sp;
-    make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     // Fast path: most surfaces are seen directly, outside all media.
     const bool in_medium = !sp.front_face || !is_black(scene.camera_medium);
     if (in_medium || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
@@ -156,10 +164,12 @@ struct FeatureTracer {
                                                        reflection);
   }
 
-  /// Follows narrow lobes from the primary hit at `sp`.
-  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp,
+  /// Follows narrow lobes from the primary hit at `first`.
+  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, const SurfacePoint& first,
                            Reflection* reflection) const {
     Feature f;
+    SurfacePoint next_point;
+    const SurfacePoint* at = &first;
     Rgb seen(1);
     Rgb medium = scene.camera_medium;  // absorption around the current segment
     Mat3 unfold(1);
@@ -167,6 +177,7 @@ struct FeatureTracer {
     f.albedo = Rgb(1);
     f.depth = hit.t;
     for (uint32_t step = 0;; ++step) {
+      const SurfacePoint& sp = *at;
       const Rgb let_through = transmittance_to(scene, sp, hit.t, medium);
       seen *= let_through;
       f.albedo *= let_through;
@@ -188,8 +199,10 @@ struct FeatureTracer {
         return f;
       }
       f.depth += hit.t;
-      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, sp);
+      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, next_point);
+      at = &next_point;
     }
+    const SurfacePoint& sp = *at;
     f.albedo *= sp.bsdf.empty() ? Rgb(0) : relume::albedo(sp.bsdf, sp.wo_local.z);
     f.normal = unfold * sp.frame.n;
     f.position = path_id == 0 ? sp.position : camera_ray.origin + camera_ray.direction * f.depth;
@@ -232,6 +245,25 @@ RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
 
 /// Whether the albedo is not black.
 RELUME_HD inline bool is_filtered(const Rgb& albedo) { return max_component(albedo) >= kLeastAlbedo; }
+
+/// The same for T = float, or Lanes for kLanes albedos.
+template <typename T>
+RELUME_HD_INLINE MaskOf<T> is_filtered(const Triple<T>& albedo) {
+  return T(kLeastAlbedo) <= max(albedo.x, max(albedo.y, albedo.z));
+}
+
+/// light_at_surface() for T = float, or Lanes for kLanes pixels.
+template <typename T>
+RELUME_HD_INLINE Triple<T> light_at_surface(const Triple<T>& scattered, const Triple<T>& albedo) {
+  const T zero(0.0f);
+  const T least(kLeastAlbedo);
+  Triple<T> light = {select(albedo.x < least, zero, scattered.x / albedo.x),
+                     select(albedo.y < least, zero, scattered.y / albedo.y),
+                     select(albedo.z < least, zero, scattered.z / albedo.z)};
+  const T largest = max(max(max(zero, light.x), light.y), light.z);
+  return {select(albedo.x < least, largest, light.x), select(albedo.y < least, largest, light.y),
+          select(albedo.z < least, largest, light.z)};
+}
 
 /// Reflections of every pixel. Without one, `albedo` is black and the rest equals the features.
 struct ReflectionViews {
@@ -282,12 +314,24 @@ struct FeatureKernel {
     }
   }
 
+  /// Host: writes one pixel from the surface point of its hit.
+  void write(uint32_t pixel, const Ray& ray, uint32_t ray_id, const Hit& hit, const SurfacePoint& sp) const {
+    Reflection reflection;
+    store(pixel, ray, FeatureTracer{scene, max_steps}.trace(ray, hit, ray_id, sp, output(reflection)), reflection);
+  }
+
  private:
   RELUME_HD_INLINE void write(uint32_t pixel, const Ray& ray, uint32_t ray_id) const {
-    const FeatureTracer tracer{scene, max_steps};
     Reflection reflection;
-    const bool split = !reflections.position.empty();
-    const Feature f = tracer.trace(ray, hits[pixel], ray_id, split ? &reflection : nullptr);
+    store(pixel, ray, FeatureTracer{scene, max_steps}.trace(ray, hits[pixel], ray_id, output(reflection)), reflection);
+  }
+
+  /// Where to store a reflection: nullptr if light is not split.
+  RELUME_HD_INLINE Reflection* output(Reflection& reflection) const {
+    return reflections.position.empty() ? nullptr : &reflection;
+  }
+
+  RELUME_HD_INLINE void store(uint32_t pixel, const Ray& ray, const Feature& f, const Reflection& reflection) const {
     position[pixel] = f.position;
     previous[pixel] = f.previous;
     normal[pixel] = f.normal;
@@ -296,10 +340,10 @@ struct FeatureKernel {
     depth[pixel] = f.depth;
     surface[pixel] = f.surface;
     motion[pixel] = !camera_moved && f.previous == f.position ? Vec2(0) : motion_of(ray, f);
-    if (split) write_reflection(pixel, f, reflection);
+    if (!reflections.position.empty()) store_reflection(pixel, f, reflection);
   }
 
-  RELUME_HD void write_reflection(uint32_t pixel, const Feature& f, const Reflection& r) const {
+  RELUME_HD void store_reflection(uint32_t pixel, const Feature& f, const Reflection& r) const {
     const ReflectionViews& to = reflections;
     const bool shown = is_filtered(r.albedo);
     const Rgb rest = glm::max(f.albedo - r.albedo, Rgb(0));

@@ -35,6 +35,37 @@ ReflectionViews reflection_views(const FrameContext& frame) {
 
 }  // namespace
 
+/// Writes the features of surfaces that paths hand over.
+class FeaturesPass::FromPaths final : public FirstSurfaces {
+ public:
+  /// Expects the surfaces of this frame. Returns false if it cannot use them. With dispersion, a path sees surfaces at
+  /// one wavelength. Hooks read complete features after the pass.
+  bool expect(const FeatureKernel& kernel, const FrameContext& frame) {
+    kernel_ = kernel;
+    expected_ = !frame.scene.disperses && !frame.observed;
+    return expected_;
+  }
+
+  bool expected() const override { return expected_; }
+  void receive(uint32_t pixel, const Ray& ray, uint32_t ray_id, const Hit& hit,
+               const SurfacePoint& surface) const override {
+    kernel_.write(pixel, ray, ray_id, hit, surface);
+  }
+
+ private:
+  FeatureKernel kernel_;
+  bool expected_ = false;
+};
+
+FeaturesPass::FeaturesPass(const PathSettings& path, bool mirrors, bool split)
+    : max_bounces_(path.max_bounces), mirrors_(mirrors), split_(split) {}
+FeaturesPass::~FeaturesPass() = default;
+
+const FirstSurfaces& FeaturesPass::from_paths() {
+  if (!from_paths_) from_paths_ = std::make_unique<FromPaths>();
+  return *from_paths_;
+}
+
 PassDeclaration FeaturesPass::declaration() const {
   PassDeclaration declaration{
       .name = "features",
@@ -75,6 +106,7 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.max_steps = followed_steps(max_bounces_, mirrors_);
   kernel.camera_moved = !same_view(frame.scene.camera, frame.scene.previous_camera);
   kernel.width = frame.width();
+  if (from_paths_ && from_paths_->expect(kernel, frame)) return true;
   return frame.launch_or_stop("features", kernel);
 }
 

@@ -1,8 +1,12 @@
 #include "techniques/gbuffer/features/features.h"
 
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -228,6 +232,95 @@ TEST(Features, TilesMatchSinglePixels) {
     EXPECT_EQ(single.surface, tiles.surface);
     EXPECT_EQ(single.motion, tiles.motion);  // zero, whether computed or skipped
   }
+}
+
+/// Two frames of a scene, the second after a step of the camera. `observed`: a hook may read features after their pass.
+std::unique_ptr<Session> walked(const Scene& scene, const RenderSettings& settings, bool observed) {
+  auto session = std::make_unique<Session>(scene, settings);
+  if (observed) session->on_pass([](const std::string&) {});
+  session->render_frame();
+  CameraPose camera = session->camera();
+  camera.to_world = camera.to_world * glm::translate(Mat4(1), Vec3(0.05f, 0.02f, -0.1f));
+  session->set_camera(camera);
+  session->render_frame();
+  return session;
+}
+
+template <typename T>
+void expect_equal(const Session& a, const Session& b, const BufferKey<T>& key) {
+  const View<const T> of_a = buffer_table(a).view(key);
+  const View<const T> of_b = buffer_table(b).view(key);
+  ASSERT_EQ(of_a.size, kPixels) << key.name;
+  ASSERT_EQ(of_b.size, kPixels) << key.name;
+  EXPECT_EQ(std::memcmp(of_a.data, of_b.data, kPixels * sizeof(T)), 0) << key.name;
+}
+
+/// Built-in scenes, one of them a second time with dispersive glass.
+std::vector<Scene> varied_scenes() {
+  std::vector<Scene> scenes;
+  for (const char* name : {"cornell-mirror", "cornell-glass", "mine", "warehouse", "cornell-glass"})
+    scenes.push_back(find_builtin_scene(name)->build());
+  for (Camera& camera : scenes[3].cameras) camera.lens_radius = 0.05f;
+  for (Material& material : scenes.back().materials) material.dispersion = 5;
+  return scenes;
+}
+
+void expect_equal_features(const Session& a, const Session& b, bool split) {
+  expect_equal(a, b, kPrimaryHits);
+  expect_equal(a, b, kFeature.position);
+  expect_equal(a, b, kFeature.previous);
+  expect_equal(a, b, kFeature.normal);
+  expect_equal(a, b, kFeatureAlbedo);
+  expect_equal(a, b, kFeatureEmission);
+  expect_equal(a, b, kFeature.depth);
+  expect_equal(a, b, kFeature.motion);
+  expect_equal(a, b, kFeature.surface);
+  if (!split) return;
+  expect_equal(a, b, kDiffuseAlbedo);
+  expect_equal(a, b, kSpecularAlbedo);
+  expect_equal(a, b, kReflection.position);
+  expect_equal(a, b, kReflection.previous);
+  expect_equal(a, b, kReflection.normal);
+  expect_equal(a, b, kReflection.depth);
+  expect_equal(a, b, kReflection.motion);
+}
+
+/// Whether the pass of features has evaluated surfaces.
+bool evaluates_features(const Session& session) {
+  const std::vector<PassTime> passes = session.statistics().passes;
+  return std::any_of(passes.begin(), passes.end(), [](const PassTime& pass) { return pass.name == "features"; });
+}
+
+TEST(Features, PathsAndPassGiveTheSameFeatures) {
+  RenderSettings split = Frame::settings(8, EstimatorChoice::path);
+  RenderSettings whole = split;
+  whole.features.split = false;
+  whole.path.max_bounces = 0;
+  whole.lights = LightSelectionChoice::vlc;
+  const std::vector<Scene> scenes = varied_scenes();
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    for (const RenderSettings& settings : {split, whole}) {
+      SCOPED_TRACE(::testing::Message() << "scene " << i << ", " << settings.path.max_bounces << " bounces");
+      const auto from_paths = walked(scenes[i], settings, false);
+      const auto from_pass = walked(scenes[i], settings, true);
+      EXPECT_EQ(evaluates_features(*from_paths), i + 1 == scenes.size()) << "dispersive";
+      EXPECT_TRUE(evaluates_features(*from_pass));
+      expect_equal_features(*from_paths, *from_pass, settings.features.split);
+    }
+  }
+}
+
+TEST(Features, ThePassEvaluatesThemIfAHistoryReadsThem) {
+  RenderSettings settings = Frame::settings(8, EstimatorChoice::path);
+  settings.history = HistoryChoice::reproject;
+  settings.reproject.method = ReprojectionMethod::backward;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  session.render_frame();
+  EXPECT_TRUE(evaluates_features(session));
+  settings.features.split = false;
+  Session whole(find_builtin_scene("cornell")->build(), settings);
+  whole.render_frame();
+  EXPECT_FALSE(evaluates_features(whole));
 }
 
 TEST(Features, DemodulationDividesByTheAlbedo) {

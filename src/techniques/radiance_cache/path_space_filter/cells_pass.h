@@ -83,7 +83,7 @@ PassDeclaration cell_paths_declaration();
 /// Traces paths and fills cells; `cache` as for CellsOutput.
 template <typename Cache>
 bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache) {
-  return trace_paths(source, frame, CellsOutput<Cache>{cache, frame.write(kFilteredPixels)});
+  return trace_paths(source, frame, nullptr, CellsOutput<Cache>{cache, frame.write(kFilteredPixels)});
 }
 
 }  // namespace relume

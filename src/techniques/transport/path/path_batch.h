@@ -5,6 +5,7 @@
 
 #include "lights/sample_lights.h"
 #include "scene/prefetch.h"
+#include "techniques/gbuffer/primary_hits/first_surfaces.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
@@ -106,14 +107,16 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
   add_visible(c.scene.accel, points, b, policies);
 }
 
-/// Traces all paths from their primary hits to their ends, with one policy per path.
-template <typename Policy>
-inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
+/// Traces all paths from their primary hits to their ends, with one policy per path. `first_arrived()` is called when
+/// every path has arrived at its primary hit.
+template <typename Policy, typename FirstArrived>
+inline void trace(const PathContext& c, PathBatch& b, Policy* policies, const FirstArrived& first_arrived) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
     prefetch_surfaces(c.scene, b.hits, b.active, b.count);
     filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], policies[i]); });
+    if (bounce == 0) first_arrived();
     if constexpr (DecidesLater<Policy>) filter(b, [&](uint32_t i) { return policies[i].goes_on(b.paths[i]); });
     connect_all(c, points, b, policies);
     filter(b, [&](uint32_t i) {
@@ -126,9 +129,10 @@ inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
   }
 }
 
-/// PathKernel for a tile.
+/// PathKernel for a tile. `first_surfaces`: receives the surfaces at the primary hits; nullptr: no pass needs them.
+/// Policies must not change the lobes of these surfaces.
 template <typename Kernel>
-inline void trace_tile(const Kernel& kernel, const Tile& tile) {
+inline void trace_tile(const Kernel& kernel, const Tile& tile, const FirstSurfaces* first_surfaces) {
   using Policies = decltype(kernel.policies(0u, 0u));
   PathBatch b;
   Policies policies[PathBatch::kSize];
@@ -155,7 +159,11 @@ inline void trace_tile(const Kernel& kernel, const Tile& tile) {
       ++y;
     }
     b.count = count;
-    trace(kernel.context, b, policies);
+    trace(kernel.context, b, policies, [&] {
+      if (!first_surfaces) return;
+      for (uint32_t i = 0; i < count; ++i)
+        first_surfaces->receive(pixels[i], b.paths[i].ray, b.samplers[i].camera_ray_id(), b.hits[i], b.points[0][i]);
+    });
     for (uint32_t i = 0; i < count; ++i) {
       policies[i].finished(b.paths[i]);
       kernel.finish(pixels[i], policies[i], b.paths[i]);

@@ -70,7 +70,7 @@ struct PathKernel {
   }
 
   /// Host: traces several paths of the tile side by side.
-  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
+  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile, nullptr); }
 
   RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
   RELUME_HD void leave_out(uint32_t pixel) const {

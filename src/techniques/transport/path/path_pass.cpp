@@ -47,26 +47,31 @@ namespace {
 
 // Each combination of outputs has its own kernel, so unread outputs cost nothing.
 
-template <typename... Outputs>
-bool trace_with_specular(const PathSource& source, const FrameContext& frame, bool wanted, const Outputs&... outputs) {
-  if (!wanted) return trace_paths(source, frame, outputs...);
-  return trace_paths(source, frame, outputs..., SpecularOutput{frame.write(kRadianceSpecular)});
-}
+struct Tracing {
+  const PathSource& source;
+  const FrameContext& frame;
+  const PathRecords& records;
+  const FirstSurfaces* surfaces;
 
-template <typename... Outputs>
-bool trace_with(const PathSource& source, const FrameContext& frame, const PathRecords& records,
-                const Outputs&... outputs) {
-  if (!records.first_vertices) return trace_with_specular(source, frame, records.specular, outputs...);
-  return trace_with_specular(source, frame, records.specular, outputs...,
-                             FirstVertexOutput{frame.write(kFirstVertices)});
-}
+  template <typename... Outputs>
+  bool run(const Outputs&... outputs) const {
+    if (!records.first_vertices) return run_with_specular(outputs...);
+    return run_with_specular(outputs..., FirstVertexOutput{frame.write(kFirstVertices)});
+  }
+
+  template <typename... Outputs>
+  bool run_with_specular(const Outputs&... outputs) const {
+    if (!records.specular) return trace_paths(source, frame, surfaces, outputs...);
+    return trace_paths(source, frame, surfaces, outputs..., SpecularOutput{frame.write(kRadianceSpecular)});
+  }
+};
 
 }  // namespace
 
 bool PathPass::run(const FrameContext& frame) {
+  const Tracing tracing{source_, frame, records_, surfaces_};
   const RadianceOutput radiance{frame.write(kRadiance)};
-  if (!recording_) return trace_with(source_, frame, records_, radiance);
-  return trace_with(source_, frame, records_, radiance, RecordingOutput{*recording_});
+  return recording_ ? tracing.run(radiance, RecordingOutput{*recording_}) : tracing.run(radiance);
 }
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 
 namespace relume {
 
+class FirstSurfaces;
 struct PathContext;
 
 /// Inputs of path tracing. The samplers belong to passes that prepare them every frame.
@@ -35,6 +36,9 @@ class PathPass final : public Pass {
       : source_(source), records_(records), recording_(recording) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
+  /// From now on, `surfaces` receives the surfaces at primary hits in each frame that expects them. It must outlive
+  /// this pass.
+  void hand_surfaces_to(const FirstSurfaces& surfaces) { surfaces_ = &surfaces; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
@@ -42,6 +46,7 @@ class PathPass final : public Pass {
   PathSource source_;
   PathRecords records_;
   const PathRecording* recording_;
+  const FirstSurfaces* surfaces_ = nullptr;
 };
 
 /// Buffers owned by every estimator: kRadiance and kRays of this frame's sample.
