@@ -92,6 +92,9 @@ struct Lanes {
     return {lanes_detail::each<lanes_detail::Bools>([](const auto& x, const auto& y) { return x < y; }, a.v, b.v)};
   }
   RELUME_HD_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) { return b < a; }
+  RELUME_HD_INLINE friend LaneMask operator<=(const Lanes& a, const Lanes& b) {
+    return {lanes_detail::each<lanes_detail::Bools>([](const auto& x, const auto& y) { return x <= y; }, a.v, b.v)};
+  }
 
  private:
   template <typename Function, typename... Registers>
@@ -99,6 +102,20 @@ struct Lanes {
     return Lanes(lanes_detail::each<lanes_detail::Floats>(f, registers...));
   }
 };
+
+/// The mask whose lane i is set if condition(i) holds.
+template <typename Condition>
+RELUME_HD_INLINE LaneMask mask_of(const Condition& condition) {
+  LaneMask mask;
+  for (uint32_t i = 0; i < kLanes; ++i) mask.b[i] = condition(i) ? ~0 : 0;
+  return mask;
+}
+/// Whether any lane is set.
+RELUME_HD_INLINE bool any_of(const LaneMask& mask) {
+  bool any = false;
+  for (uint32_t i = 0; i < kLanes; ++i) any |= mask.b[i] != 0;
+  return any;
+}
 
 /// Result of comparing numbers of type T.
 template <typename T>
@@ -120,6 +137,13 @@ RELUME_HD_INLINE Lanes square_root(const Lanes& a) {
   return result;
 }
 
+/// Floor of each lane.
+RELUME_HD_INLINE Lanes floor_of(const Lanes& a) {
+  Lanes result;
+  for (uint32_t i = 0; i < kLanes; ++i) result.v[i] = std::floor(a[i]);
+  return result;
+}
+
 RELUME_HD_INLINE float absolute(float x) { return std::fabs(x); }
 RELUME_HD_INLINE Lanes absolute(const Lanes& a) { return max(a, 0.0f - a); }
 
@@ -135,11 +159,32 @@ RELUME_HD_INLINE void store_lanes(float* to, const T& lanes) {
   std::memcpy(to, &lanes, sizeof lanes);
 }
 
-/// table[indices[0 … kLanes − 1]].
-RELUME_HD_INLINE Lanes gather_lanes(const float* table, const uint32_t* indices) {
-  Lanes result;
-  for (uint32_t i = 0; i < kLanes; ++i) result.v[i] = table[indices[i]];
-  return result;
+/// Loads eight rows of a table of eight columns: columns[c] holds table[8 · rows[0 … 7] + c].
+RELUME_HD_INLINE void load_rows(const float* table, const uint32_t (&rows)[kLanes], Lanes (&columns)[kLanes]) {
+#if defined(__CUDACC__)
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    for (uint32_t c = 0; c < kLanes; ++c) columns[c].v[i] = table[kLanes * rows[i] + c];
+  }
+#else
+  // Transposes 2 × 2, 4 × 4 and 8 × 8 blocks.
+  lanes_detail::Floats a[kLanes];
+  lanes_detail::Floats b[kLanes];
+  for (uint32_t i = 0; i < kLanes; ++i) a[i] = load_lanes(table + size_t{kLanes} * rows[i]).v;
+  for (uint32_t i = 0; i < kLanes; i += 2) {
+    b[i] = __builtin_shufflevector(a[i], a[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    b[i + 1] = __builtin_shufflevector(a[i], a[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (uint32_t i = 0; i < kLanes; i += 4) {
+    for (uint32_t k = 0; k < 2; ++k) {
+      a[i + k] = __builtin_shufflevector(b[i + k], b[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      a[i + k + 2] = __builtin_shufflevector(b[i + k], b[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (uint32_t k = 0; k < 4; ++k) {
+    columns[k].v = __builtin_shufflevector(a[k], a[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    columns[k + 4].v = __builtin_shufflevector(a[k], a[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+#endif
 }
 
 /// Loads eight consecutive vectors, separated by component.
@@ -161,6 +206,24 @@ RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #endif
 }
 
+/// Stores eight consecutive vectors from their components.
+RELUME_HD_INLINE void store_vectors(float* to, const Lanes& x, const Lanes& y, const Lanes& z) {
+#if defined(__CUDACC__)
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    to[3 * i] = x[i];
+    to[3 * i + 1] = y[i];
+    to[3 * i + 2] = z[i];
+  }
+#else
+  const auto a = __builtin_shufflevector(x.v, y.v, 0, 8, 0, 1, 9, 0, 2, 10);
+  const auto b = __builtin_shufflevector(x.v, y.v, 0, 3, 11, 0, 4, 12, 0, 5);
+  const auto c = __builtin_shufflevector(x.v, y.v, 13, 0, 6, 14, 0, 7, 15, 0);
+  store_lanes(to, __builtin_shufflevector(a, z.v, 0, 1, 8, 3, 4, 9, 6, 7));
+  store_lanes(to + kLanes, __builtin_shufflevector(b, z.v, 10, 1, 2, 11, 4, 5, 12, 7));
+  store_lanes(to + 2 * kLanes, __builtin_shufflevector(c, z.v, 0, 13, 2, 3, 14, 5, 6, 15));
+#endif
+}
+
 /// Loads eight consecutive pairs, separated by component.
 RELUME_HD_INLINE void load_pairs(const float* from, Lanes (&v)[2]) {
 #if defined(__CUDACC__)
@@ -172,6 +235,19 @@ RELUME_HD_INLINE void load_pairs(const float* from, Lanes (&v)[2]) {
   const auto b = load_lanes(from + kLanes).v;
   v[0].v = __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
   v[1].v = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#endif
+}
+
+/// Stores eight consecutive pairs from their components.
+RELUME_HD_INLINE void store_pairs(float* to, const Lanes& x, const Lanes& y) {
+#if defined(__CUDACC__)
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    to[2 * i] = x[i];
+    to[2 * i + 1] = y[i];
+  }
+#else
+  store_lanes(to, __builtin_shufflevector(x.v, y.v, 0, 8, 1, 9, 2, 10, 3, 11));
+  store_lanes(to + kLanes, __builtin_shufflevector(x.v, y.v, 4, 12, 5, 13, 6, 14, 7, 15));
 #endif
 }
 

@@ -3,7 +3,7 @@
 
 #include "frame/launch.h"
 #include "techniques/denoise/bmfr/block_regression.h"
-#include "techniques/denoise/shared/image_history.h"
+#include "techniques/denoise/shared/converge.h"
 #include "techniques/gbuffer/features/features.h"
 
 namespace relume {

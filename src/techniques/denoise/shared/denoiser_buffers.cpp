@@ -1,5 +1,6 @@
 #include "techniques/denoise/shared/denoiser_buffers.h"
 
+#include "techniques/denoise/shared/converge.h"
 #include "techniques/denoise/shared/image_history.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 

@@ -2,16 +2,13 @@
 // smooths it.
 #pragma once
 
-#include "core/lanes.h"
-#include "core/vec.h"
-#include "core/view.h"
-#include "frame/launch.h"
+#include <type_traits>
+
+#include "frame/tile_rows.h"
 #include "techniques/gbuffer/features/features.h"
+#include "techniques/temporal/reprojection/row_origin.h"
 
 namespace relume {
-
-/// Least number of samples with a known variance of their mean.
-inline constexpr uint32_t kKnownSamples = 4;
 
 /// Specular part of images, which has a separate motion.
 struct SpecularImages {
@@ -19,6 +16,31 @@ struct SpecularImages {
   View<const Rgb> before;
   View<const Vec2> motion;
   View<Rgb> image;  ///< empty: not kept apart
+};
+
+/// Light with one motion: an image minus the parts that have another motion.
+struct MovingLight {
+  View<const Rgb> image;
+  View<const Rgb> without[2] = {};  ///< parts to subtract; empty: none
+
+  template <typename T>
+  RELUME_HD_INLINE Triple<T> at(uint32_t pixel) const {
+    Triple<T> light = vector_at<T>(image, pixel);
+    for (const View<const Rgb>& part : without) {
+      if (!part.empty()) light = light - vector_at<T>(part, pixel);
+    }
+    return light;
+  }
+};
+
+/// Where to interpolate the previous image for one pixel, or for kLanes pixels that were side by side there too.
+template <typename T>
+struct ImageOrigin {
+  bool known = false;   ///< false: the position is outside the image
+  int x = 0;            ///< column of weights_x[1], for the first pixel
+  int y = 0;            ///< row of weights_y[1]
+  T weights_x[4] = {};  ///< weights of columns x − 1 … x + 2
+  T weights_y[4] = {};  ///< weights of rows y − 1 … y + 2
 };
 
 /// Averages this frame's filtered image with earlier ones. While nothing changes, filtered images improve and get
@@ -45,269 +67,194 @@ struct ImageHistoryKernel {
   uint32_t width = 0;
   uint32_t height = 0;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * width + x;
-    const Rgb now = shown[pixel];
-    const bool filtered = is_filtered(albedo[pixel]);
-    const Rgb seen = filtered ? emission[pixel] : now;
-    if (still && newest < 1.0f) {
-      average(pixel, now, seen, filtered);
-      if (apart()) average_specular(pixel);
-      return;
-    }
-    unfiltered[pixel] = seen;
-    filtered_share[pixel] = filtered ? 1.0f : 0.0f;
-    if (newest >= 1.0f) {
-      image[pixel] = now;
-      if (apart()) specular.image[pixel] = specular.shown[pixel];
-    } else if (apart()) {
-      blend_parts(x, y);
-    } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
-      // The emission is a mean of many rays, which a moved image would only blur.
-      const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
-      const auto scattered_before = [this](uint32_t i) { return before[i] - unfiltered_before[i]; };
-      image[pixel] = glm::max(emission[pixel] + blended(x, y, motion[pixel], scattered, scattered_before), Rgb(0));
-    } else {
-      image[pixel] = blended(
-          x, y, motion[pixel], [this](uint32_t i) { return shown[i]; }, [this](uint32_t i) { return before[i]; });
-    }
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { update<float>(x, y); }
+
+  /// Host: kLanes pixels at once where these moved together.
+  void operator()(const Tile& tile) const {
+    for_each_in_rows(
+        tile, [this](uint32_t x, uint32_t y) { return update<Lanes>(x, y); },
+        [this](uint32_t x, uint32_t y) { update<float>(x, y); });
   }
 
  private:
+  template <typename T>
+  static constexpr bool kIsSingle = std::is_same_v<T, float>;
+
   RELUME_HD bool apart() const { return !specular.image.empty(); }
 
-  RELUME_HD void average_specular(uint32_t pixel) const {
-    const Rgb history = specular.before[pixel];
-    const float share = relume::min(2.0f / static_cast<float>(averaged + 1), 1.0f);
-    specular.image[pixel] = history + (specular.shown[pixel] - history) * share;
-  }
-
-  /// Looks each part up along its motion.
-  RELUME_HD void blend_parts(uint32_t x, uint32_t y) const {
+  /// Updates a pixel, or kLanes pixels from (x, y) on. Returns false, and changes nothing, if these must be updated one
+  /// by one.
+  template <typename T>
+  RELUME_HD_INLINE bool update(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const Rgb reflected = blended(
-        x, y, specular.motion[pixel], [this](uint32_t i) { return specular.shown[i]; },
-        [this](uint32_t i) { return specular.before[i]; });
-    specular.image[pixel] = reflected;
-    const bool edge = !edge_rays.empty() && edge_rays[pixel] > 0;
-    const auto rest = [&](uint32_t i) { return shown[i] - specular.shown[i] - (edge ? emission[i] : Rgb(0)); };
-    const auto rest_before = [&](uint32_t i) {
-      return before[i] - specular.before[i] - (edge ? unfiltered_before[i] : Rgb(0));
-    };
-    const Rgb blended_rest = blended(x, y, motion[pixel], rest, rest_before);
-    image[pixel] = glm::max(reflected + blended_rest + (edge ? emission[pixel] : Rgb(0)), Rgb(0));
+    const Triple<T> now = vector_at<T>(shown, pixel);
+    const MaskOf<T> filtered = is_filtered(vector_at<T>(albedo, pixel));
+    const Triple<T> seen = select(filtered, vector_at<T>(emission, pixel), now);
+    if (still && newest < 1.0f) {
+      average<T>(pixel, now, seen, filtered);
+      if (apart()) average_specular<T>(pixel);
+      return true;
+    }
+    if (newest >= 1.0f) {
+      set_vector(image, pixel, now);
+      if (apart()) set_vector(specular.image, pixel, vector_at<T>(specular.shown, pixel));
+    } else if (!blend<T>(x, y)) {
+      return false;
+    }
+    set_vector(unfiltered, pixel, seen);
+    set_number(filtered_share, pixel, select(filtered, T(1.0f), T(0.0f)));
+    return true;
   }
 
   /// image = unfiltered part + share · filtered part, the latter with linearly growing weights.
-  RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
-    const auto n = static_cast<float>(static_cast<int>(frames));
-    const Rgb seen_before = unfiltered_before[pixel];
-    const float share_before = filtered_share[pixel];
-    const Rgb mean = seen_before + (seen - seen_before) / n;
-    const float share = share_before + ((filtered ? 1.0f : 0.0f) - share_before) / n;
-    Rgb light(0);
-    if (share_before > 0.0f) light = (before[pixel] - seen_before) / share_before;
-    const float images = share * static_cast<float>(static_cast<int>(averaged));
-    if (filtered) light += (now - seen - light) * relume::min(2.0f / (images + 1.0f), 1.0f);
-    unfiltered[pixel] = mean;
-    filtered_share[pixel] = share;
-    image[pixel] = glm::max(mean + light * share, Rgb(0));
+  template <typename T>
+  RELUME_HD_INLINE void average(uint32_t pixel, const Triple<T>& now, const Triple<T>& seen,
+                                const MaskOf<T>& filtered) const {
+    const T n(static_cast<float>(static_cast<int>(frames)));
+    const T zero(0.0f);
+    const Triple<T> seen_before = vector_at<T>(unfiltered_before, pixel);
+    const T share_before = load_lanes<T>(&filtered_share[pixel]);
+    const Triple<T> mean = seen_before + (seen - seen_before) / n;
+    const T share = share_before + (select(filtered, T(1.0f), zero) - share_before) / n;
+    Triple<T> light =
+        select<T>(share_before > zero, (vector_at<T>(before, pixel) - seen_before) / share_before, {zero, zero, zero});
+    const T images = share * T(static_cast<float>(static_cast<int>(averaged)));
+    const T weight = relume::min(T(2.0f) / (images + T(1.0f)), T(1.0f));
+    light = select<T>(filtered, light + (now - seen - light) * weight, light);
+    set_vector(unfiltered, pixel, mean);
+    set_number(filtered_share, pixel, share);
+    set_vector(image, pixel, not_negative(mean + light * share));
+  }
+
+  template <typename T>
+  RELUME_HD_INLINE void average_specular(uint32_t pixel) const {
+    const Triple<T> history = vector_at<T>(specular.before, pixel);
+    const T share(relume::min(2.0f / static_cast<float>(averaged + 1), 1.0f));
+    set_vector(specular.image, pixel, history + (vector_at<T>(specular.shown, pixel) - history) * share);
+  }
+
+  /// Blends this frame with the moved history, each part by its motion. Returns false if the pixels did not move
+  /// together.
+  template <typename T>
+  RELUME_HD_INLINE bool blend(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const bool edge = has_edge<T>(pixel);
+    ImageOrigin<T> origin;
+    ImageOrigin<T> specular_origin;
+    if (edge && !kIsSingle<T>) return false;
+    if (!find(motion, x, y, origin)) return false;
+    if (apart() && !find(specular.motion, x, y, specular_origin)) return false;
+    MovingLight now{shown};
+    MovingLight past{before};
+    // The emission at edges is a mean of many rays, which a moved image would only blur.
+    if (edge) {
+      now.without[1] = emission;
+      past.without[1] = unfiltered_before;
+    }
+    if (!apart()) {
+      const Triple<T> light = blended(x, y, origin, now, past);
+      set_vector(image, pixel, edge ? not_negative(vector_at<T>(emission, pixel) + light) : light);
+      return true;
+    }
+    now.without[0] = specular.shown;
+    past.without[0] = specular.before;
+    const Triple<T> reflected = blended<T>(x, y, specular_origin, {specular.shown}, {specular.before});
+    Triple<T> light = reflected + blended(x, y, origin, now, past);
+    if (edge) light = light + vector_at<T>(emission, pixel);
+    set_vector(specular.image, pixel, reflected);
+    set_vector(image, pixel, not_negative(light));
+    return true;
+  }
+
+  /// Whether any of the pixels shows measured emission at an edge.
+  template <typename T>
+  RELUME_HD_INLINE bool has_edge(uint32_t pixel) const {
+    bool any = false;
+    for (uint32_t k = 0; !edge_rays.empty() && k < (kIsSingle<T> ? 1 : kLanes); ++k) any |= edge_rays[pixel + k] > 0;
+    return any;
+  }
+
+  template <typename T>
+  RELUME_HD_INLINE static Triple<T> not_negative(const Triple<T>& light) {
+    return max_of(light, triple_of<T>(Vec3(0)));
   }
 
   /// Weights of four pixels in a row for a position at fraction t between the second and the third ([Keys81], a =
   /// −1/2). Linear interpolation would blur more with every frame.
-  RELUME_HD static void cubic_weights(float t, float (&w)[4]) {
+  template <typename T>
+  RELUME_HD_INLINE static void cubic_weights(const T& t, T (&w)[4]) {
     w[0] = ((-0.5f * t + 1.0f) * t - 0.5f) * t;
     w[1] = (1.5f * t - 2.5f) * t * t + 1.0f;
     w[2] = ((-1.5f * t + 2.0f) * t + 0.5f) * t;
     w[3] = (0.5f * t - 0.5f) * t * t;
   }
 
-  /// Blend of this frame's value and the clamped history at the surface's previous position.
-  template <typename Now, typename Before>
-  RELUME_HD Rgb blended(uint32_t x, uint32_t y, const Vec2& way, const Now& now, const Before& past) const {
-    const Rgb history = moved(x, y, way, now, past);
-    return history + (now(y * width + x) - history) * newest;
-  }
-
-  template <typename Now, typename Before>
-  RELUME_HD Rgb moved(uint32_t x, uint32_t y, const Vec2& way, const Now& now, const Before& past) const {
-    const uint32_t pixel = y * width + x;
+  /// Finds a pixel in the previous frame. Always returns true.
+  RELUME_HD bool find(const View<const Vec2>& by, uint32_t x, uint32_t y, ImageOrigin<float>& origin) const {
+    const Vec2& way = by[y * width + x];
     const float fx = static_cast<float>(x) - way.x;
     const float fy = static_cast<float>(y) - way.y;
     if (!(fx >= 0.0f && fy >= 0.0f && fx <= static_cast<float>(width - 1) && fy <= static_cast<float>(height - 1)))
-      return now(pixel);
-    const int x0 = static_cast<int>(fx);
-    const int y0 = static_cast<int>(fy);
-    float wx[4];
-    float wy[4];
-    cubic_weights(fx - static_cast<float>(x0), wx);
-    cubic_weights(fy - static_cast<float>(y0), wy);
-    Rgb history(0);
+      return true;
+    origin.known = true;
+    origin.x = static_cast<int>(fx);
+    origin.y = static_cast<int>(fy);
+    cubic_weights(fx - static_cast<float>(origin.x), origin.weights_x);
+    cubic_weights(fy - static_cast<float>(origin.y), origin.weights_y);
+    return true;
+  }
+
+  /// Finds kLanes pixels. Returns false if they were apart, or if columns around them, then or now, lie outside the
+  /// image.
+  RELUME_HD_INLINE bool find(const View<const Vec2>& by, uint32_t x, uint32_t y, ImageOrigin<Lanes>& origin) const {
+    RowOrigin row;
+    if (x == 0 || x + kLanes >= width || !find_row(by, width, x, y, row)) return false;
+    if (row.x < 1 || row.x + static_cast<int>(kLanes) + 1 >= static_cast<int>(width)) return false;
+    if (row.y < 0 || row.y + 1 >= static_cast<int>(height)) return false;
+    origin.known = true;
+    origin.x = row.x;
+    origin.y = row.y;
+    cubic_weights(row.fraction_x, origin.weights_x);
+    cubic_weights(row.fraction_y, origin.weights_y);
+    return true;
+  }
+
+  /// Blend of this frame's light and the clamped history.
+  template <typename T>
+  RELUME_HD_INLINE Triple<T> blended(uint32_t x, uint32_t y, const ImageOrigin<T>& origin, const MovingLight& now,
+                                     const MovingLight& past) const {
+    const Triple<T> history = moved(x, y, origin, now, past);
+    return history + (now.at<T>(y * width + x) - history) * T(newest);
+  }
+
+  /// Previous light at the origin, clamped to the range of this frame's light in the 3 × 3 pixels around (x, y).
+  template <typename T>
+  RELUME_HD_INLINE Triple<T> moved(uint32_t x, uint32_t y, const ImageOrigin<T>& origin, const MovingLight& now,
+                                   const MovingLight& past) const {
+    Triple<T> low = now.at<T>(y * width + x);
+    if (!origin.known) return low;
+    Triple<T> history = triple_of<T>(Vec3(0));
     for (int j = 0; j < 4; ++j) {
-      const uint32_t row = inside(y0 + j - 1, height) * width;
-      for (int i = 0; i < 4; ++i) history += past(row + inside(x0 + i - 1, width)) * (wx[i] * wy[j]);
+      const uint32_t row = inside(origin.y + j - 1, height) * width;
+      for (int i = 0; i < 4; ++i) {
+        const T weight = origin.weights_x[i] * origin.weights_y[j];
+        history = history + past.at<T>(row + inside(origin.x + i - 1, width)) * weight;
+      }
     }
-    Rgb low = now(pixel);
-    Rgb high = low;
+    Triple<T> high = low;
     for (int j = -1; j <= 1; ++j) {
       const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
       for (int i = -1; i <= 1; ++i) {
-        const Rgb neighbour = now(row + inside(static_cast<int>(x) + i, width));
-        low = glm::min(low, neighbour);
-        high = glm::max(high, neighbour);
+        const Triple<T> neighbour = now.at<T>(row + inside(static_cast<int>(x) + i, width));
+        low = min_of(low, neighbour);
+        high = max_of(high, neighbour);
       }
     }
-    return glm::clamp(history, low, high);
+    return min_of(max_of(history, low), high);
   }
 
   RELUME_HD static uint32_t inside(int i, uint32_t size) {
     return i < 0 ? 0u : (i < static_cast<int>(size) ? static_cast<uint32_t>(i) : size - 1);
-  }
-};
-
-/// Blends the image to the mean of all samples once the mean's error is below the filter's bias. The share is the part
-/// of their squared difference, around the pixel, that the noise of the mean does not explain.
-struct ConvergeKernel {
-  View<const Rgb> image;
-  View<const Rgb> mean;
-  View<const float> m2;  ///< sum of squared distances of the samples' luminance from its mean
-  View<const uint32_t> samples;
-  View<Rgb> converged;
-  bool stratified = false;  ///< as in FrameContext
-  bool still = false;       ///< nothing has changed; otherwise the mean is not trusted
-  uint32_t width = 0;
-  uint32_t height = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    Difference sum;
-    for (uint32_t v = y > kReach ? y - kReach : 0; still && v <= y + kReach && v < height; ++v) {
-      Difference row;
-      for (uint32_t u = x > kReach ? x - kReach : 0; u <= x + kReach && u < width; ++u) row += at(v * width + u);
-      sum += row;
-    }
-    finish(y * width + x, sum);
-  }
-
-  /// Host: reads each pixel once and sums rows of the tile, which vectorises.
-  void operator()(const Tile& tile) const {
-    SumsOfRow sums[kTileSize] = {};
-    for (uint32_t j = 0; still && j < kEdge; ++j) {
-      const uint32_t y = tile.y0 + j - kReach;  // wraps beyond the height above the image
-      if (y >= height) continue;
-      const SumsOfRow row = row_around(tile.x0, y);
-      for (uint32_t t = j > 2 * kReach ? j - 2 * kReach : 0; t <= j && t < kTileSize; ++t)
-        sums[t].add(row.squared, row.variance, row.most_squared, row.most_variance);
-    }
-    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-      const SumsOfRow& row = sums[y - tile.y0];
-      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
-        const uint32_t i = x - tile.x0;
-        finish(y * width + x, {row.squared[i], row.variance[i], row.most_squared[i], row.most_variance[i]});
-      }
-    }
-  }
-
- private:
-  static constexpr uint32_t kReach = 2;
-  static constexpr uint32_t kEdge = kTileSize + 2 * kReach;
-  static constexpr uint32_t kPaddedEdge = (kEdge + kLanes - 1) / kLanes * kLanes;
-  static constexpr float kStratifiedSamples = 16;  ///< sample count above which stratification is assumed
-
-  /// Sums over pixels. The largest difference is kept apart: it may be a firefly.
-  struct Difference {
-    float squared = 0;
-    float variance = 0;
-    float most_squared = 0;
-    float most_variance = 0;  ///< assumed reduction of that pixel's variance by stratification
-
-    RELUME_HD void operator+=(const Difference& other) {
-      squared += other.squared;
-      variance += other.variance;
-      if (other.most_squared <= most_squared) return;
-      most_squared = other.most_squared;
-      most_variance = other.most_variance;
-    }
-  };
-
-  /// A Difference for each pixel in a row of a tile.
-  struct SumsOfRow {
-    float squared[kTileSize];
-    float variance[kTileSize];
-    float most_squared[kTileSize];
-    float most_variance[kTileSize];
-
-    RELUME_HD_INLINE void add(const float* squares, const float* variances, const float* most_squares,
-                              const float* most_variances) {
-      for (uint32_t i = 0; i < kTileSize; i += kLanes) {
-        store_lanes(squared + i, load_lanes(squared + i) + load_lanes(squares + i));
-        store_lanes(variance + i, load_lanes(variance + i) + load_lanes(variances + i));
-        const Lanes most = load_lanes(most_squared + i);
-        const Lanes other = load_lanes(most_squares + i);
-        store_lanes(most_variance + i,
-                    select(most < other, load_lanes(most_variances + i), load_lanes(most_variance + i)));
-        store_lanes(most_squared + i, select(most < other, other, most));
-      }
-    }
-  };
-
-  /// Differences of kTileSize pixels from (x0, y) on, each summed over its neighbours in the row.
-  SumsOfRow row_around(uint32_t x0, uint32_t y) const {
-    float squares[kPaddedEdge] = {};
-    float variances[kPaddedEdge] = {};
-    float most_variances[kPaddedEdge] = {};
-    const bool inside_image = x0 >= kReach && x0 - kReach + kPaddedEdge <= width;
-    for (uint32_t i = 0; inside_image && i < kPaddedEdge; i += kLanes)
-      at(y * width + x0 + i - kReach, squares + i, variances + i, most_variances + i);
-    for (uint32_t i = inside_image ? kEdge : x0 < kReach ? kReach - x0 : 0; i < kEdge && x0 + i - kReach < width; ++i) {
-      const Difference d = at(y * width + x0 + i - kReach);
-      squares[i] = d.squared;
-      variances[i] = d.variance;
-      most_variances[i] = d.most_variance;
-    }
-    SumsOfRow row = {};
-    for (uint32_t k = 0; k <= 2 * kReach; ++k) row.add(squares + k, variances + k, squares + k, most_variances + k);
-    return row;
-  }
-
-  /// The variance of a mean of stratified samples falls about as n^(−3/2), not as n⁻¹, which the estimate assumes. Few
-  /// samples are not assumed to be stratified: light found by one of eight is not.
-  RELUME_HD Difference at(uint32_t pixel) const {
-    if (samples[pixel] < kKnownSamples) return {};
-    const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
-    const float gain = stratified && n > kStratifiedSamples ? std::sqrt(kStratifiedSamples / n) : 1.0f;
-    const float squared = sqr(luminance(mean[pixel] - image[pixel]));
-    const float variance = m2[pixel] / (n * (n - 1.0f));
-    return {squared, gain * variance, squared, (1.0f - gain) * variance};
-  }
-
-  /// The same for kLanes pixels from `pixel` on.
-  void at(uint32_t pixel, float* squares, float* variances, float* most_variances) const {
-    float counts[kLanes];
-    for (uint32_t k = 0; k < kLanes; ++k) counts[k] = static_cast<float>(static_cast<int>(samples[pixel + k]));
-    const Lanes least(static_cast<float>(kKnownSamples));
-    const Lanes one(1.0f);
-    const Lanes known = select(load_lanes(counts) < least, Lanes(0.0f), one);
-    const Lanes n = max(load_lanes(counts), least);
-    const Lanes many(kStratifiedSamples);
-    const Lanes gain = stratified ? square_root(many / max(n, many)) : one;
-    Lanes of_mean[3];
-    Lanes of_image[3];
-    load_vectors(&mean[pixel].r, of_mean);
-    load_vectors(&image[pixel].r, of_image);
-    const Lanes difference = luminance(of_mean[0] - of_image[0], of_mean[1] - of_image[1], of_mean[2] - of_image[2]);
-    const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)));
-    store_lanes(squares, known * (difference * difference));
-    store_lanes(variances, gain * variance);
-    store_lanes(most_variances, (one - gain) * variance);
-  }
-
-  RELUME_HD void finish(uint32_t pixel, const Difference& around) const {
-    const float variance = around.variance + around.most_variance;
-    float share = around.squared > 0.0f ? 1.0f - variance / around.squared : 0.0f;
-    if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
-    // Samples that miss some of the shown emission may leave a mean slightly below black at edges.
-    converged[pixel] = glm::max(image[pixel] + (mean[pixel] - image[pixel]) * share, Rgb(0));
   }
 };
 

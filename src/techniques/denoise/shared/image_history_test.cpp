@@ -1,11 +1,14 @@
 #include "techniques/denoise/shared/image_history.h"
 
+#include "techniques/denoise/shared/converge.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace relume {
@@ -17,7 +20,7 @@ constexpr uint32_t kPixels = kWidth * kHeight;
 
 /// Buffers of constant images: 1 in this frame, 3 in the history.
 struct Images {
-  void average(bool still, float newest) {
+  void average(bool still, float newest, bool tiles = false) {
     const std::vector<Rgb> unfiltered_before = unfiltered;
     ImageHistoryKernel kernel;
     kernel.shown = view_of(shown);
@@ -37,8 +40,14 @@ struct Images {
     kernel.still = still;
     kernel.width = kWidth;
     kernel.height = kHeight;
-    for (uint32_t y = 0; y < kHeight; ++y) {
-      for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
+    for (uint32_t y = 0; y < kHeight; y += tiles ? kTileSize : 1) {
+      for (uint32_t x = 0; x < kWidth; x += tiles ? kTileSize : 1) {
+        if (tiles) {
+          kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
+        } else {
+          kernel(x, y);
+        }
+      }
     }
   }
   ConvergeKernel converge() {
@@ -87,6 +96,59 @@ TEST(ImageHistory, PartsMoveByTheirOwnMotion) {
   p.frames = 7;
   p.average(true, 0.2f);  // at rest, averaged like the image: weight 1/4
   EXPECT_EQ(result[21], Rgb(0.5f));
+}
+
+/// Random images with random motion by row: mostly a fraction of a pixel that grows with y; none; different in each
+/// pixel; or out of the image. Some pixels are lamps, and some are edges of lamps.
+struct MovingImages : Images {
+  explicit MovingImages(bool apart) {
+    std::mt19937 generator(7);
+    std::uniform_real_distribution<float> uniform(0, 2);
+    const auto color = [&] { return Rgb(uniform(generator), uniform(generator), uniform(generator)); };
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      const uint32_t x = i % kWidth;
+      const uint32_t y = i / kWidth;
+      shown[i] = color();
+      before[i] = color();
+      emission[i] = 0.1f * color();
+      unfiltered[i] = 0.1f * color();
+      filtered_share[i] = x % 3 == 0 ? 0.0f : 0.5f * uniform(generator);
+      if (x % 13 == 0) albedo[i] = Rgb(0);
+      if (x % 19 == 0 && y % 3 == 0) edge_rays[i] = 8;
+      motion[i] = Vec2(0.3f * static_cast<float>(y), 0.01f * static_cast<float>(x));
+      if (y % 8 == 7) motion[i] = Vec2(4 * uniform(generator) - 4, uniform(generator));
+      if (y % 8 == 6) motion[i] = Vec2(0);
+      if (y == 20) motion[i] = Vec2(65504);
+      reflected[i] = 0.3f * color();
+      reflected_before[i] = 0.3f * color();
+      reflected_motion[i] = 0.5f * motion[i];
+    }
+    if (apart)
+      specular = {view_of(reflected), view_of(reflected_before), view_of(reflected_motion), mutable_view_of(result)};
+  }
+
+  std::vector<Rgb> reflected = std::vector<Rgb>(kPixels);
+  std::vector<Rgb> reflected_before = reflected;
+  std::vector<Vec2> reflected_motion = std::vector<Vec2>(kPixels);
+  std::vector<Rgb> result = reflected;
+};
+
+TEST(ImageHistory, TilesAverageLikeSinglePixels) {
+  for (const bool apart : {false, true}) {
+    for (const auto& [still, newest] : {std::pair(true, 0.2f), std::pair(false, 0.2f), std::pair(false, 1.0f)}) {
+      SCOPED_TRACE(::testing::Message() << "apart " << apart << ", still " << still << ", newest " << newest);
+      MovingImages single(apart);
+      MovingImages tiles(apart);
+      single.frames = tiles.frames = 7;
+      single.averaged = tiles.averaged = 5;
+      single.average(still, newest);
+      tiles.average(still, newest, true);
+      EXPECT_EQ(single.image, tiles.image);
+      EXPECT_EQ(single.unfiltered, tiles.unfiltered);
+      EXPECT_EQ(single.filtered_share, tiles.filtered_share);
+      EXPECT_EQ(single.result, tiles.result);
+    }
+  }
 }
 
 TEST(ImageHistory, LaterImagesWeighMore) {

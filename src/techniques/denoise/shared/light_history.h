@@ -2,7 +2,7 @@
 #pragma once
 
 #include "techniques/gbuffer/features/features.h"
-#include "techniques/temporal/reprojection/backward.h"
+#include "techniques/temporal/reprojection/backward_row.h"
 
 namespace relume {
 
@@ -25,6 +25,17 @@ struct SurfaceLight {
   RELUME_HD SurfaceLightSample at(uint32_t pixel) const {
     if (!taken(pixel) || !is_filtered(albedo[pixel]) || !is_finite(scattered[pixel])) return {};
     return {light_at_surface(scattered[pixel], albedo[pixel]), true};
+  }
+
+  /// Samples of kLanes pixels, from `pixel` on. `valid`: as in SurfaceLightSample.
+  RELUME_HD_INLINE Triple<Lanes> at(uint32_t pixel, LaneMask& valid) const {
+    const Triple<Lanes> light = vector_at<Lanes>(scattered, pixel);
+    const Triple<Lanes> reflected = vector_at<Lanes>(albedo, pixel);
+    const Lanes most(3.402823466e+38f);
+    valid = is_filtered(reflected) & (absolute(light.x) <= most) & (absolute(light.y) <= most) &
+            (absolute(light.z) <= most);
+    if (!allocation.empty()) valid = valid & mask_of([&](uint32_t i) { return allocation[pixel + i] != 0; });
+    return select(valid, light_at_surface(light, reflected), triple_of<Lanes>(Vec3(0)));
   }
 
   /// The image from filtered light. Unfiltered pixels show this frame's sample or, without one, their emission. Samples
@@ -89,6 +100,32 @@ struct PixelHistory {
   }
 };
 
+/// PixelHistory of kLanes pixels in a row.
+struct RowHistory {
+  RowTaps taps;
+  Triple<Lanes> light;  ///< of this frame's samples
+  LaneMask sampled;     ///< SurfaceLightSample::valid
+  uint32_t age[kLanes];
+  Lanes share;  ///< weight of this frame's sample in the mean
+
+  RELUME_HD_INLINE LaneMask has_past() const {
+    return mask_of([this](uint32_t i) { return age[i] > 0; });
+  }
+  RELUME_HD_INLINE Triple<Lanes> mean(const View<const Vec3>& before, const Triple<Lanes>& value) const {
+    const Triple<Lanes> past = select(has_past(), taps.fetch(before), triple_of<Lanes>(Vec3(0)));
+    return select(sampled, past + (value - past) * share, past);
+  }
+  /// The same for pairs. Replaces `values`.
+  RELUME_HD_INLINE void mean(const View<const Vec2>& before, Lanes (&values)[2]) const {
+    Lanes past[2];
+    taps.fetch(before, past);
+    for (int i = 0; i < 2; ++i) {
+      past[i] = select(has_past(), past[i], Lanes(0.0f));
+      values[i] = select(sampled, past[i] + (values[i] - past[i]) * share, past[i]);
+    }
+  }
+};
+
 /// Accumulates the light at the pixels' surfaces: common part of the first kernels of denoisers.
 struct LightHistory {
   BackwardReprojection reprojection;
@@ -129,17 +166,36 @@ struct LightHistory {
     return row(y0) * (1.0f - wy) + row(y1) * wy;
   }
 
-  /// Updates the light of pixel (x, y). Black texels also carry the history of their surroundings.
+  /// Updates the light of pixel (x, y). Black texels also carry the history of their surroundings. Background pixels
+  /// have no history.
   RELUME_HD PixelHistory accumulate(uint32_t x, uint32_t y) const {
     const uint32_t i = pixel(x, y);
     PixelHistory history;
     history.sample = samples.at(i);
-    history.taps = reprojection.taps_or_nearest(x, y, count_before);
+    if (reprojection.surface[i] != kNoSurface) history.taps = reprojection.taps_or_nearest(x, y, count_before);
     history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
     history.least_share = least_share;
     light[i] = history.mean(light_before, history.sample.light);
     count[i] = history.count();
     return history;
+  }
+
+  /// The same for kLanes pixels from (x, y) on. Returns false, and changes nothing, if they must be updated one by one.
+  RELUME_HD_INLINE bool accumulate(uint32_t x, uint32_t y, RowHistory& row) const {
+    if (!find_taps(reprojection, x, y, count_before, row.taps)) return false;
+    const uint32_t first = pixel(x, y);
+    row.light = samples.at(first, row.sampled);
+    uint32_t past[kLanes];
+    row.taps.least(count_before, past);
+    for (uint32_t i = 0; i < kLanes; ++i) {
+      const bool background = reprojection.surface[first + i] == kNoSurface;
+      row.age[i] = background ? 0u : relume::min(past[i], limit_at(x + i, y));
+      const uint32_t samples_now = row.age[i] + (row.sampled.b[i] != 0 ? 1u : 0u);
+      count[first + i] = samples_now;
+      row.share.v[i] = relume::max(1.0f / static_cast<float>(samples_now), least_share);
+    }
+    set_vector(light, first, row.mean(light_before, row.light));
+    return true;
   }
 };
 

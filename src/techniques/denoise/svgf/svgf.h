@@ -2,9 +2,8 @@
 // moments over frames. Their variance sets the reach of the filter.
 #pragma once
 
-#include <type_traits>
-
-#include "core/triple.h"
+#include "core/lane_views.h"
+#include "frame/tile_rows.h"
 #include "techniques/denoise/shared/light_history.h"
 #include "techniques/denoise/svgf/atrous.h"
 
@@ -18,6 +17,21 @@ struct SvgfAccumulateKernel {
   LightHistory history;
   View<const Vec2> moments_before;
   View<Vec2> moments;
+
+  /// Host: kLanes pixels at once where these moved together.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      RowHistory row;
+      if (!history.accumulate(x, y, row)) return false;
+      Lanes mean[2];
+      mean[0] = luminance(row.light.x, row.light.y, row.light.z);
+      mean[1] = mean[0] * mean[0];
+      row.mean(moments_before, mean);
+      store_pairs(&moments[history.pixel(x, y)].x, mean[0], mean[1]);
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const PixelHistory pixel = history.accumulate(x, y);
@@ -44,18 +58,13 @@ struct SvgfPrepareKernel {
 
   /// Host: kLanes pixels at once, except at the image's left and right edge.
   void operator()(const Tile& tile) const {
-    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-      uint32_t x = tile.x0;
-      for (; x + kLanes <= tile.x1; x += kLanes) {
-        const bool has_surroundings = x >= kReach && x + kLanes + kReach <= width;
-        if (has_surroundings || !has_young(y * width + x)) {
-          prepare_lanes(x, y);
-        } else {
-          for (uint32_t k = 0; k < kLanes; ++k) (*this)(x + k, y);
-        }
-      }
-      for (; x < tile.x1; ++x) (*this)(x, y);
-    }
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      const bool has_surroundings = x >= kReach && x + kLanes + kReach <= width;
+      if (!has_surroundings && has_young(y * width + x)) return false;
+      prepare_lanes(x, y);
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
   }
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -103,11 +112,11 @@ struct SvgfPrepareKernel {
   /// operator()(x, y) for kLanes pixels.
   void prepare_lanes(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const LaneMask filtered = is_filtered_at<Lanes>(pixel);
+    const LaneMask filtered = is_filtered(vector_at<Lanes>(albedo, pixel));
     const Lanes footprint = footprint_at<Lanes>(pixel);
-    const Lanes n = count_at<Lanes>(pixel);
+    const Lanes n = count_at<Lanes>(count, pixel);
     Lanes m[2];
-    load_pairs(&moments[pixel].x, m);
+    get_pair(moments, pixel, m);
     Triple<Lanes> shown = vector_at<Lanes>(light, pixel);
     LaneMask valid = filtered;
     Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / (n - 1.0f);
@@ -121,13 +130,13 @@ struct SvgfPrepareKernel {
     store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(valid, Lanes(1.0f), Lanes(0.0f)));
     store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
                 select(footprint > Lanes(0.0f), 1.0f / footprint, Lanes(0.0f)));
-    store_vectors(features, place_of(AtrousPlane::normal_x), x, y, vector_at<Lanes>(normal, pixel));
-    store_vectors(features, place_of(AtrousPlane::position_x), x, y, vector_at<Lanes>(position, pixel));
-    store_vectors(planes, 0, x, y, shown);
+    put(features, place_of(AtrousPlane::normal_x), x, y, vector_at<Lanes>(normal, pixel));
+    put(features, place_of(AtrousPlane::position_x), x, y, vector_at<Lanes>(position, pixel));
+    put(planes, 0, x, y, shown);
     store_lanes(planes.at(kAtrousVariance, x, y), select(filtered, variance, Lanes(0.0f)));
   }
 
-  static void store_vectors(const AtrousImage& image, uint32_t first, uint32_t x, uint32_t y, const Triple<Lanes>& v) {
+  static void put(const AtrousImage& image, uint32_t first, uint32_t x, uint32_t y, const Triple<Lanes>& v) {
     store_lanes(image.at(first, x, y), v.x);
     store_lanes(image.at(first + 1, x, y), v.y);
     store_lanes(image.at(first + 2, x, y), v.z);
@@ -136,32 +145,6 @@ struct SvgfPrepareKernel {
   RELUME_HD_INLINE static bool both(bool a, bool b) { return a && b; }
   RELUME_HD_INLINE static LaneMask both(const LaneMask& a, const LaneMask& b) { return a & b; }
 
-  // Values of a pixel, or of kLanes pixels in a row.
-  template <typename T>
-  RELUME_HD_INLINE static Triple<T> vector_at(const View<const Vec3>& values, uint32_t pixel) {
-    if constexpr (std::is_same_v<T, Lanes>) {
-      Lanes v[3];
-      load_vectors(&values[pixel].x, v);
-      return {v[0], v[1], v[2]};
-    } else {
-      return triple_of<T>(values[pixel]);
-    }
-  }
-  template <typename T>
-  RELUME_HD_INLINE T count_at(uint32_t pixel) const {
-    if constexpr (std::is_same_v<T, Lanes>) {
-      Lanes n;
-      for (uint32_t k = 0; k < kLanes; ++k) n.v[k] = static_cast<float>(static_cast<int>(count[pixel + k]));
-      return n;
-    } else {
-      return static_cast<T>(static_cast<int>(count[pixel]));
-    }
-  }
-  template <typename T>
-  RELUME_HD_INLINE MaskOf<T> is_filtered_at(uint32_t pixel) const {
-    const Triple<T> a = vector_at<T>(albedo, pixel);
-    return !(max(a.x, max(a.y, a.z)) < T(kLeastAlbedo));
-  }
   template <typename T>
   RELUME_HD_INLINE T footprint_at(uint32_t pixel) const {
     return cone_width + cone_spread * load_lanes<T>(&depth[pixel]);
@@ -169,12 +152,7 @@ struct SvgfPrepareKernel {
   template <typename T>
   RELUME_HD_INLINE void add_moments(uint32_t pixel, const MaskOf<T>& mask, T (&sums)[2]) const {
     T m[2];
-    if constexpr (std::is_same_v<T, Lanes>) {
-      load_pairs(&moments[pixel].x, m);
-    } else {
-      m[0] = moments[pixel].x;
-      m[1] = moments[pixel].y;
-    }
+    get_pair(moments, pixel, m);
     for (int i = 0; i < 2; ++i) sums[i] = sums[i] + select(mask, m[i], T(0.0f));
   }
 
@@ -211,7 +189,7 @@ struct SvgfPrepareKernel {
         if (qx < 0 || qy < 0 || qx >= static_cast<int>(width) || qy >= static_cast<int>(height)) continue;
         const uint32_t other = static_cast<uint32_t>(qy) * width + static_cast<uint32_t>(qx);
         const Triple<T> value = vector_at<T>(light, other);
-        const MaskOf<T> known = both(count_at<T>(other) > T(0.0f), is_filtered_at<T>(other));
+        const MaskOf<T> known = both(count_at<T>(count, other) > T(0.0f), is_filtered(vector_at<T>(albedo, other)));
         const T distance = absolute(dot(n, vector_at<T>(position, other) - p));
         const MaskOf<T> aligned = dot(n, vector_at<T>(normal, other)) > T(0.9f);
         const MaskOf<T> same = both(known, both(!(distance > reach), aligned));

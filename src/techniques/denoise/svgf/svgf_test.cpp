@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -156,6 +158,94 @@ TEST(Svgf, PreparesLanesLikeSinglePixels) {
   }
   EXPECT_EQ(wall.features, features);
   EXPECT_EQ(wall.planes, planes);
+}
+
+/// Samples and histories of a wall that moves by `by` pixels per frame. In parts of it, the surface changes, is
+/// background, or has no samples.
+struct MovingWall {
+  explicit MovingWall(const Vec2& by) : motion(kPixels, by) {
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<float> uniform(0, 2);
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      scattered[i] = Rgb(uniform(generator), uniform(generator), uniform(generator));
+      light_before[i] = Rgb(uniform(generator), uniform(generator), uniform(generator));
+      moments_before[i] = Vec2(uniform(generator), uniform(generator));
+      count_before[i] = 1 + i % 9;
+      const uint32_t x = i % kWidth;
+      const uint32_t y = i / kWidth;
+      if (x % 11 == 0) albedo[i] = Rgb(0);
+      if (x % 17 == 0) albedo[i] = Rgb(0, 0.5f, 0.5f * kLeastAlbedo);
+      if (x % 23 == 0) scattered[i].g = std::numeric_limits<float>::infinity();
+      if (y % 9 == 4 && x > 30) count_before[i] = 0;
+      if (y % 9 == 5 && x % 16 == 3) count_before[i] = 0;
+      if (y > 30 && x > 40) surface[i] = kNoSurface;
+      if (y > 30 && x > 41) surface_before[i] = kNoSurface;
+      if (y % 9 == 2 && x % 16 == 12) surface_before[i] = 3;
+      if (y % 9 == 7 && x % 16 == 5) normal_before[i] = Vec3(1, 0, 0);
+      if (y % 9 == 8 && x % 16 == 5) position_before[i].z = 1;
+      if (y % 9 == 6) motion[i] += Vec2(uniform(generator), 0);
+    }
+  }
+
+  SvgfAccumulateKernel kernel() {
+    SvgfAccumulateKernel kernel;
+    kernel.history = {
+        .reprojection = {view_of(motion), view_of(position), view_of(normal), view_of(depth), view_of(surface),
+                         view_of(position_before), view_of(normal_before), view_of(surface_before), kWidth, kHeight},
+        .samples = {view_of(scattered), view_of(scattered), view_of(allocation), view_of(albedo), {}},
+        .light_before = view_of(light_before),
+        .count_before = view_of(count_before),
+        .light = mutable_view_of(light),
+        .count = mutable_view_of(count),
+        .max_samples = 7,
+        .discounts = {}};
+    kernel.moments_before = view_of(moments_before);
+    kernel.moments = mutable_view_of(moments);
+    return kernel;
+  }
+
+  std::vector<Vec2> motion;
+  std::vector<Vec3> position = std::vector<Vec3>(kPixels);
+  std::vector<Vec3> position_before = position;
+  std::vector<Vec3> normal = std::vector<Vec3>(kPixels, Vec3(0, 0, 1));
+  std::vector<Vec3> normal_before = normal;
+  std::vector<float> depth = std::vector<float>(kPixels, 1.0f);
+  std::vector<uint32_t> surface = std::vector<uint32_t>(kPixels, 2);
+  std::vector<uint32_t> surface_before = surface;
+  std::vector<uint32_t> allocation;
+  std::vector<Rgb> scattered = std::vector<Rgb>(kPixels);
+  std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
+  std::vector<Rgb> light_before = scattered;
+  std::vector<Vec2> moments_before = std::vector<Vec2>(kPixels);
+  std::vector<uint32_t> count_before = std::vector<uint32_t>(kPixels);
+  std::vector<Rgb> light = scattered;
+  std::vector<Vec2> moments = moments_before;
+  std::vector<uint32_t> count = count_before;
+};
+
+TEST(Svgf, AccumulatesLanesLikeSinglePixels) {
+  for (const Vec2& motion : {Vec2(0), Vec2(3, -2), Vec2(-0.25f, 0), Vec2(1.3f, 2.6f), Vec2(-65504)}) {
+    for (const bool sparse : {false, true}) {
+      SCOPED_TRACE(::testing::Message() << motion.x << " " << motion.y << (sparse ? ", half of the pixels" : ""));
+      MovingWall single(motion);
+      for (uint32_t i = 0; sparse && i < kPixels; ++i) single.allocation.push_back(i % 2);
+      MovingWall tiles = single;
+      const SvgfAccumulateKernel one = single.kernel();
+      const SvgfAccumulateKernel many = tiles.kernel();
+      for (uint32_t y = 0; y < kHeight; ++y) {
+        for (uint32_t x = 0; x < kWidth; ++x) one(x, y);
+      }
+      for (uint32_t y = 0; y < kHeight; y += kTileSize) {
+        for (uint32_t x = 0; x < kWidth; x += kTileSize)
+          many(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
+      }
+      EXPECT_EQ(single.light, tiles.light);
+      EXPECT_EQ(single.moments, tiles.moments);
+      EXPECT_EQ(single.count, tiles.count);
+      RowHistory row;
+      EXPECT_EQ(many.history.accumulate(32, 18, row), std::fabs(motion.x) < 4) << "a row on the wall";
+    }
+  }
 }
 
 TEST(Svgf, KeepsAConstant) {

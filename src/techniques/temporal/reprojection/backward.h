@@ -8,6 +8,9 @@
 
 namespace relume {
 
+/// Minimum sum of tap weights. A smaller sum comes from a corner pixel that matches by chance.
+inline constexpr float kLeastTapWeight = 1e-3f;
+
 /// Four pixels of the previous frame, with weights that sum to one. Pixels of weight 0 are not valid.
 struct BackwardTaps {
   uint32_t pixels[4] = {0, 0, 0, 0};
@@ -48,9 +51,8 @@ struct BackwardTaps {
 
   /// Scales the weights to sum to one. Not valid if their sum is almost zero.
   RELUME_HD void normalise() {
-    constexpr float kLeastWeight = 1e-3f;  // a smaller sum is a corner that fits by chance
     const float sum = weights[0] + weights[1] + weights[2] + weights[3];
-    valid = valid && sum > kLeastWeight;
+    valid = valid && sum > kLeastTapWeight;
     const float scale = valid ? 1.0f / sum : 0.0f;
     for (float& w : weights) w *= scale;
   }

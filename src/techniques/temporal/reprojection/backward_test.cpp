@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
+#include "techniques/temporal/reprojection/row_origin.h"
 #include "techniques/temporal/reprojection/testing/plane.h"
 
 namespace relume {
@@ -28,6 +30,28 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   plane.motion[0] = Vec2(9, 0);
   EXPECT_FALSE(reprojection.taps(0, 0).valid);
   EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
+}
+
+TEST(BackwardReprojection, FindsRowsThatWereSideBySide) {
+  constexpr uint32_t kWidth = 24;
+  std::vector<Vec2> motion(2 * kWidth, Vec2(-2.25f, 0.5f));
+  RowOrigin origin;
+  ASSERT_TRUE(find_row(view_of(motion), kWidth, 8, 1, origin));
+  EXPECT_EQ(origin.x, 10);
+  EXPECT_EQ(origin.y, 0);
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    EXPECT_EQ(origin.fraction_x[i], 0.25f);
+    EXPECT_EQ(origin.fraction_y[i], 0.5f);
+  }
+  motion[kWidth + 11] = Vec2(-2.5f, 0.6f);  // between the same pixels
+  EXPECT_TRUE(find_row(view_of(motion), kWidth, 8, 1, origin));
+  for (const Vec2& apart : {Vec2(-3.25f, 0.5f), Vec2(-2.25f, 1.5f), Vec2(65504), Vec2(NAN, 0.5f), Vec2(-2.25f, NAN)}) {
+    motion[kWidth + 11] = apart;
+    EXPECT_FALSE(find_row(view_of(motion), kWidth, 8, 1, origin));
+    EXPECT_TRUE(find_row(view_of(motion), kWidth, 12, 1, origin));
+  }
+  motion.assign(2 * kWidth, Vec2(1e30f, 0));
+  EXPECT_FALSE(find_row(view_of(motion), kWidth, 8, 1, origin));
 }
 
 TEST(BackwardReprojection, ExcludesTapsWithoutSamples) {
