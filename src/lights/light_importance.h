@@ -13,18 +13,20 @@
 
 namespace relume {
 
-/// Data of emissive triangles in columns, so that eight triangles load at once. Other lights have no emission here.
-struct LightColumns {
-  enum Column : uint32_t { centre, twice_area = 3, radius = 6, emission, two_sided, count };
+/// A finite light, reduced to the data for its importance: half a cache line.
+struct alignas(32) CompactLight {
+  Vec3 centre{0};      ///< centre of a triangle or parallelogram, metres
+  Vec3 twice_area{0};  ///< normal times twice the area, m²
+  float radius = 0;    ///< largest distance of a corner from the centre, metres; negative if the light is two-sided
+  float emission = 0;  ///< luminance of the mean radiance; kPunctual for lights without extent, whose other data is 0
 
-  View<const float> values;
-  uint32_t lights = 0;
-
-  RELUME_HD const float* column(uint32_t c) const { return values.data + c * lights; }
+  static constexpr float kPunctual = -1;
+  RELUME_HD bool is_punctual() const { return emission < 0.0f; }
 };
+static_assert(sizeof(CompactLight) == kLanes * sizeof(float));
 
-/// Values of LightColumns for the finite lights of `view`.
-std::vector<float> build_light_columns(const LightsView& view);
+/// Compact forms of the finite lights of `view`, by id.
+std::vector<CompactLight> compact_lights(const LightsView& view);
 
 /// Surface point for which the importance is computed.
 struct LightReceiver {
@@ -126,41 +128,40 @@ RELUME_HD inline float punctual_importance(const LightReceiver& r, const LightSa
 
 namespace light_importance {
 
-template <typename T, typename Load>
-RELUME_HD inline T of_columns(const LightReceiver& r, const LightColumns& columns, const Load& load) {
-  const auto triple = [&](uint32_t first) {
-    return Triple<T>{load(columns.column(first)), load(columns.column(first + 1)), load(columns.column(first + 2))};
-  };
-  const Triple<T> p{T(r.position.x), T(r.position.y), T(r.position.z)};
-  const Triple<T> middle = triple(LightColumns::centre) - p;
-  const T side = T(0.0f) - dot(triple(LightColumns::twice_area), middle);
-  const T two_sided = load(columns.column(LightColumns::two_sided));
-  return triangle_importance<T>(r, middle, select(two_sided > T(0.0f), absolute(side), side),
-                                load(columns.column(LightColumns::radius)),
-                                load(columns.column(LightColumns::emission)));
+/// `e`: the members of CompactLight, of one light or of kLanes.
+template <typename T>
+RELUME_HD inline T of_members(const LightReceiver& r, const T (&e)[kLanes]) {
+  const Triple<T> middle = Triple<T>{e[0], e[1], e[2]} - triple_of<T>(r.position);
+  const T side = T(0.0f) - dot(Triple<T>{e[3], e[4], e[5]}, middle);
+  const T radius = e[6];
+  return triangle_importance<T>(r, middle, select(radius < T(0.0f), absolute(side), side), absolute(radius), e[7]);
 }
 
 }  // namespace light_importance
 
 /// Importance of one finite light.
 RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsView& lights,
-                                           const LightColumns& columns, LightId id) {
-  const Light& light = lights.lights[id];
-  if (light.kind != LightKind::triangle) return punctual_importance(r, sample_li_from_point(light, r.position));
-  return light_importance::of_columns<float>(r, columns, [id](const float* column) { return column[id]; });
+                                           const View<const CompactLight>& compact, LightId id) {
+  const CompactLight& e = compact[id];
+  if (e.is_punctual()) return punctual_importance(r, sample_li_from_point(lights.lights[id], r.position));
+  const float members[kLanes] = {e.centre.x,     e.centre.y,     e.centre.z, e.twice_area.x,
+                                 e.twice_area.y, e.twice_area.z, e.radius,   e.emission};
+  return light_importance::of_members<float>(r, members);
 }
 
 /// Importances of `count` finite lights; returns their sum.
-RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights, const LightColumns& columns,
-                                         const LightId* ids, uint32_t count, float* weights) {
+RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights,
+                                         const View<const CompactLight>& compact, const LightId* ids, uint32_t count,
+                                         float* weights) {
   for (uint32_t first = 0; first < count; first += kLanes) {
     uint32_t block[kLanes];
     for (uint32_t k = 0; k < kLanes; ++k) block[k] = ids[first + k < count ? first + k : first];
-    const Lanes triangles = light_importance::of_columns<Lanes>(
-        r, columns, [&](const float* column) { return gather_lanes(column, block); });
+    Lanes members[kLanes];
+    load_rows(&compact.data->centre.x, block, members);
+    const Lanes importance = light_importance::of_members<Lanes>(r, members);
+    const Lanes& emission = members[kLanes - 1];
     for (uint32_t k = 0; k < kLanes && first + k < count; ++k) {
-      const bool triangle = lights.lights[block[k]].kind == LightKind::triangle;
-      weights[first + k] = triangle ? triangles[k] : light_importance_of(r, lights, columns, block[k]);
+      weights[first + k] = emission[k] < 0.0f ? light_importance_of(r, lights, compact, block[k]) : importance[k];
     }
   }
   float sum = 0;

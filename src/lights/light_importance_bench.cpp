@@ -14,8 +14,8 @@ void bm_light_importances(benchmark::State& state) {
   LightsView view;
   view.lights = view_of(lights);
   view.first_infinite = view.lights.size;
-  const std::vector<float> values = build_light_columns(view);
-  const LightColumns columns{view_of(values), view.first_infinite};
+  const std::vector<CompactLight> list = compact_lights(view);
+  const View<const CompactLight> compact = view_of(list);
   LightReceiver r;
   r.frame = make_frame(Vec3(0, 1, 0));
   r.position = {5, 0, 5};
@@ -30,16 +30,16 @@ void bm_light_importances(benchmark::State& state) {
     for (LightId& id : ids) id = hash(i++) % 1000;
   };
   next_bucket();
-  light_importances(r, view, columns, ids.data(), 32, weights.data());
+  light_importances(r, view, compact, ids.data(), 32, weights.data());
   for (uint32_t k = 0; k < 32; ++k) {
-    if (weights[k] != light_importance_of(r, view, columns, ids[k])) state.SkipWithError("the forms disagree");
+    if (weights[k] != light_importance_of(r, view, compact, ids[k])) state.SkipWithError("the forms disagree");
   }
   for (auto _ : state) {
     next_bucket();
     if (state.range(1)) {
-      benchmark::DoNotOptimize(light_importances(r, view, columns, ids.data(), 32, weights.data()));
+      benchmark::DoNotOptimize(light_importances(r, view, compact, ids.data(), 32, weights.data()));
     } else {
-      for (uint32_t k = 0; k < 32; ++k) weights[k] = light_importance_of(r, view, columns, ids[k]);
+      for (uint32_t k = 0; k < 32; ++k) weights[k] = light_importance_of(r, view, compact, ids[k]);
       benchmark::DoNotOptimize(weights.data());
     }
   }

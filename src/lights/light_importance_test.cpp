@@ -57,8 +57,8 @@ double reflected(const LightsView& lights, LightId id, const Receiver& r, int sa
 class LightImportance : public ::testing::Test {
  protected:
   const testing::LightScene scene_ = testing::make_light_scene({});
-  const std::vector<float> values_ = build_light_columns(scene_.lights());
-  const LightColumns columns_{view_of(values_), scene_.lights().first_infinite};
+  const std::vector<CompactLight> list_ = compact_lights(scene_.lights());
+  const View<const CompactLight> compact_ = view_of(list_);
 };
 
 TEST_F(LightImportance, MatchesMatteReflection) {
@@ -75,7 +75,7 @@ TEST_F(LightImportance, MatchesMatteReflection) {
       // A softened point is exact in the limit of small lights. The width of these is half their distance.
       const bool has_extent = scene_.lights().lights[id].kind == LightKind::triangle;
       const double tolerance = has_extent ? 0.05 : 1e-3;
-      EXPECT_NEAR(light_importance_of(r.seen(), scene_.lights(), columns_, id), expected, tolerance * expected + 1e-5)
+      EXPECT_NEAR(light_importance_of(r.seen(), scene_.lights(), compact_, id), expected, tolerance * expected + 1e-5)
           << scene_.named[id].name;
       lit += expected > 0;
     }
@@ -95,7 +95,7 @@ TEST_F(LightImportance, ApproximatesGlossyReflection) {
         const double expected = reflected(scene_.lights(), id, r, 2000);
         if (expected < 1e-3) continue;
         const double ratio =
-            static_cast<double>(light_importance_of(r.seen(), scene_.lights(), columns_, id)) / expected;
+            static_cast<double>(light_importance_of(r.seen(), scene_.lights(), compact_, id)) / expected;
         worst = std::max({worst, ratio, 1 / ratio});
         log_sum += std::fabs(std::log(ratio));
         ++count;
@@ -112,9 +112,9 @@ TEST_F(LightImportance, IsZeroBehindOneSidedTriangles) {
   const Receiver above = receiver(Vec3(-1.8f, 2.6f, 0), 1, 0, random);  // over the first triangle, which emits down
   Receiver turned = above;
   turned.frame = make_frame(Vec3(0, -1, 0));
-  EXPECT_EQ(light_importance_of(turned.seen(), scene_.lights(), columns_, 0), 0.0f);
+  EXPECT_EQ(light_importance_of(turned.seen(), scene_.lights(), compact_, 0), 0.0f);
   turned.position.x += 1.2f;  // over the two-sided one
-  EXPECT_GT(light_importance_of(turned.seen(), scene_.lights(), columns_, 1), 0.0f);
+  EXPECT_GT(light_importance_of(turned.seen(), scene_.lights(), compact_, 1), 0.0f);
 }
 
 TEST_F(LightImportance, BatchMatchesSingleLights) {
@@ -126,10 +126,10 @@ TEST_F(LightImportance, BatchMatchesSingleLights) {
       ids.push_back(static_cast<LightId>(random.next() * static_cast<float>(scene_.lights().first_infinite)));
     for (uint32_t count = 0; count <= ids.size(); count += 7) {
       std::vector<float> weights(ids.size() + 1, -1.0f);
-      const float sum = light_importances(r.seen(), scene_.lights(), columns_, ids.data(), count, weights.data());
+      const float sum = light_importances(r.seen(), scene_.lights(), compact_, ids.data(), count, weights.data());
       float expected = 0;
       for (uint32_t k = 0; k < count; ++k) {
-        ASSERT_EQ(weights[k], light_importance_of(r.seen(), scene_.lights(), columns_, ids[k]));
+        ASSERT_EQ(weights[k], light_importance_of(r.seen(), scene_.lights(), compact_, ids[k]));
         expected += weights[k];
       }
       EXPECT_EQ(sum, expected);
@@ -145,8 +145,8 @@ TEST_F(LightImportance, SeesThroughThinWalls) {
   m.roughness = 0.5f;
   Receiver r{Vec3(-1.8f, 0.5f, 0), make_frame(Vec3(0, -1, 0)), Vec3(0, 0, 1), {}};
   make_bsdf(r.bsdf, m, MaterialData{}, energy_tables(), 1, true);
-  EXPECT_GT(light_importance_of(r.seen(), scene_.lights(), columns_, 0), 0.0f);  // the lamp is on the other side
-  EXPECT_GT(light_importance_of(r.seen(), scene_.lights(), columns_, 4), 0.0f);
+  EXPECT_GT(light_importance_of(r.seen(), scene_.lights(), compact_, 0), 0.0f);  // the lamp is on the other side
+  EXPECT_GT(light_importance_of(r.seen(), scene_.lights(), compact_, 4), 0.0f);
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ class Poisoned {
     caches_.build(backend_, tree_, stream.groups(), view_of(summaries), options);
     exploration_.build(lights, summaries, scene_.view().camera.position, {}, 4);
     infinite_ = build_infinite_lights(lights, LightsAtInfinity::worth_sampling);
-    columns_ = build_light_columns(lights);
+    compact_ = compact_lights(lights);
     cache_.regions = caches_.buckets();
     cache_.entries = caches_.entries();
     cache_.bucket_weights = caches_.bucket_weights();
@@ -123,7 +123,7 @@ class Poisoned {
     cache_.all = exploration_.grid();
     cache_.infinite = make_infinite_lights(lights, infinite_, !cache_.all.empty());
     cache_.ltc = ltc_table();
-    cache_.columns = {view_of(columns_), lights.first_infinite};
+    cache_.compact = view_of(compact_);
     cache_.lights = lights;
     uniform_ = make_uniform_lights(lights);
   }
@@ -159,7 +159,7 @@ class Poisoned {
   LightCaches caches_;
   ExplorationTables exploration_;
   std::vector<AliasEntry> infinite_;
-  std::vector<float> columns_;
+  std::vector<CompactLight> compact_;
   VisibilityLightCache cache_;
   UniformLights uniform_;
 };

@@ -18,7 +18,7 @@ void bm_weigh_lights(benchmark::State& state) {
   LightsView lights;
   lights.lights = view_of(lamps);
   lights.first_infinite = kLamps;
-  const std::vector<float> columns = build_light_columns(lights);
+  const std::vector<CompactLight> compact = compact_lights(lights);
   SurfacePoint sp{};
   sp.position = Vec3(15, 0, 15);
   sp.frame = make_frame(Vec3(0, 1, 0));
@@ -28,7 +28,7 @@ void bm_weigh_lights(benchmark::State& state) {
   weighed.count = static_cast<uint32_t>(state.range(0));
   for (uint32_t i = 0; i < weighed.count; ++i) weighed.ids[i] = hash(i) % kLamps;
   for (auto _ : state) {
-    weighed.weigh(sp, ltc_table(), lights, {view_of(columns), kLamps});
+    weighed.weigh(sp, ltc_table(), lights, view_of(compact));
     benchmark::DoNotOptimize(weighed.sum);
   }
 }

@@ -53,7 +53,7 @@ struct Selectors {
         infinite(build_infinite_lights(lights, infinity)),
         tree(build_light_tree(lights, infinity)),
         all(build_exploration(lights, Vec3(0), {})),
-        columns(build_light_columns(lights)) {
+        compact(compact_lights(lights)) {
     selector.uniform = make_uniform_lights(lights, infinity);
     selector.power = {{view_of(power)}};
     selector.tree = tree.view(lights);
@@ -73,7 +73,7 @@ struct Selectors {
     s.all = {view_of(all)};
     s.infinite = make_infinite_lights(lights, infinite, true);
     s.ltc = ltc_table();
-    s.columns = {view_of(columns), lights.first_infinite};
+    s.compact = view_of(compact);
     s.lights = lights;
   }
 
@@ -93,7 +93,7 @@ struct Selectors {
     c.all = explored.grid();
     c.infinite = make_infinite_lights(lights, infinite, true);
     c.ltc = ltc_table();
-    c.columns = {view_of(columns), lights.first_infinite};
+    c.compact = view_of(compact);
     c.lights = lights;
   }
 
@@ -103,7 +103,7 @@ struct Selectors {
   LightTreeData tree;
   std::vector<AliasEntry> all;
   ExplorationTables explored;
-  std::vector<float> columns;
+  std::vector<CompactLight> compact;
   std::vector<uint32_t> first;
   std::vector<LightId> ids;
   std::vector<LightBuckets> buckets;

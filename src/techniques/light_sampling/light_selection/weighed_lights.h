@@ -29,9 +29,9 @@ struct WeighedLights {
 
   /// Computes the weights of `ids`; equal weights if their sum is zero or overflows.
   RELUME_HD void weigh(const SurfacePoint& sp, const LtcTable& ltc, const LightsView& lights,
-                       const LightColumns& columns) {
+                       const View<const CompactLight>& compact) {
     const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
-    sum = light_importances(receiver, lights, columns, ids, count, weights);
+    sum = light_importances(receiver, lights, compact, ids, count, weights);
     if (sum > 0.0f && is_finite(sum)) return;
     for (uint32_t i = 0; i < count; ++i) weights[i] = 1.0f;
     sum = static_cast<float>(count);

@@ -44,7 +44,7 @@ struct StaticLightLists {
   AliasTable all;              ///< over finite lights, by power
   InfiniteLights infinite;
   LtcTable ltc;
-  LightColumns columns;
+  View<const CompactLight> compact;
   LightsView lights;
 
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
@@ -106,7 +106,7 @@ struct StaticLightLists {
   /// Weighs every stride-th light, from `offset` on.
   RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
     for (uint32_t i = offset; i < list.count; i += list.stride) w.ids[w.count++] = list.ids[i];
-    w.weigh(sp, ltc, lights, columns);
+    w.weigh(sp, ltc, lights, compact);
   }
 
   RELUME_HD float density(const List& list, const WeighedLights& w, uint32_t i, LightId light) const {

@@ -49,7 +49,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
   all_ = build_alias_table(weights);
   infinite_ = build_infinite_lights(lights, selection_.infinity());
-  columns_ = build_light_columns(lights);
+  compact_ = compact_lights(lights);
   StaticLightLists& view = selector_.lists;
   view.grid = lists_.grid;
   view.first = view_of(lists_.first);
@@ -59,7 +59,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   view.all = {view_of(all_)};
   view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
   view.ltc = ltc_table();
-  view.columns = {view_of(columns_), lights.first_infinite};
+  view.compact = view_of(compact_);
   view.lights = lights;
   return true;
 }
@@ -111,7 +111,7 @@ void StaticLightListsPass::load(std::istream& in) {
 
 size_t StaticLightListsPass::memory_bytes() const {
   return sizeof(uint32_t) * (lists_.first.size() + lists_.ids.size()) +
-         sizeof(AliasEntry) * (all_.size() + infinite_.size()) + sizeof(float) * columns_.size();
+         sizeof(AliasEntry) * (all_.size() + infinite_.size()) + sizeof(CompactLight) * compact_.size();
 }
 
 }  // namespace relume

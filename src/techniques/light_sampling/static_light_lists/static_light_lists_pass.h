@@ -44,7 +44,7 @@ class StaticLightListsPass final : public Pass {
   uint32_t listed_ = 0;  ///< number of finite lights when the lists were built
   std::vector<AliasEntry> all_;
   std::vector<AliasEntry> infinite_;
-  std::vector<float> columns_;
+  std::vector<CompactLight> compact_;
   bool built_ = false;
   bool restored_ = false;  ///< whether lists_ comes from a checkpoint
 };

@@ -39,7 +39,7 @@ struct VisibilityLightCache {
   ExplorationGrid all;       ///< over finite lights
   InfiniteLights infinite;
   LtcTable ltc;
-  LightColumns columns;
+  View<const CompactLight> compact;
   LightsView lights;
 
   /// [Dittebrandt20, algorithm 1]. Both strategies weigh one bucket, once.
@@ -61,7 +61,7 @@ struct VisibilityLightCache {
     WeighedLights w;
     if (buckets.count > 0) fill(buckets, bucket, w);
     if (!exploring) {
-      w.weigh(sp, ltc, lights, columns);
+      w.weigh(sp, ltc, lights, compact);
       light = w.ids[choose_by_weight(w.weights, w.count, w.sum, n)];
     }
     return {light, density(sp, buckets, bucket, w, light), n.u};
@@ -101,7 +101,7 @@ struct VisibilityLightCache {
     if (buckets.count == 0) return finite * explored;
     float cached = 0;
     if (const uint32_t place = w.find(light); place < w.count) {
-      if (!w.weighed()) w.weigh(sp, ltc, lights, columns);
+      if (!w.weighed()) w.weigh(sp, ltc, lights, compact);
       cached = w.weights[place] / w.sum * weights_of(buckets)[bucket];
     }
     return finite * (exploration * explored + (1.0f - exploration) * cached);

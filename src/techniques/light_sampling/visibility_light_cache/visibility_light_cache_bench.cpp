@@ -18,7 +18,7 @@ struct World {
     view.lights = view_of(lights);
     view.first_infinite = count;
     all = build_exploration(view, Vec3(0), {});
-    columns = build_light_columns(view);
+    compact = compact_lights(view);
     stream.resize(8 * 4096, 1);
     for (uint32_t i = 0; i < 8 * 4096; ++i) stream.samples()[i] = {i % 8, (hash(i) % count) | kVisibleLight, 0, 0};
     stream.group(backend, 8);
@@ -30,7 +30,7 @@ struct World {
     cache.all = {view_of(all)};
     cache.infinite.first = count;
     cache.ltc = ltc_table();
-    cache.columns = {view_of(columns), count};
+    cache.compact = view_of(compact);
     cache.lights = view;
   }
 
@@ -42,7 +42,7 @@ struct World {
   std::vector<LightSummary> summaries;
   LightCaches caches;
   std::vector<AliasEntry> all;
-  std::vector<float> columns;
+  std::vector<CompactLight> compact;
   VisibilityLightCache cache;
 };
 

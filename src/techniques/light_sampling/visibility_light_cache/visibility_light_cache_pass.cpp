@@ -60,7 +60,7 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
              {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
              static_cast<uint32_t>(settings_.exploration_cells));
   infinite_ = build_infinite_lights(lights, selection_.infinity());
-  columns_ = build_light_columns(lights);
+  compact_ = compact_lights(lights);
   VisibilityLightCache& view = selector_.cache;
   const LightCaches& sampled = snapshot_.of(caches_);
   view.regions = sampled.buckets();
@@ -71,7 +71,7 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
   view.all = all_.grid();
   view.infinite = make_infinite_lights(lights, infinite_, !view.all.empty());
   view.ltc = ltc_table();
-  view.columns = {view_of(columns_), lights.first_infinite};
+  view.compact = view_of(compact_);
   view.lights = lights;
 }
 
@@ -145,7 +145,7 @@ void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
 
 size_t VisibilityLightCachePass::memory_bytes() const {
   return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() +
-         sizeof(AliasEntry) * infinite_.size() + sizeof(float) * columns_.size();
+         sizeof(AliasEntry) * infinite_.size() + sizeof(CompactLight) * compact_.size();
 }
 
 }  // namespace relume

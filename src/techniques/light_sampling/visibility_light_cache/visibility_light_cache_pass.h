@@ -50,7 +50,7 @@ class VisibilityLightCachePass final : public Pass {
   bool loaded_ = false;  ///< whether a loaded checkpoint is still unchecked
   ExplorationTables all_;
   std::vector<AliasEntry> infinite_;
-  std::vector<float> columns_;
+  std::vector<CompactLight> compact_;
 };
 
 inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};

@@ -363,7 +363,7 @@ TEST(VisibilityLightCache, FavoursKnownAndImportantLights) {
   const LightsView& lights = scene.lights();
   const auto all = build_exploration(lights, Vec3(0), {});
   const auto infinite = build_infinite_lights(lights);
-  const auto columns = build_light_columns(lights);
+  const auto compact = compact_lights(lights);
   const std::vector<LightBuckets> buckets{{0, 1}, {0, 0}};
   std::vector<uint32_t> entries(32, CachedLight::kNone);
   entries[0] = CachedLight::pack(0, 0);
@@ -377,7 +377,7 @@ TEST(VisibilityLightCache, FavoursKnownAndImportantLights) {
   const AliasTable explored{view_of(all)};
   cache.infinite = make_infinite_lights(lights, infinite, true);
   cache.ltc = ltc_table();
-  cache.columns = {view_of(columns), lights.first_infinite};
+  cache.compact = view_of(compact);
   cache.lights = lights;
   const SurfacePoint sp = receiver(0);
   const float finite = 1 - cache.infinite.share;
@@ -386,7 +386,7 @@ TEST(VisibilityLightCache, FavoursKnownAndImportantLights) {
   const LightReceiver r = make_light_receiver(cache.ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
   const auto cached = [&](LightId id) { return cache.pmf(sp, id) - finite * 0.1f * explored.pmf(id); };
   EXPECT_NEAR(cached(0) / cached(4),
-              light_importance_of(r, lights, cache.columns, 0) / light_importance_of(r, lights, cache.columns, 4),
+              light_importance_of(r, lights, cache.compact, 0) / light_importance_of(r, lights, cache.compact, 4),
               1e-3f);
   // Without a list or outside all regions, exploration decides alone.
   for (const uint32_t region : {1u, 2u, kNoRegion}) {
