@@ -1,4 +1,4 @@
-// Ray queries, the interface of kernels to the acceleration structure. On the host, Embree answers them.
+// Ray queries, the interface of kernels to the acceleration structure. Embree or relume's own BVH answers them.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,15 @@ namespace relume {
 
 struct AccelMesh;
 struct AccelInstance;
+struct BvhView;
 
-/// Handle to the acceleration structure of a compiled scene.
+/// Handle to the acceleration structure of a compiled scene: relume's own BVH, or Embree's scene, which needs the
+/// meshes and instances beside it.
 struct AccelView {
   void* scene = nullptr;
   const AccelMesh* meshes = nullptr;
   const AccelInstance* instances = nullptr;
+  const BvhView* bvh = nullptr;  ///< null: Embree answers
 };
 
 /// Nearest hit along the ray; no hit if the ray is not finite. `ray_id` seeds stochastic alpha: equal (ray id,

@@ -1,37 +1,28 @@
 #include "accel/embree_accel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstddef>
-#include <cstring>
 #include <utility>
 
+#include "accel/embree/device.h"
 #include "accel/embree/hit_filter.h"
 #include "accel/refit_cost.h"
 #include "core/activity.h"
 #include "core/parallel.h"
-#include "relume/error.h"
 
 namespace relume {
 namespace {
 
 /// Whether Embree can transform rays into the space of an instance. The result must be finite, or Embree terminates the
-/// process. Instances scaled to (nearly) zero have no such space and are omitted.
+/// process.
 bool has_inverse(const Mat4& to_world) {
-  constexpr double kMost = 1e8;  // maps coordinates of 10⁹ m to 10¹⁷, which Embree still accepts
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dmat4(to_world)));
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) {
-      if (!(std::fabs(inverse[column][row]) <= kMost)) return false;
+      if (!(std::fabs(inverse[column][row]) <= kMostInverse)) return false;
     }
   }
   return true;
-}
-
-/// Whether the instance is part of the static geometry, which is built once.
-bool stands_still(const AccelInstance& instance, const AccelMesh& mesh) {
-  return instance.in_world_space && !mesh.deforms;
 }
 
 /// Moves an instance's node; the scene must be committed afterwards.
@@ -45,22 +36,10 @@ void place(RTCGeometry node, const Mat4& to_world, bool visible = true) {
   rtcCommitGeometry(node);
 }
 
-void on_error(void* message, RTCError code, const char* text) {
-  if (code != RTC_ERROR_NONE) *static_cast<std::string*>(message) = text ? text : "unknown error";
-}
-
-RTCDevice new_device() {
-  RTCDevice device = rtcNewDevice(nullptr);
-  if (!device) throw Error("Embree could not start on this processor; it needs at least SSE2");
-  return device;
-}
-
 }  // namespace
 
 struct EmbreeAccel::State {
-  std::string error;
-  std::atomic<int64_t> bytes{0};
-  RTCDevice device = nullptr;
+  embree::Device device;
   RTCScene scene = nullptr;  ///< top-level scene
   /// Static geometry in world space: the top-level scene itself or, if anything moves, a scene below it that is built
   /// once.
@@ -80,13 +59,6 @@ struct EmbreeAccel::State {
     for (RTCScene s : mesh_scenes) {
       if (s) rtcReleaseScene(s);
     }
-    if (device) rtcReleaseDevice(device);
-  }
-
-  void check() {
-    if (error.empty()) return;
-    throw Error("the acceleration structure could not be built: Embree reports '" + std::exchange(error, {}) +
-                "'; try a smaller scene, or free some memory");
   }
 
   RTCSceneFlags flags_of(bool dynamic) const {
@@ -95,7 +67,7 @@ struct EmbreeAccel::State {
   }
 
   RTCScene new_scene(bool dynamic = false) const {
-    RTCScene result = rtcNewScene(device);
+    RTCScene result = rtcNewScene(device.get());
     rtcSetSceneFlags(result, flags_of(dynamic));
     return result;
   }
@@ -114,7 +86,7 @@ struct EmbreeAccel::State {
   }
 
   RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0,
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
@@ -163,7 +135,7 @@ struct EmbreeAccel::State {
   void add_still() {
     rtcSetSceneBuildQuality(still, RTC_BUILD_QUALITY_HIGH);
     rtcCommitScene(still);
-    RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry node = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, still);
     place(node, Mat4(1));
     rtcAttachGeometryByID(scene, node, kStillNode);
@@ -171,7 +143,7 @@ struct EmbreeAccel::State {
   }
 
   void add_instance(uint32_t index, const AccelInstance& instance) {
-    RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry node = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
     place(node, instance.to_world, instance.visible);
     rtcAttachGeometryByID(scene, node, id_of(index));
@@ -189,15 +161,6 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
   s.instances.assign(instances.begin(), instances.end());
   s.follow_mirrors();
-  s.device = new_device();
-  rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
-  rtcSetDeviceMemoryMonitorFunction(
-      s.device,
-      [](void* bytes, ssize_t change, bool) {
-        *static_cast<std::atomic<int64_t>*>(bytes) += change;
-        return true;
-      },
-      &s.bytes);
   const Activity activity("building the acceleration structure");
   s.culls = std::any_of(meshes.begin(), meshes.end(), [](const AccelMesh& mesh) { return mesh.culls_back_faces; });
   s.scene = s.new_scene();
@@ -226,7 +189,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   // mean.
   rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(s.scene);
-  s.check();
+  s.device.check();
 }
 
 EmbreeAccel::~EmbreeAccel() = default;
@@ -238,7 +201,7 @@ void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<con
   for (const auto& [index, node] : state_->instance_nodes)
     place(node, instances[index].to_world, instances[index].visible);
   rtcCommitScene(state_->scene);
-  state_->check();
+  state_->device.check();
 }
 
 void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
@@ -257,18 +220,15 @@ void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> inst
     if (owner != s.scene) rtcCommitScene(owner);
     if (!still) break;  // the other instances share the geometry
   }
-  update(instances);
+  update(instances, {});
 }
 
-AccelView EmbreeAccel::view() const { return {state_->scene, state_->meshes.data(), state_->instances.data()}; }
-
-size_t EmbreeAccel::memory_bytes() const { return static_cast<size_t>(state_->bytes.load()); }
-
-std::string EmbreeAccel::embree_version() {
-  const std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)> device(new_device(), &rtcReleaseDevice);
-  const auto part = [&](RTCDeviceProperty name) { return std::to_string(rtcGetDeviceProperty(device.get(), name)); };
-  return part(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + part(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
-         part(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+AccelView EmbreeAccel::view() const {
+  return {state_->scene, state_->meshes.data(), state_->instances.data(), nullptr};
 }
+
+size_t EmbreeAccel::memory_bytes() const { return state_->device.memory_bytes(); }
+
+std::string EmbreeAccel::embree_version() { return embree::Device().version(); }
 
 }  // namespace relume

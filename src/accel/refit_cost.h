@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "accel/embree_accel.h"
+#include "accel/accel_structure.h"
 #include "core/box.h"
 
 namespace relume {

@@ -6,6 +6,10 @@
 
 namespace relume {
 
+struct TriangleCorners {
+  Vec3 p0, p1, p2;
+};
+
 /// Barycentric weights of the second and third corner, and the distance in lengths of the ray's direction.
 struct TriangleHit {
   float u = 0;

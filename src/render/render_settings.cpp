@@ -22,6 +22,10 @@ SettingList describe_image(RenderSettings& s) {
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
        "Texture interpolation. linear: of decoded texels, with mip levels, as glTF requires; encoded: of sRGB codes at "
        "full resolution, as in Cycles, which darkens detailed textures"},
+      {"accel", choice(s.accel, {"embree", "bvh"}),
+       "Acceleration structure of ray queries: embree, which is faster, or relume's own BVH. Hits differ only at "
+       "edges, "
+       "on coincident surfaces and for rays that start on a surface"},
       {"seed",
        &s.seed,
        "Random seed: the same seed gives the same bits, another seed gives independent noise",

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "accel/accel_choice.h"
 #include "materials/texture.h"
 #include "relume/image.h"
 #include "relume/settings.h"
@@ -51,6 +52,7 @@ struct RenderSettings {
   bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;
+  AccelChoice accel = AccelChoice::embree;
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
   GuideChoice guide = GuideChoice::bsdf;

@@ -205,8 +205,8 @@ bool Session::set_settings(const Settings& wanted) {
   State& s = *state_;
   RenderSettings settings = all_settings(wanted).render;
   RenderSettings& current = s.settings;
-  if (settings.texture_filter != current.texture_filter || settings.camera != current.camera ||
-      settings.animation != current.animation)
+  if (settings.texture_filter != current.texture_filter || settings.accel != current.accel ||
+      settings.camera != current.camera || settings.animation != current.animation)
     return false;
   check_size(settings);
   // Throws for incompatible settings before anything changes.

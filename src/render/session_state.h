@@ -70,8 +70,9 @@ struct Session::State {
     rebuild_pipeline();
     backend->run("build", [&] {
       scene = std::make_unique<CompiledScene>(
-          std::move(source), CompileOptions{settings.camera, settings.animation, settings.time_s, settings.width,
-                                            settings.height, settings.texture_filter, std::move(movable)});
+          std::move(source),
+          CompileOptions{settings.camera, settings.animation, settings.time_s, settings.width, settings.height,
+                         settings.texture_filter, std::move(movable), settings.accel});
     });
     counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;

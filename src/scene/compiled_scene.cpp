@@ -39,7 +39,7 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 }  // namespace
 
 CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
-    : source_(std::move(scene)), resolution_(options.width, options.height) {
+    : source_(std::move(scene)), accel_choice_(options.accel), resolution_(options.width, options.height) {
   validate(source_, error_place(source_));
   note_clips(options.animation);
   select_animation(source_, options.animation);
@@ -346,7 +346,7 @@ void CompiledScene::build_accel() {
     a.deforms = m.deforms;
     meshes.push_back(a);
   }
-  accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), OpacityFunction{accel_opacity, &view_});
+  accel_ = make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_});
 }
 
 size_t CompiledScene::memory_bytes() const {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "accel/embree_accel.h"
+#include "accel/accel_structure.h"
 #include "core/box.h"
 #include "core/change.h"
 #include "scene/deforming_meshes.h"
@@ -26,13 +26,14 @@ struct CompileOptions {
   int height = 1;
   TextureFilter texture_filter = TextureFilter::linear;
   std::vector<Index> movable = {};  ///< nodes for set_transform(), in addition to animated ones
+  AccelChoice accel = AccelChoice::embree;
 };
 
 /// Finds the node of the camera with that name or number. With an empty name: the first camera, or kNone without
 /// cameras. Throws Error with the existing names.
 Index find_camera(const Scene& scene, const std::string& name);
 
-/// Owns all data of a SceneView. Not movable: kernels and Embree store its addresses.
+/// Owns all data of a SceneView. Not movable: kernels and acceleration structures store its addresses.
 class CompiledScene {
  public:
   /// Moves the arrays of the scene into their kernel layout and frees them. Throws Error if the camera does not exist,
@@ -166,6 +167,7 @@ class CompiledScene {
   std::vector<bool> visible_;             ///< per node
   std::vector<bool> world_space_;         ///< per mesh instance
   std::vector<uint32_t> shared_meshes_;   ///< per mesh of the source: its mesh-space copy; kNoHit: none
+  AccelChoice accel_choice_;
   bool in_studio_ = false;
   float studio_rotation_rad_ = 0;
   std::optional<bool> automatic_is_studio_;  ///< set at the first decision
@@ -192,7 +194,7 @@ class CompiledScene {
   IVec2 resolution_;
   SceneBounds bounds_;
   SceneView view_;
-  std::unique_ptr<EmbreeAccel> accel_;
+  std::unique_ptr<AccelStructure> accel_;
 };
 
 }  // namespace relume

@@ -201,12 +201,14 @@ TEST(DeformingMeshes, HiddenLightsLightNothing) {
   EXPECT_TRUE(CompiledScene(scene, small()).in_studio());
 }
 
-TEST(DeformingMeshes, HiddenNodesAreInvisibleAndEmitNothing) {
+void expect_hidden_nodes_are_invisible(AccelChoice accel) {
+  CompileOptions options = small();
+  options.accel = accel;
   for (const bool skinned : {false, true}) {
     Scene scene = figure({.skinned = skinned});
     scene.materials[0].emission = Rgb(1);
     scene.animation.push_back({0, AnimatedProperty::visible, Interpolation::step, {0, 0.5f}, {Vec4(0), Vec4(1)}, 0, 0});
-    CompiledScene compiled(scene, small());
+    CompiledScene compiled(scene, options);
     const Ray ray{Vec3(0.05f, 0.05f, 3), Vec3(0, 0, -1), kInfinity};
     const auto shines = [&] { return !is_black(compiled.view().lights.lights[0].triangle.radiance); };
     EXPECT_FALSE(intersect(compiled.view().accel, ray, 0).valid());
@@ -218,9 +220,14 @@ TEST(DeformingMeshes, HiddenNodesAreInvisibleAndEmitNothing) {
     EXPECT_FALSE(intersect(compiled.view().accel, ray, 0).valid());
     scene.animation.clear();
     scene.nodes[0].visible = false;
-    const CompiledScene still(scene, small());
+    const CompiledScene still(scene, options);
     EXPECT_FALSE(intersect(still.view().accel, ray, 0).valid());
   }
+}
+
+TEST(DeformingMeshes, HiddenNodesAreInvisibleAndEmitNothing) {
+  expect_hidden_nodes_are_invisible(AccelChoice::embree);
+  expect_hidden_nodes_are_invisible(AccelChoice::bvh);
 }
 
 }  // namespace

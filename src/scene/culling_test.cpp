@@ -1,4 +1,6 @@
 // Faces culled for the camera.
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "scene/compiled_scene.h"
@@ -44,28 +46,35 @@ void expect_culled(const Scene& scene, const CompileOptions& options) {
 
 TEST(Culling, HidesBackFacesFromTheCameraOnly) {
   const Scene scene = testing::plate(culled());
-  expect_culled(scene, {});
-  expect_culled(scene, {.camera = {}, .movable = {0}});
+  for (const AccelChoice accel : {AccelChoice::embree, AccelChoice::bvh}) {
+    expect_culled(scene, {.camera = {}, .movable = {}, .accel = accel});
+    expect_culled(scene, {.camera = {}, .movable = {0}, .accel = accel});
+  }
 }
 
 TEST(Culling, KeepsFrontFacesOfMirroredInstances) {
   Scene scene = testing::plate(culled());
   scene.nodes[0].transform.scale = Vec3(-1, 1, 1);
-  expect_culled(scene, {});
-  expect_culled(scene, {.camera = {}, .movable = {0}});
+  for (const AccelChoice accel : {AccelChoice::embree, AccelChoice::bvh}) {
+    expect_culled(scene, {.camera = {}, .movable = {}, .accel = accel});
+    expect_culled(scene, {.camera = {}, .movable = {0}, .accel = accel});
+  }
 }
 
 /// From outside, a closed tube shows its near side; from inside, it is invisible. Mirroring joints make no difference.
 TEST(Culling, KeepsFrontFacesOfSkins) {
   const Ray from_outside{{0.03f, 1.1f, 3}, {0, 0, -1}, kInfinity};
   const Ray from_within{{0.03f, 1.1f, 0}, {0, 0, -1}, kInfinity};
-  for (const bool moves : {false, true}) {
+  for (const auto& [choice, moves] : {std::pair(AccelChoice::embree, false),
+                                      {AccelChoice::embree, true},
+                                      {AccelChoice::bvh, false},
+                                      {AccelChoice::bvh, true}}) {
     for (const float mirror : {1.0f, -1.0f}) {
       Scene scene = testing::figure({.swing_rad = 0});
       scene.materials[0] = culled();
       if (!moves) scene.animation.clear();
       scene.nodes[static_cast<size_t>(scene.skins[0].joints[0])].transform.scale.x = mirror;
-      CompiledScene compiled(scene, {});
+      CompiledScene compiled(scene, {.accel = choice});
       for (const float time_s : {0.0f, 0.5f}) {
         if (moves) compiled.set_time(time_s);
         const AccelView& accel = compiled.view().accel;

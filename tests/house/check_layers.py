@@ -35,7 +35,7 @@ MAY_INCLUDE = {
     "report": "core framebuffer",
     "frame": "core sampling scene framebuffer",
     "techniques": "core settings sampling lights scene framebuffer frame",
-    "render": "core settings sampling materials scene files framebuffer frame techniques",
+    "render": "core settings sampling materials accel scene files framebuffer frame techniques",
     "compare": "core settings scene files metrics report render",
     "interface": "core compare experiments",  # of relume_lab, implemented
     "experiments": "core settings scene builtin_scenes files metrics report techniques render compare",

@@ -53,10 +53,12 @@ const std::vector<Context>& contexts() {
 struct Exemption {
   std::string_view setting;
   std::string_view reason;
-  std::string_view other;  ///< value that must give the same bits
+  std::string_view other;  ///< value that must give the same bits, except for `different` pixels
+  size_t different = 0;
 };
 const Exemption kExemptions[] = {
     {"threads", "the same bits with any number of threads are a promise", "3"},
+    {"accel", "hits differ at edges only, few in a million", "bvh", 2},
 };
 
 bool is_for(const Context& context, std::string_view name) {
@@ -140,6 +142,13 @@ Bits rendered(const Context& context, const RenderSettings& settings) {
   return bits;
 }
 
+/// Number of pixels of two images whose bits differ.
+size_t different_pixels(const Bits& a, const Bits& b) {
+  size_t count = 0;
+  for (size_t i = 0; i < a.size(); i += sizeof(Rgb)) count += std::memcmp(&a[i], &b[i], sizeof(Rgb)) != 0 ? 1 : 0;
+  return count;
+}
+
 std::vector<std::string> setting_names() {
   RenderSettings settings;
   std::vector<std::string> names;
@@ -178,7 +187,7 @@ TEST_P(EverySetting, HasAnEffect) {
   if (const Exemption* exempt = exemption_of(name)) {
     RenderSettings changed = settings;
     set(changed, name, exempt->other);
-    EXPECT_TRUE(rendered({{name}}, changed) == rendered({{name}}, settings))
+    EXPECT_LE(different_pixels(rendered({{name}}, changed), rendered({{name}}, settings)), exempt->different)
         << name << " takes effect after all; give it a context. It had none because " << exempt->reason;
     return;
   }

@@ -1,7 +1,6 @@
 #include "accel/embree/hit_filter.h"
 
 #include "accel/triangle.h"
-#include "core/hash.h"
 
 namespace relume {
 namespace {
@@ -16,27 +15,24 @@ Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
 }
 
 /// Whether a triangle turns its back to the camera at one end of the ray. A mirroring instance mirrors both.
-bool is_behind(unsigned flags, const Vec3& direction, const Corners& c, bool mirrored) {
+bool is_behind(unsigned flags, const Vec3& direction, const TriangleCorners& c, bool mirrored) {
   const float front = mirrored ? -1.0f : 1.0f;
   const float along = front * glm::dot(glm::cross(c.p1 - c.p0, c.p2 - c.p0), direction);
   return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
 }
 
-/// Accepts or rejects a hit by the surface's opacity. The decision is a hash, so repeated calls for one primitive
-/// agree.
+/// Accepts or rejects a hit by the surface's opacity.
 void opacity_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
-    const Corners c = corners_of(*geometry.mesh, primitive);
+    const TriangleCorners c = corners_of(*geometry.mesh, primitive);
     const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
     const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
     const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
-    const bool accepted =
-        opacity >= 1.0f || (opacity > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < opacity);
-    if (!accepted) args->valid[i] = 0;
+    if (!stops(opacity, ray_id, instance, primitive)) args->valid[i] = 0;
   }
 }
 
@@ -47,7 +43,7 @@ void culling_filter(const RTCFilterFunctionNArguments* args) {
   if (!mesh.culls_back_faces) return;
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const Corners c = corners_of(mesh, RTCHitN_primID(args->hit, args->N, i));
+    const TriangleCorners c = corners_of(mesh, RTCHitN_primID(args->hit, args->N, i));
     if (is_behind(RTCRayN_flags(args->ray, args->N, i), direction_of(*args, i), c, mesh.mirrored)) args->valid[i] = 0;
   }
 }

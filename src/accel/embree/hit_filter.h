@@ -3,6 +3,7 @@
 
 #include "accel/embree/embree.h"
 #include "accel/embree_accel.h"
+#include "accel/query.h"
 
 namespace relume {
 
@@ -24,21 +25,7 @@ struct GeometryContext {
   uint32_t id = 0;  ///< used for geometries that are not below an instance node
 };
 
-struct Corners {
-  Vec3 p0, p1, p2;
-};
-
-/// Corners of a triangle in the space of its mesh.
-inline Corners corners_of(const AccelMesh& mesh, uint32_t primitive) {
-  const uint32_t* index = mesh.indices + size_t{3} * primitive;
-  return {vertex_position(mesh, index[0]), vertex_position(mesh, index[1]), vertex_position(mesh, index[2])};
-}
-
-/// RTCRay::flags of rays that leave the camera or end there.
-inline constexpr unsigned kFromCamera = 1;
-inline constexpr unsigned kToCamera = 2;
-
-/// Query filter that culls back faces. Only rays with one of these flags incur its cost.
+/// Query filter that culls back faces. Only rays with kFromCamera or kToCamera in RTCRay::flags incur its cost.
 void culling_filter(const RTCFilterFunctionNArguments* args);
 
 /// Registers opacity_filter() for hits on a geometry whose mesh needs it, and enables culling_filter() of queries. The

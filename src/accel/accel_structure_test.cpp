@@ -1,4 +1,5 @@
-#include "accel/embree_accel.h"
+// Tests that every acceleration structure must pass.
+#include "accel/accel_structure.h"
 
 #include <array>
 #include <cmath>
@@ -45,12 +46,12 @@ struct Row {
       meshes[i] = {&vertices[0].x, sizeof(Vec3), vertices.size(), &indices[3 * i], 1, covers};
   }
 
-  EmbreeAccel build() {
+  std::unique_ptr<AccelStructure> build(AccelChoice choice) {
     for (AccelMesh& mesh : meshes) mesh.needs_opacity = covers;
     const auto function = [](const void* context, uint32_t instance, uint32_t, float, float) {
       return instance == *static_cast<const uint32_t*>(context) ? 0.0f : 1.0f;
     };
-    return {meshes, instances, {function, &hole}};
+    return make_accel(choice, meshes, instances, {function, &hole});
   }
 
   std::vector<Vec3> vertices;
@@ -62,7 +63,7 @@ struct Row {
 };
 
 /// The instance hit at each position of the row, by single rays and packets; -1: none.
-std::vector<int> hits_along(const EmbreeAccel& accel, size_t count) {
+std::vector<int> hits_along(const AccelStructure& accel, size_t count) {
   std::vector<int> found;
   for (size_t i = 0; i < count; ++i) {
     const Ray ray{.origin = Vec3(kSpacing * static_cast<float>(i), 0, 5), .direction = Vec3(0, 0, -1)};
@@ -80,11 +81,15 @@ std::vector<int> hits_along(const EmbreeAccel& accel, size_t count) {
   return found;
 }
 
+class AccelStructures : public ::testing::TestWithParam<AccelChoice> {};
+INSTANTIATE_TEST_SUITE_P(Accel, AccelStructures, ::testing::Values(AccelChoice::embree, AccelChoice::bvh),
+                         [](const auto& choice) { return choice.param == AccelChoice::bvh ? "Bvh" : "Embree"; });
+
 constexpr Row::Placement kWorld{};
 constexpr Row::Placement kNode{.in_world_space = false};
 constexpr Row::Placement kMoving{.in_world_space = false, .moves = true};
 
-TEST(EmbreeAccel, FindsEveryMixtureOfInstances) {
+TEST_P(AccelStructures, FindsEveryMixtureOfInstances) {
   for (const std::vector<Row::Placement>& row : {std::vector{kWorld, kWorld, kWorld},
                                                  {kNode, kNode, kNode},
                                                  {kNode, kWorld, kNode},
@@ -92,11 +97,11 @@ TEST(EmbreeAccel, FindsEveryMixtureOfInstances) {
                                                  {kMoving, kWorld, kNode},
                                                  {kNode, kWorld, kMoving}}) {
     Row scene(row);
-    EXPECT_EQ(hits_along(scene.build(), 3), (std::vector{0, 1, 2}));
+    EXPECT_EQ(hits_along(*scene.build(GetParam()), 3), (std::vector{0, 1, 2}));
   }
 }
 
-TEST(EmbreeAccel, AsksForTheOpacityOfTheRightInstance) {
+TEST_P(AccelStructures, AsksForTheOpacityOfTheRightInstance) {
   for (const std::vector<Row::Placement>& row :
        {std::vector{kWorld, kWorld, kWorld}, {kNode, kWorld, kNode}, {kMoving, kWorld, kNode}}) {
     for (uint32_t hole = 0; hole < 3; ++hole) {
@@ -105,20 +110,20 @@ TEST(EmbreeAccel, AsksForTheOpacityOfTheRightInstance) {
       scene.hole = hole;
       std::vector<int> expected{0, 1, 2};
       expected[hole] = -1;
-      EXPECT_EQ(hits_along(scene.build(), 3), expected);
+      EXPECT_EQ(hits_along(*scene.build(GetParam()), 3), expected);
     }
   }
 }
 
-TEST(EmbreeAccel, OpacityCanBeSwitched) {
+TEST_P(AccelStructures, OpacityCanBeSwitched) {
   Row scene({kNode, kWorld, kNode});
   scene.hole = 1;
-  EmbreeAccel accel = scene.build();
-  EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
-  accel.set_filters(scene.instances[1].mesh, scene.instances, true, false);
-  EXPECT_EQ(hits_along(accel, 3), (std::vector{0, -1, 2}));
-  accel.set_filters(scene.instances[1].mesh, scene.instances, false, false);
-  EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
+  const std::unique_ptr<AccelStructure> accel = scene.build(GetParam());
+  EXPECT_EQ(hits_along(*accel, 3), (std::vector{0, 1, 2}));
+  accel->set_filters(scene.instances[1].mesh, scene.instances, true, false);
+  EXPECT_EQ(hits_along(*accel, 3), (std::vector{0, -1, 2}));
+  accel->set_filters(scene.instances[1].mesh, scene.instances, false, false);
+  EXPECT_EQ(hits_along(*accel, 3), (std::vector{0, 1, 2}));
 }
 
 /// Wavy squares of `edge`² cells over each other: shared edges, silhouettes, and faces that coincide.
@@ -161,9 +166,9 @@ std::vector<Ray> rays_at(const Waves& waves, size_t count) {
   return rays;
 }
 
-TEST(EmbreeAccel, PacketsFindTheHitsOfSingleRays) {
+TEST_P(AccelStructures, PacketsFindTheHitsOfSingleRays) {
   const Waves waves(12);
-  const EmbreeAccel accel(waves.meshes, waves.instances, {});
+  const std::unique_ptr<AccelStructure> accel = make_accel(GetParam(), waves.meshes, waves.instances, {});
   const std::vector<Ray> rays = rays_at(waves, 32000);
   std::vector<uint32_t> ids(kPacketSize, 0);
   size_t hit_count = 0;
@@ -172,11 +177,11 @@ TEST(EmbreeAccel, PacketsFindTheHitsOfSingleRays) {
     Hit hits[2][kPacketSize];
     bool blocked[kPacketSize];
     const int count = static_cast<int>(size);
-    intersect_packet(accel.view(), &rays[first], ids.data(), hits[0], count);
-    intersect_packet_from_camera(accel.view(), &rays[first], ids.data(), hits[1], count);
-    occluded_packet(accel.view(), &rays[first], ids.data(), blocked, count);
+    intersect_packet(accel->view(), &rays[first], ids.data(), hits[0], count);
+    intersect_packet_from_camera(accel->view(), &rays[first], ids.data(), hits[1], count);
+    occluded_packet(accel->view(), &rays[first], ids.data(), blocked, count);
     for (size_t i = 0; i < size; ++i) {
-      const Hit single = intersect(accel.view(), rays[first + i], 0);
+      const Hit single = intersect(accel->view(), rays[first + i], 0);
       hit_count += single.valid();
       for (const auto& packet : hits) {
         ASSERT_EQ(packet[i].instance, single.instance) << first + i;
@@ -189,12 +194,15 @@ TEST(EmbreeAccel, PacketsFindTheHitsOfSingleRays) {
   EXPECT_GT(hit_count, rays.size() / 2);
 }
 
-TEST(EmbreeAccel, UpdatesMoveInstances) {
+TEST_P(AccelStructures, UpdatesMoveInstances) {
   Row scene({kMoving, kWorld, kNode});
-  EmbreeAccel accel = scene.build();
+  const std::unique_ptr<AccelStructure> accel = scene.build(GetParam());
   scene.instances[0].to_world = glm::translate(Mat4(1), Vec3(3 * kSpacing, 0, 0));
-  accel.update(scene.instances);
-  EXPECT_EQ(hits_along(accel, 4), (std::vector{-1, 1, 2, 0}));
+  accel->update(scene.instances, {});
+  EXPECT_EQ(hits_along(*accel, 4), (std::vector{-1, 1, 2, 0}));
+  scene.instances[0].visible = false;
+  accel->update(scene.instances, {});
+  EXPECT_EQ(hits_along(*accel, 4), (std::vector{-1, 1, 2, -1}));
 }
 
 }  // namespace

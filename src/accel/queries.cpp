@@ -1,8 +1,10 @@
-// Answers ray queries by Embree, one ray or a packet at a time.
+// Answers ray queries on the host. Embree's part is here, inlined; that of relume's own BVH is in accel/bvh.
 #include <cmath>
 
+#include "accel/bvh/queries.h"
 #include "accel/embree/hit_filter.h"
 #include "accel/embree_accel.h"
+#include "accel/query.h"
 #include "accel/triangle.h"
 #include "core/fixed_point.h"
 
@@ -12,7 +14,7 @@ namespace {
 /// Computes the hit on the triangle that the traversal found.
 Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
   const AccelInstance& instance = accel.instances[instance_index];
-  Corners c = corners_of(accel.meshes[instance.mesh], primitive);
+  TriangleCorners c = corners_of(accel.meshes[instance.mesh], primitive);
   if (!instance.in_world_space) {
     c = {transform_point(instance.to_world, c.p0), transform_point(instance.to_world, c.p1),
          transform_point(instance.to_world, c.p2)};
@@ -49,13 +51,6 @@ void find_hits(const AccelView& accel, const Ray* rays, const Found* found, int 
 }
 
 RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
-
-/// Whether a ray is finite. Embree terminates the process otherwise; such rays hit nothing.
-bool is_traceable(const Ray& ray) {
-  constexpr float kMost = 1e17f;
-  const Vec3 reach = abs(ray.origin) + abs(ray.direction);
-  return reach.x + reach.y + reach.z <= kMost && ray.t_max >= 0.0f;
-}
 
 RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   RTCRay r;
@@ -115,6 +110,10 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigne
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       unsigned flags) {
+  if (accel.bvh) {
+    for (int i = 0; i < count; ++i) hits[i] = nearest_in_bvh(*accel.bvh, rays[i], ray_ids[i], flags);
+    return;
+  }
   RTCRayHit16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
@@ -137,14 +136,21 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
 
 }  // namespace
 
-Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return nearest_hit(accel, ray, ray_id, 0); }
-Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return nearest_hit(accel, ray, ray_id, kFromCamera);
+Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  return accel.bvh ? nearest_in_bvh(*accel.bvh, ray, ray_id, 0) : nearest_hit(accel, ray, ray_id, 0);
 }
 
-bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return is_blocked(accel, ray, ray_id, 0); }
+Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  return accel.bvh ? nearest_in_bvh(*accel.bvh, ray, ray_id, kFromCamera)
+                   : nearest_hit(accel, ray, ray_id, kFromCamera);
+}
+
+bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  return accel.bvh ? blocked_in_bvh(*accel.bvh, ray, ray_id, 0) : is_blocked(accel, ray, ray_id, 0);
+}
+
 bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return is_blocked(accel, ray, ray_id, kToCamera);
+  return accel.bvh ? blocked_in_bvh(*accel.bvh, ray, ray_id, kToCamera) : is_blocked(accel, ray, ray_id, kToCamera);
 }
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count) {
@@ -157,6 +163,10 @@ void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const
 }
 
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
+  if (accel.bvh) {
+    for (int i = 0; i < count; ++i) result[i] = blocked_in_bvh(*accel.bvh, rays[i], ray_ids[i], 0);
+    return;
+  }
   RTCRay16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {

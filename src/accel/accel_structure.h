@@ -1,0 +1,97 @@
+// Acceleration structures: their input, and how a scene updates them.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <span>
+
+#include "accel/accel.h"
+#include "accel/accel_choice.h"
+#include "accel/triangle.h"
+#include "core/vec.h"
+
+namespace relume {
+
+/// Opacity of a point on a triangle, in [0, 1], for alpha masks and blending.
+struct OpacityFunction {
+  float (*function)(const void* context, uint32_t instance, uint32_t primitive, float u, float v) = nullptr;
+  const void* context = nullptr;
+};
+
+/// One instance of a triangle mesh.
+struct AccelInstance {
+  uint32_t mesh = 0;
+  Mat4 to_world{1};
+  bool in_world_space = true;  ///< vertices are in world space; only a deforming mesh then has an instance node
+  bool moves = false;          ///< whether update() may move or hide it
+  bool visible = true;         ///< false: rays pass through
+  bool mirrored = false;       ///< only in world space: whether its skin mirrors it, which swaps front and back faces
+};
+
+struct AccelMesh {
+  const float* positions = nullptr;   ///< the first vertex; all are finite
+  size_t position_stride = 0;         ///< bytes
+  size_t vertex_count = 0;            ///< vertices of the whole array
+  const uint32_t* indices = nullptr;  ///< three per triangle, into the whole array
+  size_t triangle_count = 0;
+  bool needs_opacity = false;
+  bool culls_back_faces = false;  ///< for camera rays
+  bool deforms = false;           ///< whether update() may change its vertices
+  bool mirrored = false;          ///< follows AccelInstance::mirrored
+};
+
+/// Whether the instance is part of the static geometry, which is built once.
+inline bool stands_still(const AccelInstance& instance, const AccelMesh& mesh) {
+  return instance.in_world_space && !mesh.deforms;
+}
+
+/// Largest element of the inverse of a transform's linear part that structures accept. It maps coordinates of 10⁹ m to
+/// 10¹⁷, which Embree still accepts. Instances that are scaled to (nearly) zero exceed it and are omitted: rays have no
+/// counterpart in their mesh space.
+inline constexpr double kMostInverse = 1e8;
+
+/// Position of a vertex in mesh space.
+inline Vec3 vertex_position(const AccelMesh& mesh, uint32_t vertex) {
+  Vec3 position;
+  std::memcpy(&position, reinterpret_cast<const std::byte*>(mesh.positions) + vertex * mesh.position_stride,
+              sizeof position);
+  return position;
+}
+
+/// TriangleCorners of a triangle in the space of its mesh.
+inline TriangleCorners corners_of(const AccelMesh& mesh, uint32_t primitive) {
+  const uint32_t* index = mesh.indices + size_t{3} * primitive;
+  return {vertex_position(mesh, index[0]), vertex_position(mesh, index[1]), vertex_position(mesh, index[2])};
+}
+
+/// Owns an acceleration structure. The vertex, index and opacity arrays must outlive it.
+class AccelStructure {
+ public:
+  AccelStructure() = default;
+  virtual ~AccelStructure() = default;
+  AccelStructure(const AccelStructure&) = delete;
+  AccelStructure& operator=(const AccelStructure&) = delete;
+
+  /// Updates transform and visibility of the instances that are not in world space, and the `deformed` meshes (indices)
+  /// to their current vertices. `instances`: all, in the order of make_accel(). Throws Error if that fails.
+  virtual void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) = 0;
+
+  /// Sets whether hits on a mesh evaluate its opacity, and whether its back faces are culled. `instances`: as
+  /// for make_accel().
+  virtual void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
+                           bool culls_back_faces) = 0;
+
+  /// Valid until the structure is destroyed, also after updates.
+  virtual AccelView view() const = 0;
+
+  /// Bytes allocated for the structure.
+  virtual size_t memory_bytes() const = 0;
+};
+
+/// Builds the chosen structure. `opacity` may be empty if no mesh needs it. Throws Error if memory is short, or if the
+/// scene is too large for the structure.
+std::unique_ptr<AccelStructure> make_accel(AccelChoice choice, std::span<const AccelMesh> meshes,
+                                           std::span<const AccelInstance> instances, OpacityFunction opacity);
+
+}  // namespace relume

@@ -1,0 +1,203 @@
+#include "accel/bvh/bvh_accel.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "accel/bvh/build_tree.h"
+#include "accel/bvh/place_instance.h"
+#include "accel/refit_cost.h"
+#include "core/activity.h"
+#include "core/parallel.h"
+#include "relume/error.h"
+
+namespace relume {
+namespace {
+
+/// A tree within the arrays of the BVH.
+struct PlacedTree {
+  uint32_t first_node = 0;
+  uint32_t node_count = 0;
+  uint32_t node_room = 0;  ///< capacity for nodes, which a rebuilt tree reuses
+  uint32_t first_triangle = 0;
+  uint32_t triangle_count = 0;
+  uint32_t triangle_room = 0;
+  BvhChild root = BvhChild::none();
+  Box bounds;
+};
+
+}  // namespace
+
+struct BvhAccel::State {
+  embree::Device device;  ///< only for its builder
+  std::vector<AccelMesh> meshes;
+  std::vector<RefitCost> refit_costs;  ///< by mesh
+  OpacityFunction opacity;
+
+  std::vector<PlacedTree> mesh_trees;  ///< by mesh; empty unless some instance needs it
+  PlacedTree still;
+  uint32_t lower_nodes = 0;  ///< number of nodes outside the top tree, whose nodes follow them
+
+  std::vector<BvhNode> nodes;
+  std::vector<BvhTriangle> triangles;
+  std::vector<BvhInstance> placed;
+  std::vector<uint32_t> filters;
+  BvhView view;
+
+  /// Copies a tree into the arrays: over its predecessor if there is room, or else to their ends.
+  void place(const BvhTree& tree, PlacedTree& at) {
+    const bool needs_room = tree.triangles.size() > at.triangle_room;
+    if (needs_room && triangles.size() + tree.triangles.size() > BvhChild::kMostIndex) {
+      throw Error(fmt::format(
+          "the BVH would need room for {} triangles, including copies of split ones, and holds at most {}; use --accel "
+          "embree or a smaller scene",
+          triangles.size() + tree.triangles.size(), BvhChild::kMostIndex));
+    }
+    at.node_count = static_cast<uint32_t>(tree.nodes.size());
+    if (at.node_count > at.node_room) {
+      at.first_node = lower_nodes;
+      at.node_room = std::max(at.node_count, at.node_room + at.node_room / 2);
+      lower_nodes += at.node_room;
+      nodes.resize(lower_nodes);  // update() writes the top tree again
+    }
+    at.triangle_count = static_cast<uint32_t>(tree.triangles.size());
+    if (needs_room) {
+      at.first_triangle = static_cast<uint32_t>(triangles.size());
+      at.triangle_room = at.triangle_count;
+      triangles.resize(triangles.size() + tree.triangles.size());
+    }
+    std::copy(tree.triangles.begin(), tree.triangles.end(), triangles.begin() + at.first_triangle);
+    std::copy(tree.nodes.begin(), tree.nodes.end(), nodes.begin() + at.first_node);
+    for (uint32_t i = at.first_node; i < at.first_node + at.node_count; ++i) {
+      for (BvhChild& child : nodes[i].children) child = relocated(child, at.first_node, at.first_triangle);
+    }
+    at.root = relocated(tree.root, at.first_node, at.first_triangle);
+    at.bounds = tree.bounds;
+  }
+
+  void build_mesh(uint32_t mesh) {
+    const TreePart part{&meshes[mesh]};
+    place(build_tree(device, {&part, 1}, meshes[mesh].deforms), mesh_trees[mesh]);
+  }
+
+  void refit_mesh(uint32_t mesh) {
+    PlacedTree& tree = mesh_trees[mesh];
+    tree.bounds = refit(meshes[mesh], std::span(nodes).subspan(tree.first_node, tree.node_count),
+                        std::span(triangles).subspan(tree.first_triangle, tree.triangle_count), tree.first_node,
+                        tree.first_triangle);
+  }
+
+  /// Adapts the trees of meshes to their vertices.
+  void follow(std::span<const uint32_t> deformed) {
+    std::vector<uint8_t> has_grown(deformed.size(), 0);
+    parallel_tasks(deformed.size(), [&](size_t i) {
+      const uint32_t mesh = deformed[i];
+      if (mesh_trees[mesh].root.is_none()) return;
+      has_grown[i] = refit_costs[mesh].has_grown(meshes[mesh]);
+      if (!has_grown[i]) refit_mesh(mesh);
+    });
+    for (size_t i = 0; i < deformed.size(); ++i) {
+      if (!has_grown[i]) continue;
+      build_mesh(deformed[i]);
+      refit_costs[deformed[i]].reset(meshes[deformed[i]]);
+    }
+  }
+
+  void set_instance_filters(std::span<const AccelInstance> instances) {
+    filters.clear();
+    for (const AccelInstance& instance : instances) {
+      const AccelMesh& mesh = meshes[instance.mesh];
+      const bool mirrored = mesh.deforms && instance.mirrored;
+      filters.push_back((mesh.needs_opacity ? kNeedsOpacity : 0u) | (mesh.culls_back_faces ? kCullsBackFaces : 0u) |
+                        (mirrored != mirrors(instance) ? kMirrored : 0u));
+    }
+  }
+
+  void build_top(std::span<const AccelInstance> instances) {
+    placed.clear();
+    std::vector<Box> boxes;
+    std::vector<BvhChild> children;
+    if (!still.root.is_none()) {
+      boxes.push_back(still.bounds);
+      children.push_back(still.root);
+    }
+    for (uint32_t i = 0; i < instances.size(); ++i) {
+      const AccelInstance& instance = instances[i];
+      const PlacedTree& tree = mesh_trees[instance.mesh];
+      if (!instance.visible || tree.root.is_none() || stands_still(instance, meshes[instance.mesh])) continue;
+      const std::optional<BvhInstance> node = place_instance(instance, i, tree.root, tree.bounds);
+      if (!node) continue;
+      boxes.push_back(placed_box(*node, tree.bounds));
+      children.push_back(BvhChild::instance(static_cast<uint32_t>(placed.size())));
+      placed.push_back(*node);
+    }
+    nodes.resize(lower_nodes);
+    view.root = children.empty() ? BvhChild::none() : children.front();
+    if (children.size() > 1) {
+      const BvhTree top = build_top_tree(device, boxes, children, lower_nodes);
+      nodes.insert(nodes.end(), top.nodes.begin(), top.nodes.end());
+      view.root = top.root;
+    }
+    view.nodes = view_of(nodes);
+    view.triangles = view_of(triangles);
+    view.instances = view_of(placed);
+    view.filters = view_of(filters);
+    view.opacity = &opacity;
+  }
+};
+
+BvhAccel::BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity)
+    : state_(std::make_unique<State>()) {
+  const Activity activity("building the acceleration structure");
+  State& s = *state_;
+  s.opacity = opacity;
+  s.meshes.assign(meshes.begin(), meshes.end());
+  for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
+  s.mesh_trees.resize(meshes.size());
+  std::vector<TreePart> still;
+  std::vector<bool> needs_tree(meshes.size(), false);
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const AccelInstance& instance = instances[i];
+    const AccelMesh& mesh = s.meshes[instance.mesh];
+    if (!stands_still(instance, mesh)) {
+      needs_tree[instance.mesh] = true;
+    } else if (instance.visible) {
+      still.push_back({&mesh, i});
+    }
+  }
+  s.place(build_tree(s.device, still, false), s.still);
+  for (uint32_t mesh = 0; mesh < meshes.size(); ++mesh) {
+    if (needs_tree[mesh]) s.build_mesh(mesh);
+  }
+  s.nodes.reserve(s.nodes.size() + 2 * instances.size());  // the top tree's
+  update(instances, {});
+}
+
+BvhAccel::~BvhAccel() = default;
+
+void BvhAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
+  State& s = *state_;
+  s.view.root = BvhChild::none();  // the arrays may move: if this fails, no ray may read them
+  s.follow(deformed);
+  s.set_instance_filters(instances);
+  s.build_top(instances);
+}
+
+void BvhAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
+                           bool culls_back_faces) {
+  state_->meshes[mesh].needs_opacity = needs_opacity;
+  state_->meshes[mesh].culls_back_faces = culls_back_faces;
+  state_->set_instance_filters(instances);
+  state_->view.filters = view_of(state_->filters);
+}
+
+AccelView BvhAccel::view() const { return {nullptr, nullptr, nullptr, &state_->view}; }
+
+size_t BvhAccel::memory_bytes() const {
+  const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
+  const State& s = *state_;
+  return bytes(s.nodes) + bytes(s.triangles) + bytes(s.placed) + bytes(s.filters) + bytes(s.refit_costs) +
+         s.device.memory_bytes();
+}
+
+}  // namespace relume

@@ -1,0 +1,212 @@
+// Traversal of the BVH: one source for host and device.
+//
+// The nearest hit is that of least (distance, instance, primitive). Whether a ray hits a triangle depends on these two
+// only. So results do not depend on the shape of the tree or the order of visits.
+#pragma once
+
+#include <bit>
+
+#include "accel/bvh/box_ray.h"
+#include "accel/bvh/layout.h"
+#include "accel/bvh/sheared_ray.h"
+#include "accel/query.h"
+#include "accel/triangle.h"
+
+namespace relume {
+
+/// TriangleCorners in world space, by the same operations as transform_point().
+RELUME_HD_INLINE TriangleCorners placed_corners(const BvhTriangle& triangle, const BvhInstance* instance) {
+  if (!instance) return {triangle.p0, triangle.p1, triangle.p2};
+  const auto place = [&](const Vec3& p) {
+    const Vec3* m = instance->to_world;
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+  };
+  return {place(triangle.p0), place(triangle.p1), place(triangle.p2)};
+}
+
+/// One query. `opacity(instance, primitive, u, v)` returns the opacity of a point, in [0, 1].
+template <bool kAnyHit, typename Opacity>
+class BvhTraversal {
+ public:
+  RELUME_HD BvhTraversal(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera, const Opacity& opacity)
+      : bvh_(bvh),
+        ray_(ray),
+        ray_id_(ray_id),
+        camera_(camera),
+        opacity_(opacity),
+        sheared_(ray.origin, ray.direction),
+        boxes_(ray.origin, ray.direction, Vec3(kBoxMargin), max_component(abs(ray.origin)),
+               max_component(abs(ray.direction))),
+        world_boxes_(boxes_),
+        t_(ray.t_max) {}
+
+  /// Finds the nearest hit, or any.
+  RELUME_HD void run() {
+    BvhChild child = bvh_.root;
+    while (!child.is_none()) {
+      if (child.is_node()) {
+        child = descend(bvh_.nodes[child.node_index()]);
+      } else if (child.is_instance()) {
+        child = enter(bvh_.instances[child.index()]);
+      } else {
+        test(child);
+        if (kAnyHit && found()) return;
+        child = pop();
+      }
+    }
+  }
+
+  RELUME_HD bool found() const { return primitive_ != kNoHit; }
+
+  RELUME_HD Hit hit() const {
+    if (!found()) return {};
+    const TriangleCorners c = placed_corners(bvh_.triangles[triangle_], hit_node_);
+    const TriangleHit on = intersect_triangle(ray_.origin, ray_.direction, c.p0, c.p1, c.p2);
+    return {instance_, primitive_, on.u, on.v, on.t};
+  }
+
+ private:
+  /// A postponed child. `entry`: lower bound of the distance of any hit below it.
+  struct Entry {
+    BvhChild child;
+    float entry;
+  };
+
+  /// Keeps the entered children for later, except the nearest, which is returned.
+  RELUME_HD_INLINE BvhChild descend(const BvhNode& node) {
+    float entries[kBvhWidth];
+    uint32_t entered = boxes_.enter(node, t_, entries);
+    if (entered == 0) return pop();
+    uint32_t i = lowest(entered);
+    entered &= entered - 1;
+    Entry nearest{node.children[i], entries[i]};
+    if (entered == 0) return nearest.child;
+    const uint32_t first = size_;
+    for (; entered != 0; entered &= entered - 1) {
+      i = lowest(entered);
+      Entry next{node.children[i], entries[i]};
+      if (next.entry < nearest.entry) {
+        const Entry swapped = nearest;
+        nearest = next;
+        next = swapped;
+      }
+      uint32_t at = size_++;
+      for (; at > first && stack_[at - 1].entry < next.entry; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = next;
+    }
+    return nearest.child;
+  }
+
+  /// Position of the lowest set bit.
+  RELUME_HD_INLINE static uint32_t lowest(uint32_t bits) {
+#if RELUME_DEVICE_CODE
+    return static_cast<uint32_t>(__ffs(static_cast<int>(bits)) - 1);
+#else
+    return static_cast<uint32_t>(std::countr_zero(bits));
+#endif
+  }
+
+  RELUME_HD_INLINE BvhChild pop() {
+    for (;;) {
+      if (node_ && size_ == node_floor_) leave();
+      if (size_ == 0) return BvhChild::none();
+      const Entry& last = stack_[--size_];
+      if (last.entry <= t_) return last.child;
+    }
+  }
+
+  /// Continues in the tree of an instance until the stack is at its present size again.
+  RELUME_HD_INLINE BvhChild enter(const BvhInstance& instance) {
+    const Vec3* m = instance.to_mesh;
+    const auto to_mesh = [m](const Vec3& v) { return m[0] * v.x + m[1] * v.y + m[2] * v.z; };
+    world_boxes_ = boxes_;
+    boxes_ = BoxRay(to_mesh(ray_.origin - instance.to_world[3]), to_mesh(ray_.direction), instance.margin,
+                    instance.reach + max_component(abs(ray_.origin)), max_component(abs(ray_.direction)));
+    node_ = &instance;
+    node_floor_ = size_;
+    return instance.root;
+  }
+
+  RELUME_HD_INLINE void leave() {
+    boxes_ = world_boxes_;
+    node_ = nullptr;
+  }
+
+  RELUME_HD_INLINE void test(BvhChild leaf) {
+    const uint32_t end = leaf.index() + leaf.count();
+    for (uint32_t i = leaf.index(); i < end; ++i) {
+      const BvhTriangle& triangle = bvh_.triangles[i];
+      const TriangleCorners c = placed_corners(triangle, node_);
+      Crossing crossing;
+      if (!sheared_.crosses(c.p0, c.p1, c.p2, t_, crossing)) continue;
+      const uint32_t instance = node_ ? node_->instance : triangle.instance;
+      const bool is_nearer =
+          crossing.t < t_ || instance < instance_ || (instance == instance_ && triangle.primitive < primitive_);
+      if (!is_nearer || !passes_filters(instance, triangle.primitive, c, crossing)) continue;
+      t_ = crossing.t;
+      instance_ = instance;
+      primitive_ = triangle.primitive;
+      triangle_ = i;
+      hit_node_ = node_;
+      if (kAnyHit) return;
+    }
+  }
+
+  RELUME_HD_INLINE bool passes_filters(uint32_t instance, uint32_t primitive, const TriangleCorners& c,
+                                       const Crossing& crossing) const {
+    const uint32_t filters = bvh_.filters[instance];
+    if ((filters & kCullsBackFaces) != 0 && camera_ != 0) {
+      const bool at_back = crossing.at_back != ((filters & kMirrored) != 0);
+      if (at_back == (camera_ == kFromCamera)) return false;
+    }
+    if ((filters & kNeedsOpacity) == 0) return true;
+    const TriangleHit on = intersect_triangle(ray_.origin, ray_.direction, c.p0, c.p1, c.p2);
+    return stops(opacity_(instance, primitive, on.u, on.v), ray_id_, instance, primitive);
+  }
+
+  const BvhView& bvh_;
+  const Ray& ray_;
+  uint32_t ray_id_;
+  unsigned camera_;  ///< kFromCamera, kToCamera or 0
+  const Opacity& opacity_;
+  ShearedRay sheared_;
+  BoxRay boxes_;        ///< in the space of the current tree
+  BoxRay world_boxes_;  ///< saved while in an instance
+  const BvhInstance* node_ = nullptr;
+  uint32_t node_floor_ = 0;  ///< size of the stack when the instance was entered
+  uint32_t size_ = 0;
+
+  float t_;  ///< of the nearest hit so far, or the ray's end
+  uint32_t instance_ = kNoHit;
+  uint32_t primitive_ = kNoHit;
+  uint32_t triangle_ = 0;
+  const BvhInstance* hit_node_ = nullptr;
+  Entry stack_[kBvhStackSize];
+};
+
+/// Whether the BVH can answer the ray; others hit nothing.
+RELUME_HD inline bool bvh_can_trace(const Ray& ray) {
+  return is_traceable(ray) && max_component(abs(ray.direction)) > 0.0f;
+}
+
+/// As intersect() and intersect_from_camera() of accel.h. `camera`: kFromCamera or 0.
+template <typename Opacity>
+RELUME_HD Hit bvh_intersect(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
+                            const Opacity& opacity) {
+  if (!bvh_can_trace(ray)) return {};
+  BvhTraversal<false, Opacity> traversal(bvh, ray, ray_id, camera, opacity);
+  traversal.run();
+  return traversal.hit();
+}
+
+/// As occluded() and occluded_to_camera() of accel.h. `camera`: kToCamera or 0.
+template <typename Opacity>
+RELUME_HD bool bvh_occluded(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
+                            const Opacity& opacity) {
+  if (!bvh_can_trace(ray)) return false;
+  BvhTraversal<true, Opacity> traversal(bvh, ray, ray_id, camera, opacity);
+  traversal.run();
+  return traversal.found();
+}
+
+}  // namespace relume
