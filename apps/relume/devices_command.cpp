@@ -26,7 +26,8 @@ const char* vector_instructions() {
 
 int run_devices() {
   const std::string text = fmt::format(
-      "processor     {}\nthreads       {}\nvectors       {}\nray queries   Embree {}\nCUDA          not compiled in\n",
+      "processor     {}\nthreads       {}\nvectors       {}\nray queries   Embree {}, or relume's own BVH (--accel "
+      "bvh)\nCUDA          not compiled in\n",
       processor_name(), std::thread::hardware_concurrency(), vector_instructions(), EmbreeAccel::embree_version());
   std::fputs(text.c_str(), stdout);
   return kExitDone;
