@@ -121,6 +121,7 @@ std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_
                                               const std::optional<CameraPose>& camera) const {
   RenderSettings copy = settings_;
   copy.threads = 0;
+  copy.scalar_kernels = false;
   copy.time_s = time_s;
   const std::string text = settings_to_json(describe(copy));
   Fnv1a key(kFormat);

@@ -73,7 +73,7 @@ struct Backend::State {
   tbb::task_arena arena;
 };
 
-Backend::Backend(int threads) : state_(std::make_unique<State>(threads)) {}
+Backend::Backend(int threads, KernelForm form) : state_(std::make_unique<State>(threads)), form_(form) {}
 Backend::~Backend() = default;
 
 int Backend::threads() const { return state_->count; }

@@ -4,7 +4,8 @@
 //
 // called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads; in a CUDA
 // build the same struct is a kernel argument. A kernel may provide a second form for the host that processes a tile at
-// once (for example in ray packets). It must compute the same bits as the one-element form:
+// once (for example in ray packets). It must compute the same bits as the one-element form, which a backend may run
+// instead:
 //
 //   void operator()(const Tile& tile) const;
 #pragma once
@@ -47,6 +48,12 @@ concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_
   { k(x, y) } -> std::same_as<void>;
 };
 
+/// Which form a backend runs of kernels that have two. Both give the same bits.
+enum class KernelForm : uint8_t {
+  tile,    ///< one call per tile: several elements in vector registers or ray packets
+  scalar,  ///< one call per element, as on a device
+};
+
 /// Total time of the launches with one name.
 struct LaunchTime {
   std::string name;
@@ -75,12 +82,13 @@ class ThreadLimit {
 class Backend {
  public:
   /// `threads` 0: one per core.
-  explicit Backend(int threads = 0);
+  explicit Backend(int threads = 0, KernelForm form = KernelForm::tile);
   ~Backend();
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
 
   int threads() const;
+  KernelForm form() const { return form_; }
   const std::vector<LaunchTime>& times() const { return times_; }
 
   /// Calls run_tile(context, tile) for every tile. Returns false if `stop` was requested before all were done.
@@ -108,6 +116,7 @@ class Backend {
 
   struct State;
   std::unique_ptr<State> state_;
+  KernelForm form_;
   std::vector<LaunchTime> times_;
   std::function<void()> tile_hook_;
 };
@@ -136,11 +145,10 @@ bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   const auto run = [&](const Tile& tile) {
     if constexpr (TileKernel<K>) {
-      kernel(tile);
-    } else {
-      for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-        for (uint32_t x = tile.x0; x < tile.x1; ++x) kernel(x, y);
-      }
+      if (backend.form() == KernelForm::tile) return kernel(tile);
+    }
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) kernel(x, y);
     }
   };
   return launch_tiles(backend, name, run, window, stop, tile_size);

@@ -1,5 +1,6 @@
 #include "frame/launch.h"
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -29,6 +30,26 @@ TEST(Backend, ThreadsThatWaitForOthersAreIdle) {
     EXPECT_GE(time.seconds, 0.04) << time.name;
     EXPECT_GE(time.idle_s, 0.02) << time.name;
     EXPECT_LE(time.idle_s, 1.1 * time.seconds) << time.name;  // one of two threads works
+  }
+}
+
+/// Counts the calls of its forms.
+struct TwoFormsKernel {
+  std::atomic<int>* elements;
+  std::atomic<int>* tiles;
+
+  RELUME_HD void operator()(uint32_t, uint32_t) const { ++*elements; }
+  void operator()(const Tile&) const { ++*tiles; }
+};
+
+TEST(Backend, RunsTheChosenForm) {
+  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+    std::atomic<int> elements = 0;
+    std::atomic<int> tiles = 0;
+    Backend backend(2, form);
+    launch(backend, "forms", TwoFormsKernel{&elements, &tiles}, 2 * kTileSize, kTileSize + 1);
+    EXPECT_EQ(tiles, form == KernelForm::tile ? 4 : 0);
+    EXPECT_EQ(elements, form == KernelForm::tile ? 0 : 2 * kTileSize * (kTileSize + 1));
   }
 }
 

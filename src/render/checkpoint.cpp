@@ -166,6 +166,7 @@ bool plausible(const Counters& counters) {
 std::string checkpoint_key(const RenderSettings& settings) {
   RenderSettings relevant = settings;
   relevant.threads = 0;
+  relevant.scalar_kernels = false;
   relevant.time_s = 0;
   const PixelWindow& crop = settings.crop;
   return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "") +

@@ -34,8 +34,8 @@ struct CheckpointHeader {
   Counters counters;
 };
 
-/// The settings that samples depend on, as text: all except the number of samples, the number of threads, and the time,
-/// which is a counter.
+/// The settings that samples depend on, as text: all except the number of samples, the number of threads, the form of
+/// kernels, and the time, which is a counter.
 std::string checkpoint_key(const RenderSettings& settings);
 
 /// Writes header, persistent buffers and pass state under a temporary name, then renames the file. Throws Error.

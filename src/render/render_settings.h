@@ -45,10 +45,11 @@ struct RenderSettings {
   int width = 1280;
   int height = 720;
   int seed = 0;
-  int threads = 0;        ///< 0: all cores
-  std::string camera;     ///< name or index; empty: the file's first
-  std::string animation;  ///< clips to play, as for select_animation(); empty: the file's first
-  float time_s = 0;       ///< time of the animation
+  int threads = 0;              ///< 0: all cores
+  bool scalar_kernels = false;  ///< whether the host runs the one-element form of kernels (KernelForm::scalar)
+  std::string camera;           ///< name or index; empty: the file's first
+  std::string animation;        ///< clips to play, as for select_animation(); empty: the file's first
+  float time_s = 0;             ///< time of the animation
   bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;

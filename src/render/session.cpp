@@ -224,7 +224,8 @@ bool Session::set_settings(const Settings& wanted) {
   }
   if (settings.time_s != current.time_s) set_time(settings.time_s);  // before other changes, because it may throw
   s.edit(change);
-  if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
+  if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
+    s.backend = make_backend(settings);
   current = settings;
   if (resized) s.scene->set_resolution(settings.width, settings.height);
   if (resized || !same_slots || !same_passes) {

@@ -63,9 +63,13 @@ inline uint64_t next_session_number() {
   return ++last;
 }
 
+inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings) {
+  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::scalar : KernelForm::tile);
+}
+
 struct Session::State {
   State(Scene source, const RenderSettings& s, std::vector<Index> movable)
-      : settings(s), hash(relume::scene_hash(source)), backend(std::make_unique<Backend>(s.threads)) {
+      : settings(s), hash(relume::scene_hash(source)), backend(make_backend(s)) {
     const double start_s = now_s();
     rebuild_pipeline();
     backend->run("build", [&] {

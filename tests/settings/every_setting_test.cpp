@@ -59,6 +59,7 @@ struct Exemption {
 const Exemption kExemptions[] = {
     {"threads", "the same bits with any number of threads are a promise", "3"},
     {"accel", "hits differ at edges only, few in a million", "bvh", 2},
+    {"scalar-kernels", "both forms of a kernel give the same bits", "on"},
 };
 
 bool is_for(const Context& context, std::string_view name) {
