@@ -1,6 +1,7 @@
 // Unit vectors in 32 bits: the octahedral map with 16 bits per coordinate ([Cigolle14]).
 #pragma once
 
+#include "core/math.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -27,7 +28,7 @@ RELUME_HD inline Vec3 direction_from_octahedral(const Vec2& p) {
 RELUME_HD inline uint32_t pack_direction(const Vec3& d) {
   const Vec2 p = octahedral_from_direction(d);
   const auto quantise = [](float x) {
-    return static_cast<uint32_t>(std::lround((clamp(x, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f));
+    return static_cast<uint32_t>(math::round_to_int((clamp(x, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f));
   };
   return quantise(p.x) | (quantise(p.y) << 16);
 }

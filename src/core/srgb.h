@@ -1,6 +1,7 @@
 // The sRGB transfer function (IEC 61966-2-1) between linear light and display values, both in [0, 1].
 #pragma once
 
+#include "core/math.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -8,13 +9,13 @@ namespace relume {
 /// Display value of linear light; negative values and NaN give 0, values above 1 follow the curve.
 RELUME_HD inline float srgb_from_linear(float x) {
   if (!(x > 0.0f)) return 0.0f;
-  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+  return x <= 0.0031308f ? 12.92f * x : 1.055f * math::pow(x, 1.0f / 2.4f) - 0.055f;
 }
 
 /// Linear light of a display value; negative values and NaN give 0.
 RELUME_HD inline float linear_from_srgb(float x) {
   if (!(x > 0.0f)) return 0.0f;
-  return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+  return x <= 0.04045f ? x / 12.92f : math::pow((x + 0.055f) / 1.055f, 2.4f);
 }
 
 RELUME_HD inline Rgb srgb_from_linear(const Rgb& c) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/hd.h"
+#include "core/math.h"
 #include "relume/math.h"
 
 namespace relume {
@@ -42,7 +43,7 @@ RELUME_HD inline bool is_finite(float x) { return std::fabs(x) <= 3.402823466e+3
 RELUME_HD inline bool is_finite(const Vec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
 /// Component-wise exponential, for absorption.
-RELUME_HD inline Rgb exp(const Rgb& x) { return {std::exp(x.r), std::exp(x.g), std::exp(x.b)}; }
+RELUME_HD inline Rgb exp(const Rgb& x) { return {math::exp(x.r), math::exp(x.g), math::exp(x.b)}; }
 
 /// Transforms a point by an affine `m` (w = 1).
 RELUME_HD inline Vec3 transform_point(const Mat4& m, const Vec3& p) {

@@ -1,6 +1,7 @@
 // Maps scene radiance to display values: exposure, then a tone curve.
 #pragma once
 
+#include "core/math.h"
 #include "core/vec.h"
 #include "relume/tone_map.h"
 
@@ -57,11 +58,11 @@ RELUME_HD inline Rgb tone_map_agx(const Rgb& c) {
                     -0.0990297440797205f, -0.0989611768448433f, 1.15107367264116f);
   Rgb v = inset * c;
   for (int i = 0; i < 3; ++i) {
-    const float ev = std::log2(v[i] > 1e-10f ? v[i] : 1e-10f);
+    const float ev = math::log2(v[i] > 1e-10f ? v[i] : 1e-10f);
     v[i] = detail::agx_contrast(saturate((ev - kMinEv) / (kMaxEv - kMinEv)));
   }
   v = outset * v;
-  for (int i = 0; i < 3; ++i) v[i] = std::pow(saturate(v[i]), 2.2f);
+  for (int i = 0; i < 3; ++i) v[i] = math::pow(saturate(v[i]), 2.2f);
   return v;
 }
 
@@ -84,7 +85,7 @@ RELUME_HD inline Rgb tone_map_neutral(const Rgb& c) {
 /// Scales radiance by 2^exposure (stops), then applies the curve. NaN and negative channels count as 0, infinity as
 /// kToneMapMax. Result in [0, 1], display-linear.
 RELUME_HD inline Rgb tone_map(ToneMap curve, float exposure, const Rgb& radiance) {
-  const float scale = std::exp2(exposure);
+  const float scale = math::exp2(exposure);
   const Rgb c{detail::tone_map_domain(scale * radiance.r), detail::tone_map_domain(scale * radiance.g),
               detail::tone_map_domain(scale * radiance.b)};
   switch (curve) {

@@ -1,6 +1,7 @@
 // Directional albedo of anisotropic GGX, over roughness, strength, azimuth and angle.
 #pragma once
 
+#include "core/math.h"
 #include "core/view.h"
 #include "materials/anisotropic_ggx.h"
 #include "materials/energy_grid.h"
@@ -23,7 +24,7 @@ RELUME_HD inline float projected_alpha(float alpha_t, float alpha_b, float cos_p
 /// Table coordinate of the azimuth, from 0 to 1: the mean of φ and of φ in the space of equal widths. It is dense
 /// across the tangent, where the albedo changes fastest.
 RELUME_HD inline float azimuth_coordinate(float cos_phi, float sin_phi, float stretch) {
-  return (std::atan2(sin_phi, cos_phi) + std::atan2(sin_phi, cos_phi * stretch)) * kInvPi;
+  return (math::atan2(sin_phi, cos_phi) + math::atan2(sin_phi, cos_phi * stretch)) * kInvPi;
 }
 
 }  // namespace anisotropic_grid

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/math.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -44,7 +45,7 @@ RELUME_HD inline Channel channel(uint32_t c) {
 inline constexpr float kScale = 18.0f;
 
 RELUME_HD inline float response(const Channel& c, float wavelength_nm) {
-  const float e = std::exp(-std::fabs(wavelength_nm - c.peak) / kScale);
+  const float e = math::exp(-std::fabs(wavelength_nm - c.peak) / kScale);
   return e / (sqr(1.0f + e) * kScale * c.between);
 }
 
@@ -75,7 +76,7 @@ RELUME_HD inline float sample_wavelength(float u) {
   const float t = clamp(scaled - static_cast<float>(index), 0.0f, 1.0f);
   const float shorter = c.below + t * c.between;
   const float longer = c.above + (1.0f - t) * c.between;
-  return clamp(c.peak + kScale * std::log(shorter / longer), kShortestWavelength, kLongestWavelength);
+  return clamp(c.peak + kScale * math::log(shorter / longer), kShortestWavelength, kLongestWavelength);
 }
 
 /// Weight of a sampled wavelength per channel: response over density. Its mean is 1 in each channel, and the channels

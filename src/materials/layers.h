@@ -1,6 +1,7 @@
 // Parameters that few materials have, stored apart from those read at every hit. relume/scene.h documents them.
 #pragma once
 
+#include "core/math.h"
 #include "core/vec.h"
 #include "materials/texture.h"
 
@@ -57,9 +58,8 @@ RELUME_HD inline LayerSample sample_layers(const LayerData& d, const Fetch& fetc
     direction = Vec2(2.0f * t.x - 1.0f, 2.0f * t.y - 1.0f);
     s.anisotropy *= t.z;
   }
-  const float c = std::cos(d.anisotropy_rotation_rad);
-  const float n = std::sin(d.anisotropy_rotation_rad);
-  s.anisotropy_direction = {c * direction.x - n * direction.y, n * direction.x + c * direction.y};
+  const Vec2 turn = math::unit_vector(d.anisotropy_rotation_rad);
+  s.anisotropy_direction = {turn.x * direction.x - turn.y * direction.y, turn.y * direction.x + turn.x * direction.y};
   s.sheen_color = d.sheen_color;
   if (d.sheen_color_texture.used()) s.sheen_color *= Rgb(fetch(d.sheen_color_texture));
   s.sheen_roughness = d.sheen_roughness;

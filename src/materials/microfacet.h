@@ -2,6 +2,7 @@
 // Beckmann, both with height-correlated Smith masking-shadowing ([Heitz14]).
 #pragma once
 
+#include "core/math.h"
 #include "core/vec.h"
 #include "relume/material_types.h"
 #include "sampling/warp.h"
@@ -28,7 +29,7 @@ struct Microfacet {
     const float c2 = m.z * m.z;
     const float tan2 = (m.x * m.x + m.y * m.y) / c2;
     if (model == MicrofacetModel::ggx) return a2 / (kPi * sqr(c2 * (a2 + tan2)));
-    return std::exp(-tan2 / a2) / (kPi * a2 * c2 * c2);
+    return math::exp(-tan2 / a2) / (kPi * a2 * c2 * c2);
   }
 
   /// Smith's Λ ([Heitz14], eq. 72 for GGX; the rational fit of [Walter07] for Beckmann).
@@ -61,19 +62,17 @@ struct Microfacet {
   /// towards a uniformly sampled spherical cap.
   RELUME_HD Vec3 sample_ggx(const Vec3& wo, const Vec2& u) const {
     const Vec3 wo_std = glm::normalize(Vec3(wo.x * alpha, wo.y * alpha, wo.z));
-    const float phi = 2.0f * kPi * u.x;
     const float z = (1.0f - u.y) * (1.0f + wo_std.z) - wo_std.z;
     const float r = safe_sqrt(1.0f - z * z);
-    const Vec3 m_std = Vec3(r * std::cos(phi), r * std::sin(phi), z) + wo_std;
+    const Vec3 m_std = Vec3(r * math::unit_vector(2.0f * kPi * u.x), z) + wo_std;
     return glm::normalize(Vec3(m_std.x * alpha, m_std.y * alpha, relume::max(m_std.z, 1e-7f)));
   }
 
   RELUME_HD Vec3 sample_beckmann(const Vec2& u) const {
-    const float tan2 = -alpha * alpha * std::log(1.0f - u.y);
+    const float tan2 = -alpha * alpha * math::log(1.0f - u.y);
     const float z = 1.0f / std::sqrt(1.0f + tan2);
     const float r = z * std::sqrt(tan2);  // 1 − z² cancels at small α
-    const float phi = 2.0f * kPi * u.x;
-    return {r * std::cos(phi), r * std::sin(phi), z};
+    return {r * math::unit_vector(2.0f * kPi * u.x), z};
   }
 };
 

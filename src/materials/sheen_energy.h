@@ -1,6 +1,7 @@
 // Sheen of cloth: distribution and masking of upright fibres ([Estevez17], KHR_materials_sheen), and its albedo.
 #pragma once
 
+#include "core/math.h"
 #include "core/view.h"
 #include "materials/energy_grid.h"
 
@@ -15,7 +16,7 @@ namespace sheen {
 RELUME_HD inline float d(float cos_m, float alpha) {
   const float sin2 = relume::max(1.0f - cos_m * cos_m, 0.0f);
   const float inverse = 1.0f / alpha;
-  return (2.0f + inverse) * std::pow(sin2, 0.5f * inverse) * (0.5f * kInvPi);
+  return (2.0f + inverse) * math::pow(sin2, 0.5f * inverse) * (0.5f * kInvPi);
 }
 
 /// Λ by the fit of [Estevez17], §3 and table 1.
@@ -26,8 +27,8 @@ RELUME_HD inline float lambda(float cos_theta, float alpha) {
   const float c = lerp(0.19823f, 0.16801f, t);
   const float d = lerp(-1.97760f, -1.27393f, t);
   const float e = lerp(-4.32054f, -4.85967f, t);
-  const auto fit = [&](float x) { return a / (1.0f + b * std::pow(x, c)) + d * x + e; };
-  return cos_theta < 0.5f ? std::exp(fit(cos_theta)) : std::exp(2.0f * fit(0.5f) - fit(1.0f - cos_theta));
+  const auto fit = [&](float x) { return a / (1.0f + b * math::pow(x, c)) + d * x + e; };
+  return cos_theta < 0.5f ? math::exp(fit(cos_theta)) : math::exp(2.0f * fit(0.5f) - fit(1.0f - cos_theta));
 }
 
 /// f for white fibres, 1/sr: D G / (4 cos θo cos θi).

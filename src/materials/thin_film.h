@@ -1,6 +1,7 @@
 // Iridescence: interference in a clear film over a dielectric or a metal ([Belcour17], KHR_materials_iridescence).
 #pragma once
 
+#include "core/math.h"
 #include "materials/fresnel.h"
 
 namespace relume {
@@ -26,8 +27,8 @@ namespace thin_film {
 RELUME_HD inline Rgb interference(float path_nm, const Rgb& shift) {
   const float phase = 2.0f * kPi * path_nm * 1e-9f;
   const auto lobe = [&](float value, float position, float variance, float offset) {
-    return value * std::sqrt(2.0f * kPi * variance) * std::cos(position * phase + offset) *
-           std::exp(-variance * phase * phase);
+    return value * std::sqrt(2.0f * kPi * variance) * math::cos(position * phase + offset) *
+           math::exp(-variance * phase * phase);
   };
   constexpr float kScale = 1.0f / 1.0685e-7f;
   const float x =

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/frame.h"
+#include "core/math.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -36,7 +37,7 @@ RELUME_HD inline float disk_pdf() { return kInvPi; }
 
 RELUME_HD inline Vec2 square_from_disk(const Vec2& p) {
   const float r = std::sqrt(p.x * p.x + p.y * p.y);
-  float phi = std::atan2(p.y, p.x);
+  float phi = math::atan2(p.y, p.x);
   if (phi < -kPi / 4) phi += 2 * kPi;
   float a;
   float b;
@@ -71,12 +72,11 @@ RELUME_HD inline Vec2 square_from_cosine_hemisphere(const Vec3& w) { return squa
 RELUME_HD inline Vec3 sphere_from_square(const Vec2& u) {
   const float z = 1.0f - 2.0f * u.x;
   const float r = safe_sqrt(1.0f - z * z);
-  const float phi = 2.0f * kPi * u.y;
-  return {r * std::cos(phi), r * std::sin(phi), z};
+  return {r * math::unit_vector(2.0f * kPi * u.y), z};
 }
 RELUME_HD inline float sphere_pdf() { return 0.25f * kInvPi; }
 RELUME_HD inline Vec2 square_from_sphere(const Vec3& w) {
-  const float phi = std::atan2(w.y, w.x);
+  const float phi = math::atan2(w.y, w.x);
   return {0.5f * (1.0f - w.z), (phi < 0.0f ? phi + 2 * kPi : phi) * (0.5f * kInvPi)};
 }
 
@@ -85,13 +85,12 @@ RELUME_HD inline Vec2 square_from_sphere(const Vec3& w) {
 RELUME_HD inline Vec3 cone_from_square(const Vec2& u, float one_minus_cos) {
   const float h = u.x * one_minus_cos;  // 1 − cos θ of the sample
   const float r = safe_sqrt(h * (2.0f - h));
-  const float phi = 2.0f * kPi * u.y;
-  return {r * std::cos(phi), r * std::sin(phi), 1.0f - h};
+  return {r * math::unit_vector(2.0f * kPi * u.y), 1.0f - h};
 }
 RELUME_HD inline float cone_pdf(float one_minus_cos) { return 1.0f / (2.0f * kPi * one_minus_cos); }
 RELUME_HD inline Vec2 square_from_cone(const Vec3& w, float one_minus_cos) {
   const float h = (w.x * w.x + w.y * w.y) / (1.0f + w.z);  // 1 − cos θ without cancellation
-  const float phi = std::atan2(w.y, w.x);
+  const float phi = math::atan2(w.y, w.x);
   return {h / one_minus_cos, (phi < 0.0f ? phi + 2 * kPi : phi) * (0.5f * kInvPi)};
 }
 

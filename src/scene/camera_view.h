@@ -2,6 +2,7 @@
 // bidirectional methods. Raster coordinates are pixels, with (0, 0) at the top left corner.
 #pragma once
 
+#include "core/math.h"
 #include "core/ray.h"
 #include "sampling/warp.h"
 #include "scene/scene.h"
@@ -48,9 +49,9 @@ RELUME_HD inline Vec2 raster_from_ndc(const CameraView& c, const Vec2& ndc) {
 }
 
 RELUME_HD inline Vec3 panoramic_direction(const CameraView& c, const Vec2& raster) {
-  const float phi = (raster.x / c.resolution.x - 0.5f) * (2.0f * kPi);
-  const float theta = raster.y / c.resolution.y * kPi;
-  return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+  const Vec2 azimuth = math::unit_vector((raster.x / c.resolution.x - 0.5f) * (2.0f * kPi));
+  const Vec2 polar = math::unit_vector(raster.y / c.resolution.y * kPi);
+  return {polar.y * azimuth.y, polar.x, -polar.y * azimuth.x};
 }
 
 }  // namespace camera_detail
@@ -99,8 +100,8 @@ RELUME_HD inline bool raster_position(const CameraView& c, const Ray& ray, Vec2*
     }
     case Projection::orthographic: ndc = Vec2(origin) / c.half_extent; break;
     case Projection::panoramic: {
-      const float u = 0.5f + std::atan2(direction.x, -direction.z) * (0.5f * kInvPi);
-      const float v = std::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi;
+      const float u = 0.5f + math::atan2(direction.x, -direction.z) * (0.5f * kInvPi);
+      const float v = math::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi;
       // u is 1 straight back, v is 1 straight down.
       *raster = glm::min(Vec2(u, v), Vec2(kOneMinusEpsilon)) * c.resolution;
       return true;

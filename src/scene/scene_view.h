@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/accel.h"
+#include "core/math.h"
 #include "core/octahedral.h"
 #include "core/view.h"
 #include "lights/light.h"
@@ -44,7 +45,9 @@ struct PackedNormal {
 };
 
 RELUME_HD inline PackedNormal pack_normal(const Vec3& n, float handedness) {
-  const auto quantise = [](float c) { return static_cast<int16_t>(std::lround(clamp(c, -1.0f, 1.0f) * 32767.0f)); };
+  const auto quantise = [](float c) {
+    return static_cast<int16_t>(math::round_to_int(clamp(c, -1.0f, 1.0f) * 32767.0f));
+  };
   return {quantise(n.x), quantise(n.y), quantise(n.z), static_cast<int16_t>(handedness < 0.0f ? -1 : 1)};
 }
 

@@ -1,6 +1,7 @@
 // Implementation of surface_point.h, in a header for compilation on the device.
 #pragma once
 
+#include "core/math.h"
 #include "scene/surface_point.h"
 
 namespace relume {
@@ -72,7 +73,7 @@ RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const
   const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
   const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area * static_cast<float>(texture.width) *
                        static_cast<float>(texture.height);
-  const float lod = texels > 1.0f ? 0.5f * std::log2(texels) : 0.0f;
+  const float lod = texels > 1.0f ? 0.5f * math::log2(texels) : 0.0f;
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }
 

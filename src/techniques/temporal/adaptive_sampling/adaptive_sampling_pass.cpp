@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/math.h"
 #include "core/parallel.h"
 #include "frame/moments.h"
 #include "techniques/temporal/adaptive_sampling/paper_allocation.h"
@@ -117,7 +118,7 @@ void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
                                         .width = frame.width(),
                                         .height = frame.height(),
                                         .display = settings_.metric == AdaptiveMetric::display,
-                                        .exposure = std::exp2(settings_.exposure)};
+                                        .exposure = math::exp2(settings_.exposure)};
   frame.launch("allocate", deviation);
 }
 

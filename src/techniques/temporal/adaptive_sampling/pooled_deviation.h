@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/hash.h"
+#include "core/math.h"
 #include "framebuffer/pixel_moments.h"
 
 namespace relume {
@@ -67,7 +68,7 @@ struct PoolRowsKernel {
 RELUME_HD inline float display_slope(float luminance) {
   constexpr float kLinear = 0.0031308f;  // end of the linear segment
   if (luminance > 1.0f) return 0.0f;
-  return 1.055f / 2.4f * std::pow(relume::max(luminance, kLinear), 1.0f / 2.4f - 1.0f);
+  return 1.055f / 2.4f * math::pow(relume::max(luminance, kLinear), 1.0f / 2.4f - 1.0f);
 }
 
 /// Standard deviation of one sample at each pixel, from its pool without the pixel: the pixel's values thus do not

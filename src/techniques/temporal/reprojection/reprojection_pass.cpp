@@ -7,6 +7,7 @@
 #include <ostream>
 #include <utility>
 
+#include "core/math.h"
 #include "core/stream_io.h"
 #include "frame/moments.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
@@ -189,7 +190,7 @@ void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
   kernel.capacity = capacity_;
   kernel.max_error = settings_.error;
   kernel.max_light_error = settings_.light_error;
-  kernel.exposure = std::exp2(settings_.exposure);
+  kernel.exposure = math::exp2(settings_.exposure);
   kernel.lights_changed = includes(frame.changes, kMovesScene);
   kernel.seed = hash(frame.index.seed, frame.number);
   kernel.width = frame.width();
