@@ -295,8 +295,7 @@ TEST(Path, TilesMatchElements) {
         ASSERT_EQ(elements.rays[i], tiles.rays[i]) << name << " pixel " << i;
         if (elements.radiance[i] != tiles.radiance[i]) ++different;
       }
-      // Packets of shadow rays round differently, with visible effects where rays graze an edge.
-      EXPECT_LE(different, elements.rays.size() / 500) << name << " in tiles of " << tile_size;
+      EXPECT_EQ(different, 0u) << name << " in tiles of " << tile_size;
     }
   }
 }
