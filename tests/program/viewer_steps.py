@@ -70,8 +70,12 @@ def animated_gltf():
         "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views, "accessors": accessors})
 
 
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
 def length(v):
-    return sum(x * x for x in v) ** 0.5
+    return dot(v, v) ** 0.5
 
 
 class Viewer(ProgramTest):
