@@ -57,7 +57,7 @@ std::unique_ptr<CompiledScene> patch_under(const Mat4& matrix, bool moving) {
   scene.add_node(parent);
   Node child;
   child.parent = 0;
-  child.meshes = {0};
+  child.meshes.push_back(0);
   scene.add_node(child);
   if (moving)
     scene.animation.push_back({1, AnimatedProperty::translation, Interpolation::step, {0, 1}, {Vec4(0), Vec4(0)}});
