@@ -54,7 +54,6 @@ int segments_for(const Document& document) {
 
 Shapes::Shapes(Import& import, Textures& textures)
     : import_(import),
-      textures_(textures),
       surfaces_(import, textures),
       materials_(import, textures),
       grey_(diffuse_surface(Rgb(0.5f), "diffuse")),

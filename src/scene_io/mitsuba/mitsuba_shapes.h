@@ -38,7 +38,6 @@ class Shapes {
   void count_elements(const Mesh& mesh, uint64_t& count, uint64_t limit) const;
 
   Import& import_;
-  Textures& textures_;
   Surfaces surfaces_;
   Materials materials_;
   Surface grey_;   ///< of shapes without BSDF
