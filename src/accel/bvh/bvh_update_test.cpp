@@ -27,9 +27,8 @@ void shape_sheet(std::vector<Vec3>& vertices, uint32_t edge, float moment) {
   }
 }
 
-/// A sheet that deforms, in world space and as an instance, beside a wall that does not.
-Soup deforming_scene(uint32_t edge) {
-  Soup soup;
+/// Adds a deforming mesh for shape_sheet().
+void add_sheet(Soup& soup, uint32_t edge) {
   std::vector<uint32_t> indices;
   for (uint32_t i = 0; i < edge * edge; ++i) {
     const uint32_t corner = i / edge * (edge + 1) + i % edge;
@@ -37,7 +36,13 @@ Soup deforming_scene(uint32_t edge) {
   }
   soup.add_mesh(std::vector<Vec3>((edge + 1) * (edge + 1)), std::move(indices));
   soup.meshes.back().deforms = true;
-  shape_sheet(soup.vertices(0), edge, 0);
+  shape_sheet(soup.vertices(static_cast<uint32_t>(soup.meshes.size() - 1)), edge, 0);
+}
+
+/// A sheet that deforms, in world space and as an instance, beside a wall that does not.
+Soup deforming_scene(uint32_t edge) {
+  Soup soup;
+  add_sheet(soup, edge);
   soup.add_instance(0);
   soup.add_instance(0, glm::rotate(glm::translate(Mat4(1), Vec3(-2, 1, 3)), 1.0f, Vec3(0, 1, 0)));
   soup.add_instance(soup.add_mesh({Vec3(-9, -9, -5), Vec3(9, -9, -5), Vec3(0, 9, -5)}));
@@ -70,14 +75,7 @@ TEST(BvhUpdate, FollowsSeveralDeformingMeshes) {
   constexpr uint32_t kSheets = 6;
   Soup soup;
   for (uint32_t sheet = 0; sheet < kSheets; ++sheet) {
-    std::vector<uint32_t> indices;
-    for (uint32_t i = 0; i < kEdge * kEdge; ++i) {
-      const uint32_t corner = i / kEdge * (kEdge + 1) + i % kEdge;
-      for (const uint32_t offset : {0u, 1u, kEdge + 2, 0u, kEdge + 2, kEdge + 1}) indices.push_back(corner + offset);
-    }
-    soup.add_mesh(std::vector<Vec3>((kEdge + 1) * (kEdge + 1)), std::move(indices));
-    soup.meshes.back().deforms = true;
-    shape_sheet(soup.vertices(sheet), kEdge, 0);
+    add_sheet(soup, kEdge);
     soup.add_instance(sheet, glm::translate(Mat4(1), Vec3(0, 0, sheet)));
   }
   BvhAccel accel(soup.meshes, soup.instances, soup.opacity);
