@@ -41,8 +41,7 @@ SettingList describe_image(RenderSettings& s) {
        {.min = 0, .max = 1024, .resets_history = false}},
       {"scalar-kernels",
        &s.scalar_kernels,
-       "Run the form of kernels that GPUs run, one pixel per call, instead of the host's form for several pixels at "
-       "once: "
+       "Run the form of kernels for GPUs, one pixel per call, instead of the host's form for several pixels at once: "
        "the same bits, slower; for comparison",
        {.resets_history = false}},
   };
