@@ -33,8 +33,8 @@ struct SceneResult {
   ImageSet images;
 };
 
-int method_reference_spp(const ExperimentContext& context) { return context.choose(4096, 16); }
-int built_in_reference_spp(const ExperimentContext& context) { return context.choose(2048, 16); }
+int method_reference_spp(const ExperimentContext& context) { return context.choose(1024, 16); }
+int built_in_reference_spp(const ExperimentContext& context) { return context.choose(512, 16); }
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, const char* name) {
   TraceContender result{.name = name, .settings = scene.settings};
