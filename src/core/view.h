@@ -19,7 +19,8 @@ struct View {
   RELUME_HD bool empty() const { return size == 0; }
 };
 
-/// View of all elements; valid until `v` is destroyed or resized.
+/// View of all elements; valid until `v` is destroyed or resized. Kernels that a backend launches take views of arrays
+/// (core/array.h) instead.
 template <typename T>
 View<const T> view_of(const std::vector<T>& v) {
   return {v.data(), static_cast<uint32_t>(v.size())};

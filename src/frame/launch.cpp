@@ -73,15 +73,38 @@ struct Backend::State {
   tbb::task_arena arena;
 };
 
-Backend::Backend(int threads, KernelForm form) : state_(std::make_unique<State>(threads)), form_(form) {}
+Backend::Backend(int threads, KernelForm form, Memory& memory)
+    : state_(std::make_unique<State>(threads)), form_(form), memory_(memory) {}
 Backend::~Backend() = default;
 
 int Backend::threads() const { return state_->count; }
 
 void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
 
+/// Reports the outermost launch to the hook.
+class Backend::Mark {
+ public:
+  Mark(Backend& backend, std::string_view name) : backend_(backend), name_(name) {
+    if (backend_.open_launches_++ == 0) report(LaunchEvent::Kind::begins);
+  }
+  ~Mark() {
+    if (--backend_.open_launches_ == 0) report(LaunchEvent::Kind::ends);
+  }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+
+ private:
+  void report(LaunchEvent::Kind kind) const {
+    if (backend_.launch_hook_) backend_.launch_hook_({kind, name_});
+  }
+
+  Backend& backend_;
+  std::string_view name_;
+};
+
 template <typename Function>
 void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
+  const Mark mark(*this, name);
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that runs `function`
   state_->arena.execute([&] {

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -21,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/array.h"
 #include "core/hd.h"
 
 namespace relume {
@@ -78,17 +80,31 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-/// Thread pool of the processor.
+/// A step of a launch, for Backend::on_launch().
+struct LaunchEvent {
+  enum class Kind : uint8_t {
+    kernel,  ///< a kernel is about to be launched
+    begins,  ///< a kernel, or host code that is timed like one, begins
+    ends,    ///< it has ended, perhaps by an exception
+  };
+  Kind kind = Kind::begins;
+  std::string_view name;
+  std::span<const std::byte> argument = {};  ///< of Kind::kernel: a copy of the kernel, with zeros between its members
+};
+
+/// Thread pool of the processor, and the memory that its kernels access.
 class Backend {
  public:
-  /// `threads` 0: one per core.
-  explicit Backend(int threads = 0, KernelForm form = KernelForm::tile);
+  /// `threads` 0: one per core. `memory` must outlive the backend.
+  explicit Backend(int threads = 0, KernelForm form = KernelForm::tile, Memory& memory = host_memory());
   ~Backend();
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
 
   int threads() const;
   KernelForm form() const { return form_; }
+  /// The memory for what kernels read and write.
+  Memory& memory() const { return memory_; }
   const std::vector<LaunchTime>& times() const { return times_; }
 
   /// Calls run_tile(context, tile) for every tile. Returns false if `stop` was requested before all were done.
@@ -99,6 +115,13 @@ class Backend {
   /// Calls `hook` before each tile, on the thread that runs the tile. Tests use it to stop frames at any tile. Empty:
   /// no hook.
   void on_tile(std::function<void()> hook) { tile_hook_ = std::move(hook); }
+
+  /// Calls `hook` at each step of each launch, on the thread that launches. Launches inside of launches count as part
+  /// of them. Tests use it to protect memory between launches. Empty: no hook.
+  void on_launch(std::function<void(const LaunchEvent&)> hook) { launch_hook_ = std::move(hook); }
+  bool watches_launches() const { return launch_hook_ != nullptr; }
+  /// Reports a kernel to the hook.
+  void report(const LaunchEvent& event) const { launch_hook_(event); }
 
   /// Runs host code; its parallel loops use the backend's threads.
   void execute(const std::function<void()>& function);
@@ -114,11 +137,15 @@ class Backend {
   template <typename Function>
   void timed(std::string_view name, const Function& function, bool own_threads = false);
 
+  class Mark;
   struct State;
   std::unique_ptr<State> state_;
   KernelForm form_;
+  Memory& memory_;
   std::vector<LaunchTime> times_;
   std::function<void()> tile_hook_;
+  std::function<void(const LaunchEvent&)> launch_hook_;
+  int open_launches_ = 0;  ///< launches inside of each other
 };
 
 /// Host: calls `work(tile)` for the tiles of `window`, on all threads of `backend`. Returns false if `stop` was
@@ -138,11 +165,22 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
+/// Reports `kernel` to the backend's hook, without the undefined bytes between its members.
+template <PassKernel K>
+[[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
+  K argument = kernel;
+#if __has_builtin(__builtin_clear_padding)
+  __builtin_clear_padding(&argument);
+#endif
+  backend.report({LaunchEvent::Kind::kernel, name, std::as_bytes(std::span(&argument, 1))});
+}
+
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
 /// missing. `tile_size`: as for launch_tiles().
 template <PassKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
+  if (backend.watches_launches()) report_kernel(backend, name, kernel);
   const auto run = [&](const Tile& tile) {
     if constexpr (TileKernel<K>) {
       if (backend.form() == KernelForm::tile) return kernel(tile);

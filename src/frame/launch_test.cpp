@@ -2,6 +2,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -51,6 +55,49 @@ TEST(Backend, RunsTheChosenForm) {
     EXPECT_EQ(tiles, form == KernelForm::tile ? 4 : 0);
     EXPECT_EQ(elements, form == KernelForm::tile ? 0 : 2 * kTileSize * (kTileSize + 1));
   }
+}
+
+/// Has undefined bytes between its members.
+struct PaddedKernel {
+  uint8_t small = 1;
+  View<uint32_t> values;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t) const { values[x] = small; }
+};
+
+TEST(Backend, ReportsTheOutermostLaunch) {
+  Backend backend(2);
+  std::string steps;
+  backend.on_launch([&](const LaunchEvent& event) {
+    const char* const kinds[] = {"kernel ", "begins ", "ends "};
+    steps += kinds[static_cast<int>(event.kind)] + std::string(event.name) + "; ";
+  });
+  launch(backend, "one", UnevenKernel{}, 1, 1);
+  backend.run("two", [&] { launch(backend, "three", UnevenKernel{}, 1, 1); });
+  EXPECT_THROW(backend.run("four", [] { throw std::runtime_error("expected"); }), std::runtime_error);
+  EXPECT_EQ(steps, "kernel one; begins one; ends one; begins two; kernel three; ends two; begins four; ends four; ");
+  backend.on_launch({});
+  backend.run("five", [] {});
+  EXPECT_EQ(steps.find("five"), std::string::npos);
+}
+
+TEST(Backend, ReportsArgumentsWithoutUndefinedBytes) {
+#if !__has_builtin(__builtin_clear_padding)
+  GTEST_SKIP() << "the compiler cannot clear padding";
+#endif
+  Backend backend(1);
+  Array<uint32_t> values(backend.memory());
+  values.reset(4);
+  alignas(PaddedKernel) std::byte storage[sizeof(PaddedKernel)];
+  std::memset(storage, 0xff, sizeof(storage));
+  const PaddedKernel& kernel = *new (storage) PaddedKernel{1, values.mutable_view()};
+  size_t filled = 0;
+  backend.on_launch([&](const LaunchEvent& event) {
+    for (const std::byte b : event.argument) filled += b == std::byte{0xff} ? 1 : 0;
+  });
+  launch(backend, "fill", kernel, 4, 1);
+  EXPECT_LT(filled, 7u);
+  EXPECT_EQ(values.read()[3], 1u);
 }
 
 TEST(Backend, OneThreadIsNeverIdle) {
