@@ -153,10 +153,17 @@ class Array {
   }
   void push_back(const T& value) {
     const T copy = value;
-    append({&copy, 1});
+    if (size_ == capacity_) grow(size_ + 1);
+    memory_->open_for_writing(data_);
+    data_[size_++] = copy;
   }
   /// Removes all elements and keeps the block.
   void clear() { size_ = 0; }
+  /// Allocates room for `count` elements, so that growth up to that number allocates nothing.
+  void reserve(size_t count) {
+    check(count);
+    if (count > capacity_) move_to(count);
+  }
   /// Gives back the memory beyond the last element.
   void shrink_to_fit() {
     if (capacity_ > size_) move_to(size_);

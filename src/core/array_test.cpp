@@ -97,6 +97,10 @@ TEST(Array, AllocatesOnlyToGrow) {
   for (int i = 0; i < 1000; ++i) array.push_back(i);
   EXPECT_LT(memory.allocations, 12);
   EXPECT_EQ(memory.blocks(), 1u);
+  const int before = memory.allocations;
+  array.reserve(5000);
+  for (int i = 0; i < 1000; ++i) array.push_back(array.read()[0]);
+  EXPECT_EQ(memory.allocations, before + 1);
 }
 
 TEST(Array, CopiesKeepTheirMemoryAndMovesHandItOver) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/hd.h"
@@ -27,6 +28,15 @@ View<const T> view_of(const std::vector<T>& v) {
 }
 template <typename T>
 View<T> mutable_view_of(std::vector<T>& v) {
+  return {v.data(), static_cast<uint32_t>(v.size())};
+}
+/// The same for elements that an array has opened for the host.
+template <typename T>
+View<const T> view_of(std::span<const T> v) {
+  return {v.data(), static_cast<uint32_t>(v.size())};
+}
+template <typename T>
+View<T> mutable_view_of(std::span<T> v) {
   return {v.data(), static_cast<uint32_t>(v.size())};
 }
 

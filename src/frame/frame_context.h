@@ -3,6 +3,7 @@
 
 #include <stop_token>
 #include <string_view>
+#include <utility>
 
 #include "frame/launch.h"
 #include "framebuffer/buffer_table.h"
@@ -84,6 +85,14 @@ class FrameContext : public FrameState {
   View<const T> previous(const BufferKey<T>& key) const {
     if (access_) access_->check_read(key);
     return buffers_.previous(key);
+  }
+
+  /// A buffer for a pass that reads it after its frame, on the host; nullptr if this frame lacks it. Valid as long as
+  /// the pass. Checks as read().
+  template <typename T>
+  const Buffer* buffer(const BufferKey<T>& key) const {
+    if (access_) access_->check_read(key);
+    return std::as_const(buffers_).find(key.name);
   }
 
   /// Calls f(buffer) for each buffer that follows the surface.

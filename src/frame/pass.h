@@ -4,8 +4,11 @@
 
 #include <array>
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "frame/frame_context.h"
@@ -87,5 +90,15 @@ class Pass {
   virtual void save(std::ostream&) const {}
   virtual void load(std::istream&) {}
 };
+
+/// Constructs a pass. `memory` is its last argument if it owns data for kernels.
+template <typename P, typename... Arguments>
+std::unique_ptr<P> make_pass(Memory& memory, Arguments&&... arguments) {
+  if constexpr (std::is_constructible_v<P, Arguments..., Memory&>) {
+    return std::make_unique<P>(std::forward<Arguments>(arguments)..., memory);
+  } else {
+    return std::make_unique<P>(std::forward<Arguments>(arguments)...);
+  }
+}
 
 }  // namespace relume

@@ -22,15 +22,31 @@ BlockPool::Block BlockPool::take(size_t bytes) {
     const std::lock_guard lock(mutex_);
     if (const auto found = spare_.find(bytes); found != spare_.end()) {
       spare_bytes_ -= bytes;
-      return {spare_.extract(found).mapped().block.release(), std::move(give_back)};
+      return {spare_.extract(found).mapped().block, std::move(give_back)};
     }
   }
   try {
-    return {new std::byte[bytes], std::move(give_back)};
+    return {allocate(bytes), std::move(give_back)};
   } catch (const std::bad_alloc&) {
     clear();
-    return {new std::byte[bytes], Return{shared_from_this(), bytes}};
+    return {allocate(bytes), Return{shared_from_this(), bytes}};
   }
+}
+
+std::byte* BlockPool::allocate(size_t bytes) {
+  return static_cast<std::byte*>(memory_.allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__));
+}
+
+void BlockPool::free(std::byte* block, size_t bytes) noexcept {
+  memory_.deallocate(block, bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+}
+
+/// Frees a spare block. Returns the next one.
+std::multimap<size_t, BlockPool::Spare>::iterator BlockPool::free(
+    std::multimap<size_t, Spare>::iterator spare) noexcept {
+  spare_bytes_ -= spare->first;
+  free(spare->second.block, spare->first);
+  return spare_.erase(spare);
 }
 
 void BlockPool::raise_limit(size_t bytes) {
@@ -43,15 +59,13 @@ void BlockPool::next_size() {
   ++changes_;
   for (auto spare = spare_.begin(); spare != spare_.end();) {
     const bool old = changes_ - spare->second.since > kKeptChanges;
-    if (old) spare_bytes_ -= spare->first;
-    spare = old ? spare_.erase(spare) : std::next(spare);
+    spare = old ? free(spare) : std::next(spare);
   }
 }
 
 void BlockPool::clear() {
   const std::lock_guard lock(mutex_);
-  spare_.clear();
-  spare_bytes_ = 0;
+  for (auto spare = spare_.begin(); spare != spare_.end();) spare = free(spare);
 }
 
 size_t BlockPool::spare_bytes() const {
@@ -60,19 +74,15 @@ size_t BlockPool::spare_bytes() const {
 }
 
 void BlockPool::put_back(std::byte* block, size_t bytes) noexcept {
-  std::unique_ptr<std::byte[]> owned(block);
   const std::lock_guard lock(mutex_);
-  if (!kReuses || bytes > limit_) return;
+  if (!kReuses || bytes > limit_) return free(block, bytes);
   try {
-    spare_.emplace(bytes, Spare{std::move(owned), changes_});
+    spare_.emplace(bytes, Spare{block, changes_});
   } catch (const std::bad_alloc&) {
-    return;  // without memory for its entry, the block is freed
+    return free(block, bytes);  // without memory for its entry
   }
   spare_bytes_ += bytes;
-  while (spare_bytes_ > limit_) {
-    spare_bytes_ -= spare_.begin()->first;
-    spare_.erase(spare_.begin());
-  }
+  while (spare_bytes_ > limit_) free(spare_.begin());
 }
 
 }  // namespace relume

@@ -8,6 +8,8 @@
 #include <memory>
 #include <mutex>
 
+#include "core/array.h"
+
 namespace relume {
 
 class BlockPool : public std::enable_shared_from_this<BlockPool> {
@@ -24,8 +26,16 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
   };
   using Block = std::unique_ptr<std::byte[], Return>;
 
-  static std::shared_ptr<BlockPool> create() { return std::make_shared<BlockPool>(Private()); }
-  explicit BlockPool(Private) {}
+  /// A pool of blocks of `memory`, which must outlive it.
+  static std::shared_ptr<BlockPool> create(Memory& memory = host_memory()) {
+    return std::make_shared<BlockPool>(Private(), memory);
+  }
+  BlockPool(Private, Memory& memory) : memory_(memory) {}
+  ~BlockPool() { clear(); }
+  BlockPool(const BlockPool&) = delete;
+  BlockPool& operator=(const BlockPool&) = delete;
+
+  Memory& memory() const { return memory_; }
 
   /// An uninitialised block: a spare one of that size, or a new one. Frees spare blocks if memory is short. Throws
   /// std::bad_alloc. Thread-safe.
@@ -45,12 +55,16 @@ class BlockPool : public std::enable_shared_from_this<BlockPool> {
 
  private:
   struct Spare {
-    std::unique_ptr<std::byte[]> block;
+    std::byte* block = nullptr;
     uint32_t since = 0;  ///< value of changes_ when the block became spare
   };
 
+  std::byte* allocate(size_t bytes);
   void put_back(std::byte* block, size_t bytes) noexcept;
+  void free(std::byte* block, size_t bytes) noexcept;
+  std::multimap<size_t, Spare>::iterator free(std::multimap<size_t, Spare>::iterator spare) noexcept;
 
+  Memory& memory_;
   mutable std::mutex mutex_;
   std::multimap<size_t, Spare> spare_;  ///< by size
   size_t spare_bytes_ = 0;

@@ -46,11 +46,12 @@ class Buffer {
 
   const BufferDescription& description() const { return description_; }
   std::string_view name() const { return description_.id.name; }
-  std::span<std::byte> bytes() { return {data(), size_}; }
-  std::span<const std::byte> bytes() const { return {data(), size_}; }
+  /// The content for host code, as Array::write() and Array::read().
+  std::span<std::byte> bytes() { return opened(data()); }
+  std::span<const std::byte> bytes() const { return opened(static_cast<const std::byte*>(data())); }
   /// Content of the previous frame; empty unless double-buffered.
-  std::span<std::byte> previous_bytes() { return {previous_data(), previous_ ? size_ : 0}; }
-  std::span<const std::byte> previous_bytes() const { return {previous_data(), previous_ ? size_ : 0}; }
+  std::span<std::byte> previous_bytes() { return opened(previous_data()); }
+  std::span<const std::byte> previous_bytes() const { return opened(static_cast<const std::byte*>(previous_data())); }
   /// Writes the zeros of a new buffer. Returns false if `stop` was requested first; the buffer is then still new.
   bool clear_new(const std::stop_token& stop = {}) const;
   void clear();
@@ -61,10 +62,23 @@ class Buffer {
   void swap() { std::swap(data_, previous_); }
   size_t memory_bytes() const { return size_ * (size_t{1} + (previous_ ? 1 : 0) + (kept_ ? 1 : 0)); }
 
-  /// Elements as T, which must match the buffer's type.
+  /// Elements as T, which must match the buffer's type, for host code that reads them.
+  template <typename T>
+  View<const T> read() const {
+    const View<const T> elements = view<const T>();
+    opened(reinterpret_cast<const std::byte*>(elements.data));
+    return elements;
+  }
+  /// The same for kernels.
   template <typename T>
   View<T> view() const {
     check_type<T>();
+    return {reinterpret_cast<T*>(data()), static_cast<uint32_t>(size_ / sizeof(T))};
+  }
+  /// The same as elements of another type of equal size, for kernels that only move them.
+  template <typename T>
+  View<T> view_as() const {
+    if (description_.id.element_bytes != sizeof(T)) fail_type();
     return {reinterpret_cast<T*>(data()), static_cast<uint32_t>(size_ / sizeof(T))};
   }
   /// Elements of the previous frame; an empty view unless double-buffered.
@@ -75,6 +89,16 @@ class Buffer {
   }
 
  private:
+  Memory& memory() const { return data_.get_deleter().pool->memory(); }
+  /// Gives the host access to one of the buffer's blocks, or none.
+  std::span<std::byte> opened(std::byte* block) const {
+    if (block) memory().open_for_writing(block);
+    return {block, block ? size_ : 0};
+  }
+  std::span<const std::byte> opened(const std::byte* block) const {
+    if (block) memory().open_for_reading(block);
+    return {block, block ? size_ : 0};
+  }
   std::byte* data() const {
     if (is_new_) clear_new();
     return data_.get();
@@ -115,7 +139,13 @@ class BufferTable {
   Buffer* find(std::string_view name);
   const Buffer* find(std::string_view name) const;
 
-  /// Elements of a buffer; an empty view if the table lacks it.
+  /// Elements of a buffer for host code that reads them; an empty view if the table lacks it.
+  template <typename T>
+  View<const T> read(const BufferKey<T>& key) const {
+    const Buffer* buffer = find(key.name);
+    return buffer ? buffer->read<T>() : View<const T>{};
+  }
+  /// The same for kernels.
   template <typename T>
   View<const T> view(const BufferKey<T>& key) const {
     const Buffer* buffer = find(key.name);
