@@ -9,6 +9,7 @@
 #include "accel/accel.h"
 #include "accel/accel_choice.h"
 #include "accel/triangle.h"
+#include "core/array.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -85,13 +86,17 @@ class AccelStructure {
   /// Valid until the structure is destroyed, also after updates.
   virtual AccelView view() const = 0;
 
+  /// Lets rays be traced by host code until the next launch.
+  virtual void open_for_host() const {}
+
   /// Bytes allocated for the structure.
   virtual size_t memory_bytes() const = 0;
 };
 
-/// Builds the chosen structure. `opacity` may be empty if no mesh needs it. Throws Error if memory is short, or if the
-/// scene is too large for the structure.
+/// Builds the chosen structure. `opacity` may be empty if no mesh needs it. `memory`: for relume's own BVH; it must
+/// outlive the structure. Throws Error if memory is short, or if the scene is too large for the structure.
 std::unique_ptr<AccelStructure> make_accel(AccelChoice choice, std::span<const AccelMesh> meshes,
-                                           std::span<const AccelInstance> instances, OpacityFunction opacity);
+                                           std::span<const AccelInstance> instances, OpacityFunction opacity,
+                                           Memory& memory = host_memory());
 
 }  // namespace relume

@@ -5,9 +5,10 @@
 namespace relume {
 
 std::unique_ptr<AccelStructure> make_accel(AccelChoice choice, std::span<const AccelMesh> meshes,
-                                           std::span<const AccelInstance> instances, OpacityFunction opacity) {
+                                           std::span<const AccelInstance> instances, OpacityFunction opacity,
+                                           Memory& memory) {
   switch (choice) {
-    case AccelChoice::bvh: return std::make_unique<BvhAccel>(meshes, instances, opacity);
+    case AccelChoice::bvh: return std::make_unique<BvhAccel>(meshes, instances, opacity, memory);
     case AccelChoice::embree: break;
   }
   return std::make_unique<EmbreeAccel>(meshes, instances, opacity);

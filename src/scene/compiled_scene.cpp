@@ -38,8 +38,21 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 }  // namespace
 
-CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
-    : source_(std::move(scene)), accel_choice_(options.accel), resolution_(options.width, options.height) {
+CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory& memory)
+    : source_(std::move(scene)),
+      previous_positions_(memory),
+      accel_choice_(options.accel),
+      vertices_(memory),
+      triangles_(memory),
+      uv1_(memory),
+      colors_(memory),
+      meshes_(memory),
+      instances_(memory),
+      materials_(memory),
+      layers_(memory),
+      textures_(memory),
+      lights_(memory),
+      resolution_(options.width, options.height) {
   validate(source_, error_place(source_));
   note_clips(options.animation);
   select_animation(source_, options.animation);
@@ -47,7 +60,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   world_ = world_matrices(source_, time_s_);  // at time 0: the environment does not depend on the start time
   visible_ = visible_nodes(source_, time_s_);
   check_placement(source_, world_, error_place(source_));
-  textures_ = TextureStore(source_.textures, options.texture_filter);
+  textures_ = TextureStore(source_.textures, options.texture_filter, memory);
   for (Texture& t : source_.textures) {
     t.texels = {};
     t.file = nullptr;
@@ -73,6 +86,21 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   if (options.time_s != 0) set_time(options.time_s);
   was_moved_ = true;
   end_frame();
+}
+
+void CompiledScene::open_for_host() const {
+  vertices_.read();
+  triangles_.read();
+  uv1_.read();
+  colors_.read();
+  previous_positions_.read();
+  meshes_.read();
+  instances_.read();
+  materials_.read();
+  layers_.read();
+  textures_.open_for_host();
+  lights_.open_for_host();
+  if (accel_) accel_->open_for_host();
 }
 
 void CompiledScene::note_clips(const std::string& choice) {
@@ -111,21 +139,22 @@ void CompiledScene::decide_instancing() {
 }
 
 void CompiledScene::build_materials() {
-  materials_.clear();
+  std::vector<MaterialData> materials;
   layers_.clear();
   for (const Material& m : source_.materials) {
-    MaterialData& data = materials_.emplace_back(material_data(m));
+    MaterialData& data = materials.emplace_back(material_data(m));
     const std::optional<LayerData> layers = layer_data(m);
     if (!layers) continue;
     data.layers = static_cast<int32_t>(layers_.size());
     layers_.push_back(*layers);
   }
-  for (MaterialData& data : materials_) {
+  for (MaterialData& data : materials) {
     if (!data.is_mixture()) continue;
     data.uses_uv = true;           // its parts may
     data.cull_back_faces = false;  // its parts may have a volume
   }
-  materials_.push_back(material_data(Material{}));  // glTF's default, for meshes without a material
+  materials.push_back(material_data(Material{}));  // glTF's default, for meshes without a material
+  materials_.assign(materials);
 }
 
 void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
@@ -151,9 +180,10 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   meshes_.push_back(view);
 
   const size_t count = mesh.positions.size();
-  vertices_.resize(first_vertex + count);
+  vertices_.resize(first_vertex + count, kUninitialized);
+  const std::span<Vertex> vertices = vertices_.write().subspan(first_vertex);
   parallel_for(count, [&](size_t i) {
-    Vertex& v = vertices_[first_vertex + i];
+    Vertex& v = vertices[i];
     v.position = m.point(mesh.positions[i]);
     const auto unit = [](const Vec3& d) { return length_squared(d) > 0.0f ? glm::normalize(d) : Vec3(0, 0, 1); };
     const Vec3 normal = view.has_normals ? unit(normal_to_world * mesh.normals[i] * orientation) : Vec3(0, 0, 1);
@@ -162,12 +192,14 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
     v.uv = view.has_uv ? mesh.uv0[i] : Vec2(0);
     v.tangent = view.has_tangents ? pack_direction(unit(m.vector(Vec3(mesh.tangents[i])))) : 0;
   });
+  triangles_.resize(view.first_triangle + mesh.triangles.size(), kUninitialized);
+  UVec3* triangle = triangles_.write().data() + view.first_triangle;
   for (const UVec3& t : mesh.triangles) {
     const UVec3 moved = t + UVec3(first_vertex);
-    triangles_.push_back(mirrored ? UVec3(moved.x, moved.z, moved.y) : moved);
+    *triangle++ = mirrored ? UVec3(moved.x, moved.z, moved.y) : moved;
   }
-  uv1_.insert(uv1_.end(), mesh.uv1.begin(), mesh.uv1.end());
-  colors_.insert(colors_.end(), mesh.colors.begin(), mesh.colors.end());
+  uv1_.append(mesh.uv1);
+  colors_.append(mesh.colors);
 }
 
 void CompiledScene::build_meshes() {
@@ -252,8 +284,11 @@ void CompiledScene::note_lighting() {
 }
 
 bool CompiledScene::all_unlit() const {
-  return !instances_.empty() && std::all_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
-    return !i.visible || materials_[meshes_[i.mesh].material].unlit;
+  const std::span<const Instance> instances = instances_.read();
+  const std::span<const MeshView> meshes = meshes_.read();
+  const std::span<const MaterialData> materials = materials_.read();
+  return !instances.empty() && std::all_of(instances.begin(), instances.end(), [&](const Instance& i) {
+    return !i.visible || materials[meshes[i.mesh].material].unlit;
   });
 }
 
@@ -333,27 +368,30 @@ void CompiledScene::choose_camera(const std::string& name) {
 }
 
 void CompiledScene::build_accel() {
+  const std::span<const Vertex> vertices = vertices_.read();
+  const std::span<const UVec3> triangles = triangles_.read();
+  const std::span<const MaterialData> materials = materials_.read();
   std::vector<AccelMesh> meshes;
-  for (const MeshView& m : meshes_) {
+  for (const MeshView& m : meshes_.read()) {
     AccelMesh a;
-    a.positions = &vertices_.data()->position.x;
+    a.positions = &vertices.data()->position.x;
     a.position_stride = sizeof(Vertex);
-    a.vertex_count = vertices_.size();
-    a.indices = m.triangle_count ? &triangles_[m.first_triangle].x : nullptr;
+    a.vertex_count = vertices.size();
+    a.indices = m.triangle_count ? &triangles[m.first_triangle].x : nullptr;
     a.triangle_count = m.triangle_count;
-    a.needs_opacity = materials_[m.material].has_alpha();
-    a.culls_back_faces = materials_[m.material].cull_back_faces;
+    a.needs_opacity = materials[m.material].has_alpha();
+    a.culls_back_faces = materials[m.material].cull_back_faces;
     a.deforms = m.deforms;
     meshes.push_back(a);
   }
-  accel_ = make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_});
+  accel_ =
+      make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
 }
 
 size_t CompiledScene::memory_bytes() const {
-  return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) +
-         colors_.size() * sizeof(Vec4) + instances_.size() * sizeof(Instance) + textures_.memory_bytes() +
-         previous_positions_.size() * sizeof(Vec3) + deforming_.memory_bytes() + lights_.memory_bytes() +
-         accel_->memory_bytes();
+  return vertices_.memory_bytes() + triangles_.memory_bytes() + uv1_.memory_bytes() + colors_.memory_bytes() +
+         instances_.memory_bytes() + textures_.memory_bytes() + previous_positions_.memory_bytes() +
+         deforming_.memory_bytes() + lights_.memory_bytes() + accel_->memory_bytes();
 }
 
 }  // namespace relume

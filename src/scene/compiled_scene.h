@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/accel_structure.h"
+#include "core/array.h"
 #include "core/box.h"
 #include "core/change.h"
 #include "scene/deforming_meshes.h"
@@ -37,8 +38,8 @@ Index find_camera(const Scene& scene, const std::string& name);
 class CompiledScene {
  public:
   /// Moves the arrays of the scene into their kernel layout and frees them. Throws Error if the camera does not exist,
-  /// and as validate().
-  CompiledScene(Scene scene, const CompileOptions& options);
+  /// and as validate(). `memory`: for the arrays of the view; it must outlive the scene.
+  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory = host_memory());
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 
@@ -79,6 +80,7 @@ class CompiledScene {
   /// Node of an instance.
   Index node_of(uint32_t instance) const { return static_cast<Index>(mesh_instances_[instance].node); }
 
+  /// The scene for kernels.
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }
   bool in_studio() const { return in_studio_; }
@@ -89,6 +91,9 @@ class CompiledScene {
   SceneBounds bounds() const { return view_.lights.bounds; }
 
  private:
+  /// Lets host code read all that the view refers to until the next launch.
+  void open_for_host() const;
+
   struct MeshInstance {
     uint32_t node;
     uint32_t mesh;
@@ -162,27 +167,27 @@ class CompiledScene {
   bool was_moved_ = false;                    ///< whether a previous position differs from the current one
   std::vector<MeshInstance> mesh_instances_;  ///< per instance
   DeformingMeshes deforming_;
-  std::set<uint32_t> deformed_;           ///< indices in deforming_, since the end of the last frame
-  std::vector<Vec3> previous_positions_;  ///< of deforming meshes
-  std::vector<bool> visible_;             ///< per node
-  std::vector<bool> world_space_;         ///< per mesh instance
-  std::vector<uint32_t> shared_meshes_;   ///< per mesh of the source: its mesh-space copy; kNoHit: none
+  std::set<uint32_t> deformed_;          ///< indices in deforming_, since the end of the last frame
+  Array<Vec3> previous_positions_;       ///< of deforming meshes
+  std::vector<bool> visible_;            ///< per node
+  std::vector<bool> world_space_;        ///< per mesh instance
+  std::vector<uint32_t> shared_meshes_;  ///< per mesh of the source: its mesh-space copy; kNoHit: none
   AccelChoice accel_choice_;
   bool in_studio_ = false;
   float studio_rotation_rad_ = 0;
   std::optional<bool> automatic_is_studio_;  ///< set at the first decision
   bool edited_ = false;                      ///< since commit_edits()
-  std::vector<Vertex> vertices_;
-  std::vector<UVec3> triangles_;
-  std::vector<Vec2> uv1_;
-  std::vector<Vec4> colors_;
-  std::vector<MeshView> meshes_;
+  Array<Vertex> vertices_;
+  Array<UVec3> triangles_;
+  Array<Vec2> uv1_;
+  Array<Vec4> colors_;
+  Array<MeshView> meshes_;
   std::vector<Box> boxes_;  ///< per mesh
   Box extent_;              ///< bounds of everything at all times
   std::vector<uint32_t> mesh_of_instance_;
-  std::vector<Instance> instances_;
-  std::vector<MaterialData> materials_;
-  std::vector<LayerData> layers_;  ///< of layered materials
+  Array<Instance> instances_;
+  Array<MaterialData> materials_;
+  Array<LayerData> layers_;  ///< of layered materials
   TextureStore textures_;
   LightBuilder lights_;
   Index camera_node_ = kNone;

@@ -62,17 +62,20 @@ void CompiledScene::check_extent(const Box& box) const {
 }
 
 Box CompiledScene::box_of(const MeshView& mesh) const {
+  const std::span<const Vertex> vertices = vertices_.read();
+  const std::span<const UVec3> triangles = triangles_.read();
   Box box;
   for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
-    const UVec3 index = triangles_[mesh.first_triangle + t];
-    for (int k = 0; k < 3; ++k) box.add(vertices_[index[k]].position);
+    const UVec3 index = triangles[mesh.first_triangle + t];
+    for (int k = 0; k < 3; ++k) box.add(vertices[index[k]].position);
   }
   return box;
 }
 
 void CompiledScene::compute_bounds() {
-  boxes_.assign(meshes_.size(), {});
-  parallel_for(meshes_.size(), [&](size_t m) { boxes_[m] = box_of(meshes_[m]); });
+  const std::span<const MeshView> meshes = meshes_.read();
+  boxes_.assign(meshes.size(), {});
+  parallel_for(meshes.size(), [&](size_t m) { boxes_[m] = box_of(meshes[m]); });
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     if (world_space_[i]) extent_.add(boxes_[mesh_of_instance_[i]]);
   }

@@ -56,8 +56,9 @@ void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
   append_mesh(placed.mesh, nullptr);
   const auto count = static_cast<uint32_t>(vertices_.size()) - first_vertex;
   placed.deforming = deforming_.add(source_, {node, mesh_index, compiled_mesh, first_vertex, count});
-  meshes_.back().deforms = true;
-  meshes_.back().first_previous = static_cast<uint32_t>(previous_positions_.size()) - first_vertex;
+  MeshView& mesh = meshes_.write().back();
+  mesh.deforms = true;
+  mesh.first_previous = static_cast<uint32_t>(previous_positions_.size()) - first_vertex;
   previous_positions_.resize(previous_positions_.size() + count);
   mesh_of_instance_.push_back(compiled_mesh);
 }
@@ -65,7 +66,8 @@ void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
 std::vector<uint32_t> CompiledScene::deform_meshes() {
   std::vector<uint32_t> deformed;
   if (deforming_.size() == 0) return deformed;
-  for (const uint32_t number : deforming_.update(source_, joint_matrices(source_, world_), time_s_, vertices_)) {
+  for (const uint32_t number :
+       deforming_.update(source_, joint_matrices(source_, world_), time_s_, vertices_.write())) {
     deformed_.insert(number);
     deformed.push_back(deforming_.source(number).compiled_mesh);
   }
@@ -73,12 +75,15 @@ std::vector<uint32_t> CompiledScene::deform_meshes() {
 }
 
 void CompiledScene::keep_previous_positions() {
+  const std::span<const Vertex> vertices = vertices_.read();
+  const std::span<const MeshView> meshes = meshes_.read();
+  const std::span<Vec3> previous = previous_positions_.write();
   for (const uint32_t number : deformed_) {
     const DeformingMeshes::Source& source = deforming_.source(number);
-    const uint32_t first_previous = meshes_[source.compiled_mesh].first_previous;
+    const uint32_t first_previous = meshes[source.compiled_mesh].first_previous;
     parallel_for(source.vertex_count, [&](uint32_t i) {
       const uint32_t vertex = source.first_vertex + i;
-      previous_positions_[first_previous + vertex] = vertices_[vertex].position;
+      previous[first_previous + vertex] = vertices[vertex].position;
     });
   }
   deformed_.clear();

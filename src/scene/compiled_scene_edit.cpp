@@ -41,7 +41,7 @@ Index CompiledScene::add_material(const Material& material) {
   const Index index = append(source_.materials, material);
   build_materials();
   // The default material, for meshes without one, follows the others.
-  for (MeshView& mesh : meshes_) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
+  for (MeshView& mesh : meshes_.write()) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
   edited_ = true;
   return index;
 }
@@ -63,7 +63,7 @@ Index CompiledScene::add_mesh(const Mesh& mesh) {
   kept = Mesh{};
   kept.name = mesh.name;
   kept.material = mesh.material;
-  boxes_.push_back(box_of(meshes_.back()));
+  boxes_.push_back(box_of(meshes_.read().back()));
   edited_ = true;
   return index;
 }
@@ -189,6 +189,7 @@ void CompiledScene::remove_light(Index light) {
 
 Change CompiledScene::commit_edits() {
   if (!edited_) return Change::none;
+  open_for_host();
   edited_ = false;
   instances_.clear();
   place_instances();

@@ -15,8 +15,9 @@
 namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
+  open_for_host();
   was_moved_ = false;
-  for (Instance& i : instances_) i.previous_to_world = i.to_world;
+  for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
   keep_previous_positions();
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
@@ -24,6 +25,7 @@ void CompiledScene::end_frame() {
 }
 
 Change CompiledScene::set_time(float time_s) {
+  open_for_host();
   std::vector<Mat4> world = checked_world(time_s);
   time_s_ = time_s;
   const Change change = animate_parameters();
@@ -37,6 +39,7 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
       throw Error(fmt::format("{}: the camera is beyond {:g} m; move it closer to the origin", error_place(source_),
                               kMaxCoordinate));
   }
+  open_for_host();
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
   const CameraView before = std::exchange(camera_view_, now);
   camera_pose_ = camera;
@@ -47,6 +50,7 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
 }
 
 Change CompiledScene::set_resolution(int width, int height) {
+  open_for_host();
   resolution_ = {width, height};
   camera_view_ = view_through(camera());
   previous_camera_view_ = camera_view_;
@@ -56,6 +60,7 @@ Change CompiledScene::set_resolution(int width, int height) {
 
 Change CompiledScene::set_transform(Index node, const Transform& transform) {
   check_index(node, source_.nodes.size(), "node", error_place(source_));
+  open_for_host();
   Node& target = source_.nodes[static_cast<size_t>(node)];
   const Node before = target;
   const std::vector<AnimationChannel> animation_before = source_.animation;
@@ -79,6 +84,7 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
   check_index(light, source_.lights.size(), "light", error_place(source_));
   validate(value, error_place(source_));
+  open_for_host();
   source_.lights[static_cast<size_t>(light)] = value;
   end_parameter_animation(AnimatedPart::light, light);
   collect_lights();
@@ -88,6 +94,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
 
 Change CompiledScene::set_environment(const Environment& environment) {
   validate(environment, error_place(source_));
+  open_for_host();
   source_.environment = environment;
   use_environment();
   was_moved_ = true;
@@ -103,6 +110,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
                               error_place(source_), value.name, ref->texture, source_.textures.size()));
   }
   check_mixture(material, value);
+  open_for_host();
   end_parameter_animation(AnimatedPart::material, material);
   return replace_material(material, value);
 }
@@ -124,14 +132,15 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
   Material& target = source_.materials[static_cast<size_t>(material)];
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
   const auto index = static_cast<uint32_t>(material);
-  const MaterialData before = materials_[index];
+  const MaterialData before = materials_.read()[index];
   target = value;
   build_materials();
   refresh_view();
-  const MaterialData& now = materials_[index];
+  const MaterialData& now = materials_.read()[index];
   const bool other_filters = before.has_alpha() != now.has_alpha() || before.cull_back_faces != now.cull_back_faces;
-  for (uint32_t m = 0; m < meshes_.size() && other_filters; ++m) {
-    if (meshes_[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
+  const std::span<const MeshView> meshes = meshes_.read();
+  for (uint32_t m = 0; m < meshes.size() && other_filters; ++m) {
+    if (meshes[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   if (!emits) return Change::materials;
   lights_.discard_texture_tables();
@@ -170,7 +179,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
 
 void CompiledScene::collect_lights() {
   refresh_view();
-  lights_.collect(view_, instances_, source_, {world_, visible_}, bounds_);
+  lights_.collect(view_, instances_.write(), source_, {world_, visible_}, bounds_);
   refresh_view();
 }
 
@@ -183,10 +192,11 @@ CameraPose CompiledScene::camera() const { return camera_pose_ ? *camera_pose_ :
 bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
   instances_.resize(mesh_instances_.size());
+  const std::span<Instance> instances = instances_.write();
   bool moved = false;
   const JointMatrices joints = joint_matrices(source_, world_);
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
-    Instance& instance = instances_[i];
+    Instance& instance = instances[i];
     instance.mesh = mesh_of_instance_[i];
     instance.in_world_space = world_space_[i];
     const bool visible = visible_[mesh_instances_[i].node];
@@ -231,23 +241,27 @@ CameraView CompiledScene::view_through(const CameraPose& placed) const {
 }
 
 void CompiledScene::refresh_view() {
-  view_.vertices = view_of(vertices_);
-  view_.triangles = view_of(triangles_);
-  view_.uv1 = view_of(uv1_);
-  view_.colors = view_of(colors_);
-  view_.previous_positions = view_of(previous_positions_);
-  view_.meshes = view_of(meshes_);
-  view_.instances = view_of(instances_);
-  view_.materials = view_of(materials_);
-  view_.layers = view_of(layers_);
+  view_.vertices = vertices_.view();
+  view_.triangles = triangles_.view();
+  view_.uv1 = uv1_.view();
+  view_.colors = colors_.view();
+  view_.previous_positions = previous_positions_.view();
+  view_.meshes = meshes_.view();
+  view_.instances = instances_.view();
+  view_.materials = materials_.view();
+  view_.layers = layers_.view();
+  const std::span<const MaterialData> materials = materials_.read();
+  const std::span<const Instance> instances = instances_.read();
+  const std::span<const MeshView> meshes = meshes_.read();
+  const std::span<const LayerData> layers = layers_.read();
   view_.absorbs =
-      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
+      std::any_of(materials.begin(), materials.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
   view_.culls_back_faces =
-      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.cull_back_faces; });
+      std::any_of(materials.begin(), materials.end(), [](const MaterialData& m) { return m.cull_back_faces; });
   const bool any_disperses =
-      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.dispersion > 0.0f; });
-  view_.disperses = any_disperses && std::any_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
-                      const MaterialData& material = materials_[meshes_[i.mesh].material];
+      std::any_of(materials.begin(), materials.end(), [](const MaterialData& m) { return m.dispersion > 0.0f; });
+  view_.disperses = any_disperses && std::any_of(instances.begin(), instances.end(), [&](const Instance& i) {
+                      const MaterialData& material = materials[meshes[i.mesh].material];
                       return material.dispersion > 0.0f || material.is_mixture();
                     });
   view_.textures = textures_.views();
@@ -255,9 +269,9 @@ void CompiledScene::refresh_view() {
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
   view_.energy_tables = &layered_energy_tables(
-      {.anisotropic = std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
+      {.anisotropic = std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
        .sheen =
-           std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
+           std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
   if (!accel_ || edited_) return;  // lacks the added parts; commit_edits() calls this again
   // Rays in every direction leave a closed mesh. A sheet of glass, or a gap in a mesh, affects one direction only.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
@@ -266,8 +280,9 @@ void CompiledScene::refresh_view() {
 
 std::vector<AccelInstance> CompiledScene::accel_instances() const {
   std::vector<AccelInstance> result;
-  for (size_t k = 0; k < instances_.size(); ++k) {
-    const Instance& i = instances_[k];
+  const std::span<const Instance> instances = instances_.read();
+  for (size_t k = 0; k < instances.size(); ++k) {
+    const Instance& i = instances[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
     result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible,

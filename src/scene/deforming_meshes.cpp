@@ -243,7 +243,7 @@ bool DeformingMeshes::update_pose(const Scene& scene, const JointMatrices& joint
 }
 
 std::vector<uint32_t> DeformingMeshes::update(const Scene& scene, const JointMatrices& joints, float time_s,
-                                              std::vector<Vertex>& vertices) {
+                                              std::span<Vertex> vertices) {
   std::vector<uint32_t> moved;
   for (uint32_t number = 0; number < meshes_.size(); ++number) {
     if (meshes_[number].used && update_pose(scene, joints, time_s, meshes_[number])) moved.push_back(number);

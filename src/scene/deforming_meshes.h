@@ -63,7 +63,7 @@ class DeformingMeshes {
 
   /// Updates the vertices of every mesh whose joints or weights have changed. Returns the indices of these meshes.
   std::vector<uint32_t> update(const Scene& scene, const JointMatrices& joints, float time_s,
-                               std::vector<Vertex>& vertices);
+                               std::span<Vertex> vertices);
 
   size_t memory_bytes() const;
 

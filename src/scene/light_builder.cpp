@@ -93,49 +93,44 @@ Light punctual_light(PunctualLight source, const Mat4& to_world) {
 }  // namespace
 
 void LightBuilder::set_environment(const Environment& source) {
-  Environment baked = source;
   environment_changed_ = true;
   has_sun_ = false;
+  EnvironmentMap baked;
   if (source.kind == EnvironmentKind::sun_sky) {
-    const SunSkyModel model = make_sun_sky(source.sun_sky);
-    baked.map = model.sky;
-    baked.width = model.width;
-    baked.height = model.height;
+    SunSkyModel model = make_sun_sky(source.sun_sky);
+    baked = {model.width, model.height, std::move(model.sky)};
     sun_ = model.sun;
     sun_.irradiance *= source.color;
     has_sun_ = !is_black(sun_.irradiance);
   }
-  if (source.kind == EnvironmentKind::studio) {
-    EnvironmentMap studio = make_studio();
-    baked.map = std::move(studio.texels);
-    baked.width = studio.width;
-    baked.height = studio.height;
-  }
+  if (source.kind == EnvironmentKind::studio) baked = make_studio();
   environment_ = {};
   if (source.kind == EnvironmentKind::none || source.kind == EnvironmentKind::automatic) return;
-  environment_.scale = baked.color;
-  environment_.mean = baked.color;
+  environment_.scale = source.color;
+  environment_.mean = source.color;
   environment_.cos_rotation = std::cos(source.rotation_rad);
   environment_.sin_rotation = std::sin(source.rotation_rad);
   sun_.to_light = environment_.direction_from_map(sun_.to_light);
   if (source.kind == EnvironmentKind::constant) return;
 
-  environment_map_ = std::move(baked.map);
-  environment_.map = view_of(environment_map_);
-  environment_.width = static_cast<uint32_t>(baked.width);
-  environment_.height = static_cast<uint32_t>(baked.height);
-  build_environment_distribution();
+  if (source.kind == EnvironmentKind::map) {
+    use_environment_map(source.map, source.width, source.height);
+  } else {
+    use_environment_map(baked.texels, baked.width, baked.height);
+  }
 }
 
-void LightBuilder::build_environment_distribution() {
-  const int w = static_cast<int>(environment_.width);
-  const int h = static_cast<int>(environment_.height);
+void LightBuilder::use_environment_map(std::span<const Rgb> map, int w, int h) {
+  environment_map_.assign(map);
+  environment_.map = environment_map_.view();
+  environment_.width = static_cast<uint32_t>(w);
+  environment_.height = static_cast<uint32_t>(h);
   // The weight of a texel is its solid angle times the mean of the bilinear interpolation over it, (1 6 1)/8 along each
   // axis.
-  std::vector<float> weights(environment_map_.size());
+  std::vector<float> weights(map.size());
   const auto at = [&](int x, int y) {
-    return environment_map_[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) +
-                            static_cast<size_t>((x + w) % w)];
+    return map[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) +
+               static_cast<size_t>((x + w) % w)];
   };
   Rgb sum(0);
   double solid_angle = 0;
@@ -157,11 +152,14 @@ void LightBuilder::build_environment_distribution() {
     solid_angle += std::sin((y + 0.5) / h * static_cast<double>(kPi)) * w;
   }
   environment_.mean = environment_.scale * sum / static_cast<float>(solid_angle);
-  environment_distribution_ = build_distribution_2d(weights, environment_.width, environment_.height);
-  environment_.distribution = environment_distribution_.view();
+  const Distribution2DStorage distribution = build_distribution_2d(weights, environment_.width, environment_.height);
+  environment_marginal_.assign(distribution.marginal);
+  environment_conditional_.assign(distribution.conditional);
+  environment_.distribution = {environment_marginal_.view(), environment_conditional_.view(), distribution.width,
+                               distribution.height};
 }
 
-void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
+void LightBuilder::collect(const SceneView& geometry, std::span<Instance> instances, const Scene& scene,
                            const PlacedNodes& nodes, const SceneBounds& bounds) {
   lights_.clear();
   bounds_ = bounds;
@@ -172,7 +170,7 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   first_infinite_ = static_cast<uint32_t>(lights_.size());
   add_punctual_lights(scene, nodes, true);
   if (has_sun_) lights_.push_back(Light::of(sun_));
-  if (!environment_.black()) lights_.emplace_back();
+  if (!environment_.black()) lights_.push_back({});
   mark_changes();
 }
 
@@ -200,7 +198,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
   }
 }
 
-void LightBuilder::add_textured(const SceneView& geometry, const std::vector<Instance>& instances) {
+void LightBuilder::add_textured(const SceneView& geometry, std::span<const Instance> instances) {
   std::vector<EmissiveTriangle> missing;
   for (const Instance& instance : instances) {
     const MeshView& mesh = geometry.meshes[instance.mesh];
@@ -214,9 +212,10 @@ void LightBuilder::add_textured(const SceneView& geometry, const std::vector<Ins
   for (size_t i = 0; i < missing.size(); ++i) {
     if (tables[i].entries.empty()) continue;
     textured_indices_[missing[i].mesh->first_triangle + missing[i].primitive] = static_cast<int32_t>(textured_.size());
-    textured_.push_back(tables[i].triangle);
-    textured_.back().first_entry = static_cast<uint32_t>(entries_.size());
-    entries_.insert(entries_.end(), tables[i].entries.begin(), tables[i].entries.end());
+    TexturedTriangle triangle = tables[i].triangle;
+    triangle.first_entry = static_cast<uint32_t>(entries_.size());
+    textured_.push_back(triangle);
+    entries_.append(tables[i].entries);
   }
 }
 
@@ -238,13 +237,17 @@ bool LightBuilder::same(const Light& a, const Light& b) const {
 void LightBuilder::mark_changes() {
   const bool same_count = previous_.size() == lights_.size();
   // Changes from earlier edits of this frame persist, even if `previous_` was replaced since.
-  const std::vector<LightId> before = same_count ? std::move(changed_) : std::vector<LightId>();
+  Array<LightId> changed_before(changed_.memory());
+  if (same_count) changed_before.swap(changed_);
   changed_.clear();
-  for (size_t i = 0; i < lights_.size(); ++i) {
+  const std::span<const LightId> before = changed_before.read();
+  const std::span<const Light> previous = previous_.read();
+  const std::span<Light> lights = lights_.write();
+  for (size_t i = 0; i < lights.size(); ++i) {
     const auto id = static_cast<LightId>(i);
-    const bool differs = i >= previous_.size() || !same(lights_[i], previous_[i]);
-    lights_[i].changed = has_previous_ && (differs || std::binary_search(before.begin(), before.end(), id));
-    if (lights_[i].changed) changed_.push_back(id);
+    const bool differs = i >= previous.size() || !same(lights[i], previous[i]);
+    lights[i].changed = has_previous_ && (differs || std::binary_search(before.begin(), before.end(), id));
+    if (lights[i].changed) changed_.push_back(id);
   }
   if (!has_previous_ || !same_count) previous_ = lights_;
 }
@@ -253,13 +256,13 @@ void LightBuilder::discard_texture_tables() {
   textured_indices_.clear();
   textured_.clear();
   entries_.clear();
-  for (Light& light : previous_) {
+  for (Light& light : previous_.write()) {
     if (light.kind == LightKind::triangle) light.triangle.textured = -1;  // its table no longer exists
   }
 }
 
 void LightBuilder::mark_unchanged() {
-  for (Light& light : lights_) light.changed = false;
+  for (Light& light : lights_.write()) light.changed = false;
   changed_.clear();
   previous_ = lights_;
   has_previous_ = true;
@@ -268,20 +271,31 @@ void LightBuilder::mark_unchanged() {
 
 LightsView LightBuilder::view() const {
   LightsView v;
-  v.lights = view_of(lights_);
-  v.previous = view_of(previous_);
-  v.changed = view_of(changed_);
+  v.lights = lights_.view();
+  v.previous = previous_.view();
+  v.changed = changed_.view();
   v.first_infinite = first_infinite_;
-  v.textured = {view_of(textured_), view_of(entries_), textures_};
+  v.textured = {textured_.view(), entries_.view(), textures_};
   v.environment = environment_;
   v.bounds = bounds_;
   return v;
 }
 
+void LightBuilder::open_for_host() const {
+  lights_.read();
+  previous_.read();
+  changed_.read();
+  textured_.read();
+  entries_.read();
+  environment_map_.read();
+  environment_marginal_.read();
+  environment_conditional_.read();
+}
+
 size_t LightBuilder::memory_bytes() const {
-  return (lights_.size() + previous_.size()) * sizeof(Light) + textured_.size() * sizeof(TexturedTriangle) +
-         entries_.size() * sizeof(AliasEntry) + environment_map_.size() * sizeof(Rgb) +
-         (environment_distribution_.marginal.size() + environment_distribution_.conditional.size()) * sizeof(float);
+  return lights_.memory_bytes() + previous_.memory_bytes() + textured_.memory_bytes() + entries_.memory_bytes() +
+         environment_map_.memory_bytes() + environment_marginal_.memory_bytes() +
+         environment_conditional_.memory_bytes();
 }
 
 }  // namespace relume

@@ -92,7 +92,7 @@ void filter_level(const TextureView& view, int level, std::byte* texels) {
   }
 }
 
-TextureView build(const Texture& texture, std::vector<std::byte>& texels) {
+TextureView build(const Texture& texture, Array<TexelBytes>& texels) {
   TextureView view;
   view.srgb_table = srgb_to_linear_table();
   view.width = texture.width;
@@ -108,10 +108,11 @@ TextureView build(const Texture& texture, std::vector<std::byte>& texels) {
     view.level_count = level + 1;
     if (view.level_width(level) == 1 && view.level_height(level) == 1) break;
   }
-  texels.resize(static_cast<size_t>(count) * texel_size(texture.format));
-  view.texels = texels.data();
-  copy_base(texture, texels.data());
-  for (int level = 1; level < view.level_count; ++level) filter_level(view, level, texels.data());
+  texels.reset(static_cast<size_t>(count) * texel_size(texture.format) / sizeof(TexelBytes));  // blocks of 16 texels
+  auto* const target = reinterpret_cast<std::byte*>(texels.write().data());
+  view.texels = target;
+  copy_base(texture, target);
+  for (int level = 1; level < view.level_count; ++level) filter_level(view, level, target);
   return view;
 }
 
@@ -126,21 +127,28 @@ const float* srgb_to_linear_table() {
   return table.data();
 }
 
-TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter)
-    : texels_(textures.size()), views_(textures.size()) {
+TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter, Memory& memory)
+    : texels_(textures.size(), Array<TexelBytes>(memory)), views_(memory) {
+  views_.reset(textures.size());
+  const std::span<TextureView> views = views_.write();
   Activity activity("filtering textures", textures.size());
   parallel_for(textures.size(), [&](size_t i) {
-    views_[i] = build(textures[i], texels_[i]);
+    views[i] = build(textures[i], texels_[i]);
     activity.part_done();
     if (filter == TextureFilter::linear) return;
-    views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
-    views_[i].level_count = 1;
+    views[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
+    views[i].level_count = 1;
   });
+}
+
+void TextureStore::open_for_host() const {
+  views_.read();
+  for (const Array<TexelBytes>& texels : texels_) texels.read();
 }
 
 size_t TextureStore::memory_bytes() const {
   size_t sum = 0;
-  for (const auto& t : texels_) sum += t.size();
+  for (const Array<TexelBytes>& t : texels_) sum += t.memory_bytes();
   return sum;
 }
 

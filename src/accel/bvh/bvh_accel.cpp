@@ -29,6 +29,8 @@ struct PlacedTree {
 }  // namespace
 
 struct BvhAccel::State {
+  explicit State(Memory& memory) : nodes(memory), triangles(memory), placed(memory), filters(memory) {}
+
   embree::Device device;  ///< only for its builder
   std::vector<AccelMesh> meshes;
   std::vector<RefitCost> refit_costs;  ///< by mesh
@@ -38,11 +40,18 @@ struct BvhAccel::State {
   PlacedTree still;
   uint32_t lower_nodes = 0;  ///< number of nodes outside the top tree, whose nodes follow them
 
-  std::vector<BvhNode> nodes;
-  std::vector<BvhTriangle> triangles;
-  std::vector<BvhInstance> placed;
-  std::vector<uint32_t> filters;
+  Array<BvhNode> nodes;
+  Array<BvhTriangle> triangles;
+  Array<BvhInstance> placed;
+  Array<uint32_t> filters;
   BvhView view;
+
+  std::span<BvhNode> nodes_of(const PlacedTree& tree) {
+    return nodes.write().subspan(tree.first_node, tree.node_count);
+  }
+  std::span<BvhTriangle> triangles_of(const PlacedTree& tree) {
+    return triangles.write().subspan(tree.first_triangle, tree.triangle_count);
+  }
 
   /// Copies a tree into the arrays: over its predecessor if there is room, or else to their ends.
   void place(const BvhTree& tree, PlacedTree& at) {
@@ -66,10 +75,11 @@ struct BvhAccel::State {
       at.triangle_room = at.triangle_count;
       triangles.resize(triangles.size() + tree.triangles.size());
     }
-    std::copy(tree.triangles.begin(), tree.triangles.end(), triangles.begin() + at.first_triangle);
-    std::copy(tree.nodes.begin(), tree.nodes.end(), nodes.begin() + at.first_node);
-    for (uint32_t i = at.first_node; i < at.first_node + at.node_count; ++i) {
-      for (BvhChild& child : nodes[i].children) child = relocated(child, at.first_node, at.first_triangle);
+    std::copy(tree.triangles.begin(), tree.triangles.end(), triangles_of(at).begin());
+    const std::span<BvhNode> own = nodes_of(at);
+    std::copy(tree.nodes.begin(), tree.nodes.end(), own.begin());
+    for (BvhNode& node : own) {
+      for (BvhChild& child : node.children) child = relocated(child, at.first_node, at.first_triangle);
     }
     at.root = relocated(tree.root, at.first_node, at.first_triangle);
     at.bounds = tree.bounds;
@@ -82,9 +92,7 @@ struct BvhAccel::State {
 
   void refit_mesh(uint32_t mesh) {
     PlacedTree& tree = mesh_trees[mesh];
-    tree.bounds = refit(meshes[mesh], std::span(nodes).subspan(tree.first_node, tree.node_count),
-                        std::span(triangles).subspan(tree.first_triangle, tree.triangle_count), tree.first_node,
-                        tree.first_triangle);
+    tree.bounds = refit(meshes[mesh], nodes_of(tree), triangles_of(tree), tree.first_node, tree.first_triangle);
   }
 
   /// Adapts the trees of meshes to their vertices.
@@ -135,19 +143,20 @@ struct BvhAccel::State {
     view.root = children.empty() ? BvhChild::none() : children.front();
     if (children.size() > 1) {
       const BvhTree top = build_top_tree(device, boxes, children, lower_nodes);
-      nodes.insert(nodes.end(), top.nodes.begin(), top.nodes.end());
+      nodes.append(top.nodes);
       view.root = top.root;
     }
-    view.nodes = view_of(nodes);
-    view.triangles = view_of(triangles);
-    view.instances = view_of(placed);
-    view.filters = view_of(filters);
+    view.nodes = nodes.view();
+    view.triangles = triangles.view();
+    view.instances = placed.view();
+    view.filters = filters.view();
     view.opacity = &opacity;
   }
 };
 
-BvhAccel::BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity)
-    : state_(std::make_unique<State>()) {
+BvhAccel::BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity,
+                   Memory& memory)
+    : state_(std::make_unique<State>(memory)) {
   const Activity activity("building the acceleration structure");
   State& s = *state_;
   s.opacity = opacity;
@@ -188,16 +197,22 @@ void BvhAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instanc
   state_->meshes[mesh].needs_opacity = needs_opacity;
   state_->meshes[mesh].culls_back_faces = culls_back_faces;
   state_->set_instance_filters(instances);
-  state_->view.filters = view_of(state_->filters);
+  state_->view.filters = state_->filters.view();
 }
 
 AccelView BvhAccel::view() const { return {nullptr, nullptr, nullptr, &state_->view}; }
 
+void BvhAccel::open_for_host() const {
+  state_->nodes.read();
+  state_->triangles.read();
+  state_->placed.read();
+  state_->filters.read();
+}
+
 size_t BvhAccel::memory_bytes() const {
-  const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const State& s = *state_;
-  return bytes(s.nodes) + bytes(s.triangles) + bytes(s.placed) + bytes(s.filters) + bytes(s.refit_costs) +
-         s.device.memory_bytes();
+  return s.nodes.memory_bytes() + s.triangles.memory_bytes() + s.placed.memory_bytes() + s.filters.memory_bytes() +
+         s.refit_costs.capacity() * sizeof(RefitCost) + s.device.memory_bytes();
 }
 
 }  // namespace relume

@@ -9,7 +9,8 @@ namespace relume {
 
 class BvhAccel final : public AccelStructure {
  public:
-  BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity);
+  BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity,
+           Memory& memory = host_memory());
   ~BvhAccel() override;
 
   /// Refits the trees of deformed meshes, rebuilds those with a grown RefitCost, and rebuilds the top tree. If it
@@ -18,6 +19,7 @@ class BvhAccel final : public AccelStructure {
   void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
                    bool culls_back_faces) override;
   AccelView view() const override;
+  void open_for_host() const override;
   size_t memory_bytes() const override;
 
  private:
