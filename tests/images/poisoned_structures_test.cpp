@@ -121,7 +121,7 @@ class Poisoned {
     cache_.bucket_size = options.bucket_size;
     cache_.exploration = 0.1f;
     cache_.all = exploration_.grid();
-    cache_.infinite = make_infinite_lights(lights, infinite_, !cache_.all.empty());
+    cache_.infinite = make_infinite_lights(lights, view_of(infinite_), !cache_.all.empty());
     cache_.ltc = ltc_table();
     cache_.compact = view_of(compact_);
     cache_.lights = lights;

@@ -101,7 +101,7 @@ PassDeclaration BmfrPass::declaration() const {
 
 bool BmfrPass::run(const FrameContext& frame) {
   noise_.resize(kBlockNoise);
-  const BlockNoiseKernel noise{mutable_view_of(noise_), frame.number};
+  const BlockNoiseKernel noise{noise_.mutable_view(), frame.number};
   frame.launch("bmfr-fit", noise, {kBlockPixels, kBlockFeatures - 1});
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
   if (split_) reflecting_.begin_frame(frame);
@@ -147,7 +147,7 @@ bool BmfrPass::fit(const FrameContext& frame, LightPart part) const {
   kernel.light = frame.read(buffers.light);
   kernel.samples = frame.read(buffers.samples);
   kernel.square = frame.read(buffers.square);
-  kernel.noise = view_of(noise_);
+  kernel.noise = noise_.view();
   kernel.fitted = frame.write(buffers.fit);
   kernel.noise_scale = settings_.noise;
   kernel.detail = settings_.detail;

@@ -1,8 +1,7 @@
 // BMFR as a pass.
 #pragma once
 
-#include <vector>
-
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/denoise/bmfr/bmfr.h"
 #include "techniques/denoise/bmfr/settings.h"
@@ -14,7 +13,8 @@ namespace relume {
 class BmfrPass final : public Pass {
  public:
   /// `split`: keeps diffuse and specular light apart.
-  BmfrPass(const BmfrSettings& settings, bool split) : settings_(settings), split_(split) {}
+  BmfrPass(const BmfrSettings& settings, bool split, Memory& memory = host_memory())
+      : settings_(settings), split_(split), change_{LightChange(memory), LightChange(memory)}, noise_(memory) {}
 
   void configure(const BmfrSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -23,7 +23,7 @@ class BmfrPass final : public Pass {
     if (split_) reflecting_.abandon_frame();
   }
   size_t memory_bytes() const override {
-    return noise_.size() * sizeof(float) + change_[0].memory_bytes() + change_[1].memory_bytes();
+    return noise_.memory_bytes() + change_[0].memory_bytes() + change_[1].memory_bytes();
   }
 
  private:
@@ -39,7 +39,7 @@ class BmfrPass final : public Pass {
   bool split_;
   ReflectingFrames reflecting_;
   LightChange change_[2];  ///< changes of light without the specular part, and of specular light
-  std::vector<float> noise_;
+  Array<float> noise_;
 };
 
 }  // namespace relume

@@ -65,7 +65,9 @@ void ReflectingFrames::begin_frame(const FrameContext& frame) {
   const View<const Rgb> albedo = frame.read(kSpecularAlbedo);
   earliest_ = before_;
   before_ = now_;
-  now_ = std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
+  frame.backend.run("reflections", [&] {
+    now_ = std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
+  });
 }
 
 void ReflectingFrames::abandon_frame() {
@@ -105,11 +107,13 @@ bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples
   const uint32_t most_of_fresh = frame.turns > 1 ? 0 : 1;
   uint32_t filtered = 0;
   uint32_t fresh = 0;
-  for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
-    if (!is_filtered(albedo[i])) continue;
-    ++filtered;
-    fresh += std::max(known[i], known_specular[i]) <= most_of_fresh ? 1 : 0;
-  }
+  frame.backend.run("fresh-pixels", [&] {
+    for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
+      if (!is_filtered(albedo[i])) continue;
+      ++filtered;
+      fresh += std::max(known[i], known_specular[i]) <= most_of_fresh ? 1 : 0;
+    }
+  });
   return 2 * fresh > filtered;
 }
 

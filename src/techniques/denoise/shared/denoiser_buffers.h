@@ -74,7 +74,7 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
 template <typename T>
 void clear_buffer(const FrameContext& frame, const BufferKey<T>& key) {
   const View<T> values = frame.write(key);
-  std::fill(values.begin(), values.end(), T(0));
+  frame.backend.run("clear", [&] { std::fill(values.begin(), values.end(), T(0)); });
 }
 
 /// Buffers of a denoiser's last step, which the denoiser owns: `shown`, this frame's filtered image, and `history`,

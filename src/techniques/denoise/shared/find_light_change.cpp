@@ -12,11 +12,11 @@ View<const float> LightChange::discounts(const FrameContext& frame, const LightH
   discounts_.resize(departures_.size());
   // Blocks are few and expensive, so each task treats a small square of them.
   constexpr uint32_t kTasks = 4;
-  const CompareBlocksKernel compare{history, mutable_view_of(departures_), frame.width(), frame.height()};
+  const CompareBlocksKernel compare{history, departures_.mutable_view(), frame.width(), frame.height()};
   frame.launch("light-change", compare, {columns, rows, kTasks});
-  const DiscountBlocksKernel discount{view_of(departures_), mutable_view_of(discounts_), columns, rows};
+  const DiscountBlocksKernel discount{departures_.view(), discounts_.mutable_view(), columns, rows};
   frame.launch("light-change", discount, {columns, rows});
-  return view_of(discounts_);
+  return discounts_.view();
 }
 
 }  // namespace relume

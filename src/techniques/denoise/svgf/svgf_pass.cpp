@@ -49,8 +49,8 @@ void add_parts(PassDeclaration& declaration) {
   add_split_buffers(declaration.reads);
 }
 
-AtrousImage image_of(std::vector<float>& values, const FrameContext& frame) {
-  return {mutable_view_of(values), frame.width(), frame.height()};
+AtrousImage image_of(Array<float>& values, const FrameContext& frame) {
+  return {values.mutable_view(), frame.width(), frame.height()};
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ bool SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
 
 bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
-  std::vector<float>& light = light_[place_of(part)];
+  Array<float>& light = light_[place_of(part)];
   features_.resize(AtrousImage::size(kAtrousPlanes, frame.width(), frame.height()));
   light.resize(AtrousImage::size(kAtrousChannels, frame.width(), frame.height()));
   filtered_.resize(light.size());
@@ -125,7 +125,7 @@ bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
 }
 
 /// Replaces `light` by the result.
-bool SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
+bool SvgfPass::filter(const FrameContext& frame, Array<float>& light) {
   for (int level = 0; level < settings_.levels; ++level) {
     AtrousKernel kernel;
     kernel.features = image_of(features_, frame);

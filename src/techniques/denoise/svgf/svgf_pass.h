@@ -1,8 +1,7 @@
 // SVGF as a pass.
 #pragma once
 
-#include <vector>
-
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/denoise/shared/denoiser_buffers.h"
 #include "techniques/denoise/shared/find_light_change.h"
@@ -13,7 +12,13 @@ namespace relume {
 class SvgfPass final : public Pass {
  public:
   /// `split`: keeps diffuse and specular light apart.
-  SvgfPass(const SvgfSettings& settings, bool split) : settings_(settings), split_(split) {}
+  SvgfPass(const SvgfSettings& settings, bool split, Memory& memory = host_memory())
+      : settings_(settings),
+        split_(split),
+        change_{LightChange(memory), LightChange(memory)},
+        features_(memory),
+        light_{Array<float>(memory), Array<float>(memory)},
+        filtered_(memory) {}
 
   void configure(const SvgfSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -22,7 +27,7 @@ class SvgfPass final : public Pass {
     if (split_) reflecting_.abandon_frame();
   }
   size_t memory_bytes() const override {
-    return (features_.size() + light_[0].size() + light_[1].size() + filtered_.size()) * sizeof(float) +
+    return features_.memory_bytes() + light_[0].memory_bytes() + light_[1].memory_bytes() + filtered_.memory_bytes() +
            change_[0].memory_bytes() + change_[1].memory_bytes();
   }
 
@@ -30,7 +35,7 @@ class SvgfPass final : public Pass {
   // These return false if a stop was requested first.
   bool accumulate(const FrameContext& frame, LightPart part);
   bool prepare(const FrameContext& frame, LightPart part);
-  bool filter(const FrameContext& frame, std::vector<float>& light);
+  bool filter(const FrameContext& frame, Array<float>& light);
   bool present(const FrameContext& frame);
   void clear_specular(const FrameContext& frame) const;
   bool present_parts(const FrameContext& frame);
@@ -41,9 +46,9 @@ class SvgfPass final : public Pass {
   bool split_;
   ReflectingFrames reflecting_;
   LightChange change_[2];
-  std::vector<float> features_;
-  std::vector<float> light_[2];
-  std::vector<float> filtered_;
+  Array<float> features_;
+  Array<float> light_[2];
+  Array<float> filtered_;
 };
 
 }  // namespace relume

@@ -45,32 +45,47 @@ PassDeclaration DirectionViewPass::declaration() const {
 bool DirectionViewPass::run(const FrameContext& frame) {
   const uint32_t edge = std::min(frame.width() / 2, frame.height());
   const View<float> out = frame.write(kDirections);
+  const auto clear = [&] { std::fill(out.begin(), out.end(), 0.0f); };
   if (!settings_.view || edge == 0) {
-    if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // clear the last frame's view
+    if (!sums_.empty()) frame.backend.run("cdq-view", clear);  // the last frame's view
     sums_.clear();
     return true;
   }
   const uint32_t pixel = chosen_pixel(settings_, frame);
+  IncidentLightKernel kernel{};
+  bool found = false;
+  frame.backend.run("cdq-view", [&] {
+    clear();
+    found = prepare(frame, pixel, kernel);
+  });
+  if (!found) return true;
+  kernel.edge = edge;
+  if (pixel != pixel_ || sums_.size() != size_t{edge} * edge || frame.since_change == 0)
+    sums_.reset(size_t{edge} * edge);
+  pixel_ = pixel;
+  kernel.sums = sums_.mutable_view();
+  frame.launch("cdq-view", kernel, {edge, edge});
+  frame.backend.run("cdq-view", [&] { draw(frame, kernel); });
+  return true;
+}
+
+bool DirectionViewPass::prepare(const FrameContext& frame, uint32_t pixel, IncidentLightKernel& kernel) const {
   const Hit hit = frame.read(kPrimaryHits)[pixel];
-  std::fill(out.begin(), out.end(), 0.0f);
-  if (!hit.valid()) return true;
+  if (!hit.valid()) return false;
   const CameraView& camera = frame.scene.camera;
   Sampler sampler = frame.index.sampler(pixel % frame.width(), pixel / frame.width());
   const Ray ray = camera_ray(camera, pixel % frame.width(), pixel / frame.width(), sampler);
-
-  IncidentLightKernel kernel;
   kernel.context = make_path_context(source_, frame);
   make_surface_point(frame.scene, ray, hit, camera.cone_width() + camera.cone_spread() * hit.t, kernel.point);
   kernel.point.region = octree_.sampled().view().find(kernel.point.previous_position);
   kernel.index = frame.index;
   kernel.index.seed ^= kViewSeed;
-  kernel.edge = edge;
-  if (pixel != pixel_ || sums_.size() != size_t{edge} * edge || frame.since_change == 0)
-    sums_.assign(size_t{edge} * edge, 0.0f);
-  pixel_ = pixel;
-  kernel.sums = mutable_view_of(sums_);
-  frame.launch("cdq-view", kernel, {edge, edge});
+  return true;
+}
 
+void DirectionViewPass::draw(const FrameContext& frame, const IncidentLightKernel& kernel) const {
+  const uint32_t edge = kernel.edge;
+  const std::span<const float> sums = sums_.read();
   const auto direction = [&](uint32_t x, uint32_t y) {
     const Vec2 middle(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
     return direction_from_square(middle / static_cast<float>(edge));
@@ -79,19 +94,18 @@ bool DirectionViewPass::run(const FrameContext& frame) {
   double integral = 0;
   for (uint32_t y = 0; y < edge; ++y) {
     for (uint32_t x = 0; x < edge; ++x)
-      integral += static_cast<double>(sums_[y * edge + x] * octahedral_solid_angle(direction(x, y)) * texel);
+      integral += static_cast<double>(sums[y * edge + x] * octahedral_solid_angle(direction(x, y)) * texel);
   }
   const DirectionalQuadtree tree = source_.directions.quadtrees.load(kernel.point.region);
   draw_map(frame, 0, edge, [&](uint32_t x, uint32_t y) { return tree.pdf(direction(x, y)); });
   draw_map(frame, 1, edge, [&](uint32_t x, uint32_t y) {
-    return integral > 0 ? static_cast<float>(static_cast<double>(sums_[y * edge + x]) / integral) : 0.0f;
+    return integral > 0 ? static_cast<float>(static_cast<double>(sums[y * edge + x]) / integral) : 0.0f;
   });
-  return true;
 }
 
 void DirectionViewPass::save(std::ostream& out) const {
   write_value(out, pixel_);
-  write_vector(out, sums_);
+  write_array(out, sums_);
 }
 
 void DirectionViewPass::load(std::istream& in) {
@@ -101,7 +115,7 @@ void DirectionViewPass::load(std::istream& in) {
   read_vector(in, sums);
   if (!in) return;
   pixel_ = pixel;
-  sums_ = std::move(sums);  // run() discards sums of another size
+  sums_.assign(sums);  // run() discards sums of another size
 }
 
 }  // namespace relume

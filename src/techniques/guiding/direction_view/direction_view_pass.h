@@ -6,6 +6,8 @@
 
 namespace relume {
 
+struct IncidentLightKernel;
+
 inline constexpr BufferKey<float> kDirections{"directions"};
 
 /// Fills the layer "directions" for the first hit of one pixel (`cdq.view-x`, `cdq.view-y`) while `cdq.view` is on. The
@@ -14,22 +16,28 @@ inline constexpr BufferKey<float> kDirections{"directions"};
 /// are per steradian with integral 1, so their colours are comparable.
 class DirectionViewPass final : public Pass {
  public:
-  DirectionViewPass(const DirectionalQuadtreeSettings& settings, const PathSource& source, const OctreePass& octree)
-      : settings_(settings), source_(source), octree_(octree) {}
+  DirectionViewPass(const DirectionalQuadtreeSettings& settings, const PathSource& source, const OctreePass& octree,
+                    Memory& memory = host_memory())
+      : settings_(settings), source_(source), octree_(octree), sums_(memory) {}
 
   void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return sums_.size() * sizeof(float); }
+  size_t memory_bytes() const override { return sums_.memory_bytes(); }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
  private:
+  /// Fills `kernel` for the chosen pixel, on the host. Returns false if the pixel has no hit.
+  bool prepare(const FrameContext& frame, uint32_t pixel, IncidentLightKernel& kernel) const;
+  /// Draws both maps for the point of `kernel`, on the host.
+  void draw(const FrameContext& frame, const IncidentLightKernel& kernel) const;
+
   DirectionalQuadtreeSettings settings_;
   PathSource source_;
   const OctreePass& octree_;
-  std::vector<float> sums_;  ///< sums by texel over the frames since the last change
+  Array<float> sums_;  ///< sums by texel over the frames since the last change
   uint32_t pixel_ = 0;
 };
 

@@ -17,8 +17,8 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
 }
 
 void Quadtrees::load(std::istream& in) {
-  read_vector(in, words_);
-  const QuadtreeArray trees = view();
+  read_array(in, words_);
+  const QuadtreeArray trees = write();
   bool valid = words_.size() % trees.words_per_tree() == 0;
   for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
   if (valid) return;
@@ -33,10 +33,13 @@ float kept_share(int frames) { return static_cast<float>(frames) / static_cast<f
 
 /// Weights of the regions with the origins `previous`; empty ones without `weights`. Each part of a split region has a
 /// quarter, because a surface passes through about four of eight parts.
-std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights>& weights,
-                                               const std::vector<uint32_t>& previous) {
-  std::vector<QuadtreeWeights> next(previous.size());
-  if (weights.empty()) return next;
+Array<QuadtreeWeights> inherited_weights(const Array<QuadtreeWeights>& from_weights,
+                                         std::span<const uint32_t> previous) {
+  Array<QuadtreeWeights> next_weights(from_weights.memory());
+  next_weights.reset(previous.size());
+  const std::span<const QuadtreeWeights> weights = from_weights.read();
+  if (weights.empty()) return next_weights;
+  const std::span<QuadtreeWeights> next = next_weights.write();
   std::vector<uint32_t> successors(weights.size());
   for (const uint32_t from : previous)
     if (from != kNoRegion) ++successors[from];
@@ -45,7 +48,7 @@ std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights
     next[i] = weights[previous[i]];
     if (successors[previous[i]] > 1) next[i].scale(0.25f);
   }
-  return next;
+  return next_weights;
 }
 
 }  // namespace
@@ -66,7 +69,7 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
 void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   const bool same_size =
       octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
-  moved_ = 0;
+  moved_.write() = 0;
   // Whether the samples were drawn from other trees than those that they adapt.
   const bool sampled_others = snapshot_.frozen();
   snapshot_.begin_frame(frame.begins_epoch, trees_);
@@ -78,8 +81,8 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
                                    settings_.spread};
     if (remembers) weights_.resize(trees_.size());
     const AdaptQuadtreesKernel adapt{
-        octree_.groups(),          trees_.view(), options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
-        mutable_view_of(weights_), {&moved_, 1}};
+        octree_.groups(),        trees_.view(),        options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
+        weights_.mutable_view(), moved_.mutable_view()};
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
   }
   frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
@@ -87,10 +90,10 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
 
 void DirectionalQuadtreePass::populate(bool keep, bool remembers) {
   const uint32_t regions = octree_.tree().leaf_slots();
-  Quadtrees next(bit_count(), regions);
-  const QuadtreeArray trees = trees_.view();
-  const QuadtreeArray next_trees = next.view();
-  const std::vector<uint32_t>& previous = octree_.tree().links().previous;
+  Quadtrees next(bit_count(), regions, trees_.memory());
+  const QuadtreeArray trees = trees_.write();
+  const QuadtreeArray next_trees = next.write();
+  const std::span<const uint32_t> previous = octree_.tree().links().previous.read();
   const DirectionalQuadtree uniform = uniform_quadtree(bit_count());
   for (uint32_t i = 0; i < regions; ++i)
     next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
@@ -111,10 +114,11 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
   };
   const auto read = [this] {
     std::vector<Leaf> leaves;
-    Quadtrees trees = trees_;  // a copy, because their view can write
-    for (uint32_t region = 0; region < trees.size(); ++region) {
+    Quadtrees copy = trees_;  // because their view can write
+    const QuadtreeArray trees = copy.write();
+    for (uint32_t region = 0; region < copy.size(); ++region) {
       if (!octree_.tree().is_leaf(region)) continue;
-      const DirectionalQuadtree tree = trees.view().load(region);
+      const DirectionalQuadtree tree = trees.load(region);
       for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
         if (tree.bits.get(bit)) continue;
         const QuadtreeCell cell = tree.cell_of(bit);
@@ -134,16 +138,17 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
 void DirectionalQuadtreePass::save(std::ostream& out) const {
   trees_.save(out);
   snapshot_.save(out);
-  write_vector(out, weights_);
+  write_array(out, weights_);
 }
 
 void DirectionalQuadtreePass::load(std::istream& in) {
-  trees_ = Quadtrees(bit_count());
+  Memory& memory = trees_.memory();
+  trees_ = Quadtrees(bit_count(), 0, memory);
   trees_.load(in);
-  snapshot_.load(in, Quadtrees(bit_count()));
-  read_vector(in, weights_);
+  snapshot_.load(in, Quadtrees(bit_count(), 0, memory));
+  read_array(in, weights_);
   if (in && (weights_.empty() || weights_.size() == trees_.size())) return;
-  trees_ = Quadtrees(bit_count());
+  trees_ = Quadtrees(bit_count(), 0, memory);
   snapshot_.reset();
   weights_.clear();
   in.setstate(std::ios::failbit);

@@ -18,26 +18,32 @@ bool is_quadtree(const DirectionalQuadtree& tree);
 /// The quadtrees of all regions, by leaf slot.
 class Quadtrees {
  public:
-  explicit Quadtrees(uint32_t bit_count) : bit_count_(bit_count) {}
-  Quadtrees(uint32_t bit_count, uint32_t regions) : bit_count_(bit_count), words_(regions * (bit_count / 32)) {}
+  explicit Quadtrees(uint32_t bit_count, uint32_t regions = 0, Memory& memory = host_memory())
+      : bit_count_(bit_count), words_(memory) {
+    words_.reset(regions * (bit_count / 32));
+  }
 
-  QuadtreeArray view() { return {mutable_view_of(words_), bit_count_}; }
+  QuadtreeArray view() { return {words_.mutable_view(), bit_count_}; }
+  /// The trees for host code.
+  QuadtreeArray write() { return {mutable_view_of(words_.write()), bit_count_}; }
+  Memory& memory() const { return words_.memory(); }
   uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
   uint32_t bit_count() const { return bit_count_; }
-  size_t memory_bytes() const { return words_.size() * sizeof(uint32_t); }
-  void save(std::ostream& out) const { write_vector(out, words_); }
+  size_t memory_bytes() const { return words_.memory_bytes(); }
+  void save(std::ostream& out) const { write_array(out, words_); }
   /// Sets the stream's failbit and clears the trees unless all are quadtrees of bit_count() bits.
   void load(std::istream& in);
 
  private:
   uint32_t bit_count_;
-  std::vector<uint32_t> words_;
+  Array<uint32_t> words_;
 };
 
 class DirectionalQuadtreePass final : public Pass {
  public:
-  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree)
-      : settings_(settings), octree_(octree), trees_(bit_count()) {
+  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree,
+                          Memory& memory = host_memory())
+      : settings_(settings), octree_(octree), trees_(bit_count(), 0, memory), weights_(memory), moved_(memory) {
     directions_.kind = DirectionSamplerKind::quadtree;
   }
 
@@ -45,10 +51,10 @@ class DirectionalQuadtreePass final : public Pass {
   PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.size() * sizeof(QuadtreeWeights);
+    return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.memory_bytes();
   }
   std::vector<PassStatistic> statistics() const override {
-    return {{"migrations", static_cast<double>(moved_)},
+    return {{"migrations", static_cast<double>(moved_.read())},
             {"quadtree-bytes", static_cast<double>(trees_.memory_bytes())},
             {"memory-bytes", static_cast<double>(weights_.size() * sizeof(QuadtreeWeights))}};
   }
@@ -72,8 +78,8 @@ class DirectionalQuadtreePass final : public Pass {
   DirectionSampler directions_;
   Quadtrees trees_;
   Snapshot<Quadtrees> snapshot_;
-  std::vector<QuadtreeWeights> weights_;  ///< weights by leaf slot; empty if none outlast a frame
-  uint64_t moved_ = 0;                    ///< number of migrations in the last frame
+  Array<QuadtreeWeights> weights_;  ///< weights by leaf slot; empty if none outlast a frame
+  KernelValue<uint64_t> moved_;     ///< number of migrations in the last frame
 };
 
 }  // namespace relume

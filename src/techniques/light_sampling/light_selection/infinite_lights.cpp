@@ -18,9 +18,9 @@ std::vector<AliasEntry> build_infinite_lights(const LightsView& lights, LightsAt
   return build_alias_table(weights);
 }
 
-InfiniteLights make_infinite_lights(const LightsView& lights, const std::vector<AliasEntry>& entries, bool finite) {
+InfiniteLights make_infinite_lights(const LightsView& lights, View<const AliasEntry> entries, bool finite) {
   InfiniteLights group;
-  group.table = {view_of(entries)};
+  group.table = {entries};
   group.first = lights.first_infinite;
   if (!entries.empty()) group.share = finite ? 0.5f : 1.0f;
   return group;

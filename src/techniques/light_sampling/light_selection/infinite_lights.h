@@ -39,6 +39,6 @@ std::vector<AliasEntry> build_infinite_lights(const LightsView& lights,
                                               LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
 /// A group that views `entries`. Its share is one half if other lights emit (`finite`), otherwise 1.
-InfiniteLights make_infinite_lights(const LightsView& lights, const std::vector<AliasEntry>& entries, bool finite);
+InfiniteLights make_infinite_lights(const LightsView& lights, View<const AliasEntry> entries, bool finite);
 
 }  // namespace relume

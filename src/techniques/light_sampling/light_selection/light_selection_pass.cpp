@@ -12,8 +12,8 @@ bool LightSelectionPass::run(const FrameContext& frame) {
     if (selector_.kind == LightSelectorKind::uniform) {
       selector_.uniform = make_uniform_lights(lights, settings_.infinity());
     } else {
-      power_ = build_power_lights(lights, settings_.infinity());
-      selector_.power = {{view_of(power_)}};
+      power_.assign(build_power_lights(lights, settings_.infinity()));
+      selector_.power = {{power_.view()}};
     }
   });
   return true;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/light_sampling/light_selection/light_selector.h"
 #include "techniques/light_sampling/light_selection/settings.h"
@@ -11,14 +12,15 @@ namespace relume {
 
 class LightSelectionPass final : public Pass {
  public:
-  LightSelectionPass(const LightSelectionSettings& settings, LightSelectorKind kind) : settings_(settings) {
+  LightSelectionPass(const LightSelectionSettings& settings, LightSelectorKind kind, Memory& memory = host_memory())
+      : settings_(settings), power_(memory) {
     selector_.kind = kind;
   }
 
   void configure(const LightSelectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return power_.capacity() * sizeof(AliasEntry); }
+  size_t memory_bytes() const override { return power_.memory_bytes(); }
 
   /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
@@ -26,7 +28,7 @@ class LightSelectionPass final : public Pass {
  private:
   LightSelectionSettings settings_;
   LightSelector selector_;
-  std::vector<AliasEntry> power_;
+  Array<AliasEntry> power_;
   bool built_ = false;
 };
 

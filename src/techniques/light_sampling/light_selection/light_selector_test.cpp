@@ -71,7 +71,7 @@ struct Selectors {
     s.ids = view_of(ids);
     s.max_lights = 2;
     s.all = {view_of(all)};
-    s.infinite = make_infinite_lights(lights, infinite, true);
+    s.infinite = make_infinite_lights(lights, view_of(infinite), true);
     s.ltc = ltc_table();
     s.compact = view_of(compact);
     s.lights = lights;
@@ -91,7 +91,7 @@ struct Selectors {
     c.bucket_size = 8;
     explored.build(lights, light_summaries(lights), Vec3(0), {}, 3);
     c.all = explored.grid();
-    c.infinite = make_infinite_lights(lights, infinite, true);
+    c.infinite = make_infinite_lights(lights, view_of(infinite), true);
     c.ltc = ltc_table();
     c.compact = view_of(compact);
     c.lights = lights;

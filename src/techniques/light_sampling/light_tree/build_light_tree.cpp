@@ -265,13 +265,31 @@ LightTree LightTreeData::view(const LightsView& all) const {
   tree.bounds = view_of(bounds);
   tree.lights = view_of(lights);
   tree.place = view_of(place);
-  tree.infinite = make_infinite_lights(all, infinite, !nodes.empty());
+  tree.infinite = make_infinite_lights(all, view_of(infinite), !nodes.empty());
   return tree;
 }
 
-size_t LightTreeData::memory_bytes() const {
-  return nodes.size() * sizeof(LightTreeNode) + bounds.size() * sizeof(LightBounds) +
-         (lights.size() + place.size()) * sizeof(uint32_t) + infinite.size() * sizeof(AliasEntry);
+void LightTreeArrays::assign(const LightTreeData& data) {
+  nodes_.assign(data.nodes);
+  bounds_.assign(data.bounds);
+  lights_.assign(data.lights);
+  place_.assign(data.place);
+  infinite_.assign(data.infinite);
+}
+
+LightTree LightTreeArrays::view(const LightsView& all) const {
+  LightTree tree;
+  tree.nodes = nodes_.view();
+  tree.bounds = bounds_.view();
+  tree.lights = lights_.view();
+  tree.place = place_.view();
+  tree.infinite = make_infinite_lights(all, infinite_.view(), !nodes_.empty());
+  return tree;
+}
+
+size_t LightTreeArrays::memory_bytes() const {
+  return nodes_.memory_bytes() + bounds_.memory_bytes() + lights_.memory_bytes() + place_.memory_bytes() +
+         infinite_.memory_bytes();
 }
 
 LightBounds bounds_of(const LightsView& lights, LightId id) { return bounds_of_item(item_of(lights, id)); }

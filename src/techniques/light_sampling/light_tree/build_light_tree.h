@@ -4,11 +4,12 @@
 
 #include <vector>
 
+#include "core/array.h"
 #include "techniques/light_sampling/light_tree/light_tree.h"
 
 namespace relume {
 
-/// Storage of a LightTree.
+/// A LightTree on the host.
 struct LightTreeData {
   std::vector<LightTreeNode> nodes;
   std::vector<LightBounds> bounds;
@@ -17,7 +18,24 @@ struct LightTreeData {
   std::vector<AliasEntry> infinite;
 
   LightTree view(const LightsView& lights) const;
+};
+
+/// Owns a LightTree for kernels.
+class LightTreeArrays {
+ public:
+  explicit LightTreeArrays(Memory& memory = host_memory())
+      : nodes_(memory), bounds_(memory), lights_(memory), place_(memory), infinite_(memory) {}
+
+  void assign(const LightTreeData& data);
+  LightTree view(const LightsView& lights) const;
   size_t memory_bytes() const;
+
+ private:
+  Array<LightTreeNode> nodes_;
+  Array<LightBounds> bounds_;
+  Array<LightId> lights_;
+  Array<uint32_t> place_;
+  Array<AliasEntry> infinite_;
 };
 
 /// Bounds of one finite light.

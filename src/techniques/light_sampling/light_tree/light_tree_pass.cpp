@@ -6,8 +6,8 @@ bool LightTreePass::run(const FrameContext& frame) {
   if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
   built_ = true;
   frame.backend.run("light-tree", [&] {
-    data_ = build_light_tree(frame.scene.lights, settings_.infinity());
-    selector_.tree = data_.view(frame.scene.lights);
+    tree_.assign(build_light_tree(frame.scene.lights, settings_.infinity()));
+    selector_.tree = tree_.view(frame.scene.lights);
   });
   return true;
 }

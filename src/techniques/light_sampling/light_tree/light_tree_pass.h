@@ -11,14 +11,15 @@ namespace relume {
 /// Rebuilds the tree when lights have changed.
 class LightTreePass final : public Pass {
  public:
-  explicit LightTreePass(const LightSelectionSettings& settings) : settings_(settings) {
+  explicit LightTreePass(const LightSelectionSettings& settings, Memory& memory = host_memory())
+      : settings_(settings), tree_(memory) {
     selector_.kind = LightSelectorKind::light_tree;
   }
 
   void configure(const LightSelectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "light-tree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return data_.memory_bytes(); }
+  size_t memory_bytes() const override { return tree_.memory_bytes(); }
 
   /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
@@ -26,7 +27,7 @@ class LightTreePass final : public Pass {
  private:
   LightSelectionSettings settings_;
   LightSelector selector_;
-  LightTreeData data_;
+  LightTreeArrays tree_;
   bool built_ = false;
 };
 

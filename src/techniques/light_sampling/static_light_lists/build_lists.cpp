@@ -50,10 +50,16 @@ std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGri
 
 }  // namespace
 
-LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed)
-    : grid_(make_grid(scene, options.cell_size)), lights_(scene.lights.first_infinite), seed_(seed) {
+LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed,
+                                   Memory& memory)
+    : grid_(make_grid(scene, options.cell_size)),
+      lights_(scene.lights.first_infinite),
+      seed_(seed),
+      cells_(memory),
+      visible_(memory),
+      done_(memory) {
   if (lights_ == 0 || grid_.count() == 0) return;
-  cells_ = cells_with_surfaces(scene, grid_);
+  cells_.assign(cells_with_surfaces(scene, grid_));
   words_ = (lights_ + 63) / 64;
   const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights_;
   // The end of the last part must fit in 32 bits.
@@ -66,8 +72,8 @@ LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOption
                     "static-lists.cell-size, or lights 'light-tree'",
                     lights_, grid_.count()));
   }
-  visible_.assign(size_t{words_} * grid_.count(), 0);
-  done_.assign(cells_.size() * parts, 0);
+  visible_.reset(size_t{words_} * grid_.count());
+  done_.reset(cells_.size() * parts);
 }
 
 bool LightListBuilder::advance(Backend& backend, const SceneView& scene, const std::stop_token& stop) {
@@ -75,12 +81,12 @@ bool LightListBuilder::advance(Backend& backend, const SceneView& scene, const s
   CellVisibilityKernel kernel;
   kernel.scene = scene;
   kernel.grid = grid_;
-  kernel.cells = view_of(cells_);
+  kernel.cells = cells_.view();
   kernel.rays = rays_;
   kernel.seed = seed_;
   kernel.words = words_;
-  kernel.visible = mutable_view_of(visible_);
-  kernel.done = mutable_view_of(done_);
+  kernel.visible = visible_.mutable_view();
+  kernel.done = done_.mutable_view();
   return launch(backend, "static-lists.rays", kernel, kernel.cells.size, kernel.done.size / kernel.cells.size, stop, 1);
 }
 
@@ -88,10 +94,11 @@ LightListData LightListBuilder::lists() const {
   LightListData data;
   data.grid = grid_;
   if (words_ == 0) return data;
+  const std::span<const uint64_t> visible = visible_.read();
   for (uint32_t cell = 0; cell < grid_.count(); ++cell) {
     data.first.push_back(static_cast<uint32_t>(data.ids.size()));
     for (LightId light = 0; light < lights_; ++light) {
-      if ((visible_[size_t{cell} * words_ + light / 64] >> (light % 64)) & 1u) data.ids.push_back(light);
+      if ((visible[size_t{cell} * words_ + light / 64] >> (light % 64)) & 1u) data.ids.push_back(light);
     }
   }
   data.first.push_back(static_cast<uint32_t>(data.ids.size()));

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "core/array.h"
 #include "core/fixed_point.h"
 #include "frame/launch.h"
 #include "scene/scene_view.h"
@@ -18,7 +19,7 @@ struct LightListOptions {
   bool operator==(const LightListOptions&) const = default;
 };
 
-/// Storage of StaticLightLists.
+/// The lists of StaticLightLists on the host.
 struct LightListData {
   LightGrid grid;
   std::vector<uint32_t> first;
@@ -29,8 +30,9 @@ struct LightListData {
 /// surfaces seen from there within the cell. Unblocked rays put their light on the list.
 class LightListBuilder {
  public:
-  /// `seed` selects the rays. Throws Error if a table of the build would exceed 4 GiB.
-  LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed);
+  /// `seed` selects the rays. Throws Error if a table of the build would exceed 4 GiB. Reads the scene on the host.
+  LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed,
+                   Memory& memory = host_memory());
 
   /// Traces the remaining rays. Returns false if `stop` was requested first; another call continues.
   bool advance(Backend& backend, const SceneView& scene, const std::stop_token& stop);
@@ -43,10 +45,10 @@ class LightListBuilder {
   uint32_t lights_ = 0;
   uint32_t rays_ = 0;  ///< per cell
   uint32_t seed_ = 0;
-  uint32_t words_ = 0;           ///< 64-bit words per cell
-  std::vector<uint32_t> cells_;  ///< with a surface
-  std::vector<uint64_t> visible_;
-  std::vector<uint8_t> done_;  ///< by cell and part
+  uint32_t words_ = 0;     ///< 64-bit words per cell
+  Array<uint32_t> cells_;  ///< with a surface
+  Array<uint64_t> visible_;
+  Array<uint8_t> done_;  ///< by cell and part
 };
 
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,

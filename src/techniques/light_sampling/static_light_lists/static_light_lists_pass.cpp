@@ -33,35 +33,53 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   restored_ = false;
   if (!listed) {
     // Later frames have other seeds when objects move, but keep the lists.
-    builder_.emplace(frame.scene, options, frame.index.seed);
+    frame.backend.run("static-lists.cells",
+                      [&] { builder_.emplace(frame.scene, options, frame.index.seed, frame.backend.memory()); });
     options_ = options;
     listed_ = lights.first_infinite;
   }
-  if (builder_) {
-    const bool complete = builder_->advance(frame.backend, frame.scene, frame.hurry);
-    lists_ = builder_->lists();
-    if (complete) builder_.reset();
-    built_ = false;
-  }
+  if (builder_) build_lists(frame);
   if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
   built_ = true;
-  std::vector<float> weights;
-  for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
-  all_ = build_alias_table(weights);
-  infinite_ = build_infinite_lights(lights, selection_.infinity());
-  compact_ = compact_lights(lights);
+  frame.backend.run("static-lists.lights", [&] {
+    std::vector<float> weights;
+    for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
+    all_.assign(build_alias_table(weights));
+    infinite_.assign(build_infinite_lights(lights, selection_.infinity()));
+    compact_.assign(compact_lights(lights));
+  });
   StaticLightLists& view = selector_.lists;
-  view.grid = lists_.grid;
-  view.first = view_of(lists_.first);
-  view.ids = view_of(lists_.ids);
+  view.grid = grid_;
+  view.first = first_.view();
+  view.ids = ids_.view();
   view.max_lights = static_cast<uint32_t>(settings_.max_lights);
   view.exploration = settings_.exploration;
-  view.all = {view_of(all_)};
-  view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
+  view.all = {all_.view()};
+  view.infinite = make_infinite_lights(lights, infinite_.view(), !all_.empty());
   view.ltc = ltc_table();
-  view.compact = view_of(compact_);
+  view.compact = compact_.view();
   view.lights = lights;
   return true;
+}
+
+void StaticLightListsPass::build_lists(const FrameContext& frame) {
+  const bool complete = builder_->advance(frame.backend, frame.scene, frame.hurry);
+  frame.backend.run("static-lists.lists", [&] { use(builder_->lists()); });
+  if (complete) builder_.reset();
+  built_ = false;
+}
+
+void StaticLightListsPass::use(const LightListData& lists) {
+  grid_ = lists.grid;
+  first_.assign(lists.first);
+  ids_.assign(lists.ids);
+}
+
+LightListData StaticLightListsPass::complete_lists() const {
+  if (builder_) return {};
+  const std::span<const uint32_t> first = first_.read();
+  const std::span<const LightId> ids = ids_.read();
+  return {grid_, {first.begin(), first.end()}, {ids.begin(), ids.end()}};
 }
 
 std::vector<PassRecords> StaticLightListsPass::records() const {
@@ -71,9 +89,10 @@ std::vector<PassRecords> StaticLightListsPass::records() const {
   };
   const auto read = [this] {
     std::vector<Entry> entries;
-    for (uint32_t cell = 0; cell + 1 < lists_.first.size(); ++cell) {
-      for (uint32_t i = lists_.first[cell]; i < lists_.first[cell + 1]; ++i)
-        entries.push_back({lists_.grid.low(cell), lists_.ids[i]});
+    const std::span<const uint32_t> first = first_.read();
+    const std::span<const LightId> ids = ids_.read();
+    for (uint32_t cell = 0; cell + 1 < first.size(); ++cell) {
+      for (uint32_t i = first[cell]; i < first[cell + 1]; ++i) entries.push_back({grid_.low(cell), ids[i]});
     }
     return entries;
   };
@@ -83,7 +102,7 @@ std::vector<PassRecords> StaticLightListsPass::records() const {
 
 void StaticLightListsPass::save(std::ostream& out) const {
   // load() expects complete lists.
-  const LightListData& lists = builder_ ? LightListData() : lists_;
+  const LightListData lists = complete_lists();
   write_value(out, builder_ ? 0 : listed_);
   write_value(out, options_.cell_size);
   write_value(out, options_.rays);
@@ -98,20 +117,22 @@ void StaticLightListsPass::load(std::istream& in) {
   read_value(in, listed_);
   read_value(in, options_.cell_size);
   read_value(in, options_.rays);
-  read_value(in, lists_.grid.corner);
-  read_value(in, lists_.grid.cell_size);
-  read_value(in, lists_.grid.cells);
-  read_vector(in, lists_.first);
-  read_vector(in, lists_.ids);
-  restored_ = is_consistent(lists_, listed_);
+  LightListData lists;
+  read_value(in, lists.grid.corner);
+  read_value(in, lists.grid.cell_size);
+  read_value(in, lists.grid.cells);
+  read_vector(in, lists.first);
+  read_vector(in, lists.ids);
+  use(lists);
+  restored_ = is_consistent(lists, listed_);
   built_ = false;
   builder_.reset();
   if (!restored_) in.setstate(std::ios::failbit);
 }
 
 size_t StaticLightListsPass::memory_bytes() const {
-  return sizeof(uint32_t) * (lists_.first.size() + lists_.ids.size()) +
-         sizeof(AliasEntry) * (all_.size() + infinite_.size()) + sizeof(CompactLight) * compact_.size();
+  return first_.memory_bytes() + ids_.memory_bytes() + all_.memory_bytes() + infinite_.memory_bytes() +
+         compact_.memory_bytes();
 }
 
 }  // namespace relume

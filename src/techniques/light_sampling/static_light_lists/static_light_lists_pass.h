@@ -15,8 +15,15 @@ namespace relume {
 /// ended.
 class StaticLightListsPass final : public Pass {
  public:
-  StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
-      : settings_(settings), selection_(selection) {
+  StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection,
+                       Memory& memory = host_memory())
+      : settings_(settings),
+        selection_(selection),
+        first_(memory),
+        ids_(memory),
+        all_(memory),
+        infinite_(memory),
+        compact_(memory) {
     selector_.kind = LightSelectorKind::static_lists;
   }
 
@@ -35,18 +42,26 @@ class StaticLightListsPass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
+  void build_lists(const FrameContext& frame);
+  /// Makes the lists those of kernels.
+  void use(const LightListData& lists);
+  /// A copy of the lists, if complete.
+  LightListData complete_lists() const;
+
   StaticLightListsSettings settings_;
   LightSelectionSettings selection_;
   LightSelector selector_;
   std::optional<LightListBuilder> builder_;  ///< present until the lists are complete
-  LightListData lists_;
+  LightGrid grid_;
+  Array<uint32_t> first_;
+  Array<LightId> ids_;
   LightListOptions options_;
   uint32_t listed_ = 0;  ///< number of finite lights when the lists were built
-  std::vector<AliasEntry> all_;
-  std::vector<AliasEntry> infinite_;
-  std::vector<CompactLight> compact_;
+  Array<AliasEntry> all_;
+  Array<AliasEntry> infinite_;
+  Array<CompactLight> compact_;
   bool built_ = false;
-  bool restored_ = false;  ///< whether lists_ comes from a checkpoint
+  bool restored_ = false;  ///< whether the lists come from a checkpoint
 };
 
 }  // namespace relume

@@ -3,8 +3,9 @@
 #pragma once
 
 #include <iosfwd>
-#include <vector>
+#include <span>
 
+#include "core/array.h"
 #include "frame/launch.h"
 #include "techniques/light_sampling/visibility_light_cache/bucket_weights.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
@@ -35,6 +36,9 @@ struct LightList {
 /// Caches by leaf slot.
 class LightCaches {
  public:
+  explicit LightCaches(Memory& memory = host_memory())
+      : buckets_(memory), lists_(memory), entries_(memory), bucket_weights_(memory), lights_(memory) {}
+
   /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite lights. Larger ids are
   /// ignored: those of lights at infinity and of removed lights.
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
@@ -43,13 +47,18 @@ class LightCaches {
   /// Gives each leaf of `next` the cache of the leaf that it stems from.
   void populate(Backend& backend, const OctreeTree& next);
 
-  View<const LightBuckets> buckets() const { return view_of(buckets_); }
-  View<const uint32_t> entries() const { return view_of(entries_); }
+  /// Removes all caches.
+  void clear();
+
+  View<const LightBuckets> buckets() const { return buckets_.view(); }
+  View<const uint32_t> entries() const { return entries_.view(); }
   /// Probability of each bucket. Those of a region begin at index (first entry / bucket size) and sum to one.
-  View<const float> bucket_weights() const { return view_of(bucket_weights_); }
-  /// Lights of a region as CachedLight, sorted by id.
+  View<const float> bucket_weights() const { return bucket_weights_.view(); }
+  /// For the host: the buckets of all regions, and lights of a region as CachedLight, sorted by id.
+  std::span<const LightBuckets> read_buckets() const { return buckets_.read(); }
   View<const uint32_t> list(uint32_t region) const {
-    return {lights_.data() + lists_[region].first, lists_[region].count};
+    const LightList list = lists_.read()[region];
+    return {lights_.read().data() + list.first, list.count};
   }
   /// Insertions that failed in the last build, for lack of room.
   uint64_t dropped() const { return dropped_; }
@@ -68,13 +77,13 @@ class LightCaches {
  private:
   /// Sorts the new lists into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
-                    const CacheBuildOptions& options, std::vector<uint64_t>& dropped);
+                    const CacheBuildOptions& options, View<uint64_t> dropped);
 
-  std::vector<LightBuckets> buckets_;  ///< by leaf slot
-  std::vector<LightList> lists_;       ///< by leaf slot
-  std::vector<uint32_t> entries_;
-  std::vector<float> bucket_weights_;
-  std::vector<uint32_t> lights_;
+  Array<LightBuckets> buckets_;  ///< by leaf slot
+  Array<LightList> lists_;       ///< by leaf slot
+  Array<uint32_t> entries_;
+  Array<float> bucket_weights_;
+  Array<uint32_t> lights_;
   uint64_t dropped_ = 0;
 };
 

@@ -95,7 +95,7 @@ void ExplorationTables::build(const LightsView& lights, const std::vector<LightS
   const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
   const uint32_t count = dims.x * dims.y * dims.z;
   if (count == 1) {
-    entries_ = one_table(list, lights.bounds.radius, camera, weights);
+    entries_.assign(one_table(list, lights.bounds.radius, camera, weights));
     cells_ = UVec3(1);
     fingerprint_ = 0;
     return;
@@ -109,17 +109,18 @@ void ExplorationTables::build(const LightsView& lights, const std::vector<LightS
   for (int axis = 0; axis < 3; ++axis) scale_[axis] = edge[axis] > 0.0f ? 1.0f / edge[axis] : 0.0f;
   // The distance is at least half the diagonal of the cell.
   const float nearest2 = 0.25f * length_squared(edge);
-  entries_.assign(size_t{count} * list.size(), {});
+  entries_.reset(size_t{count} * list.size());
+  const std::span<AliasEntry> entries = entries_.write();
   parallel_for(count, [&](uint32_t cell) {
     const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
     const Vec3 middle = low + edge * (at + Vec3(0.5f));
     const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightSummary& light) {
       return light.watts / std::max(length_squared(light.position - middle), nearest2);
     }));
-    std::copy(table.begin(), table.end(), entries_.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));
+    std::copy(table.begin(), table.end(), entries.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));
   });
 }
 
-ExplorationGrid ExplorationTables::grid() const { return {view_of(entries_), corner_, scale_, cells_}; }
+ExplorationGrid ExplorationTables::grid() const { return {entries_.view(), corner_, scale_, cells_}; }
 
 }  // namespace relume

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "core/array.h"
 #include "lights/light.h"
 #include "sampling/alias_table.h"
 
@@ -58,16 +59,18 @@ std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& 
 /// Owns the tables of a grid over the box of the finite lights.
 class ExplorationTables {
  public:
+  explicit ExplorationTables(Memory& memory = host_memory()) : entries_(memory) {}
+
   /// `summaries`: light_summaries(lights). `cells`: along the longest side, reduced for very many lights; 1: a single
   /// table by distance to the camera, as in the paper. The tables of several cells are rebuilt only when a light
   /// changes.
   void build(const LightsView& lights, const std::vector<LightSummary>& summaries, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;
-  size_t memory_bytes() const { return sizeof(AliasEntry) * entries_.size(); }
+  size_t memory_bytes() const { return entries_.memory_bytes(); }
 
  private:
-  std::vector<AliasEntry> entries_;
+  Array<AliasEntry> entries_;
   Vec3 corner_{0};
   Vec3 scale_{0};
   UVec3 cells_{1};

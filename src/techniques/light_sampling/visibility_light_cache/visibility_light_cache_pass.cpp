@@ -8,21 +8,25 @@
 namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
-  const std::vector<LightSummary> lights = light_summaries(frame.scene.lights);
-  drop_inconsistent(static_cast<uint32_t>(lights.size()));
+  std::vector<LightSummary> lights;
+  frame.backend.run("vlc.lights", [&] {
+    lights = light_summaries(frame.scene.lights);
+    summaries_.assign(lights);
+    drop_inconsistent(static_cast<uint32_t>(lights.size()));
+  });
   snapshot_.begin_frame(frame.begins_epoch, caches_);
   if (!octree_.begins_again()) {
-    build_caches(frame, lights);
+    build_caches(frame);
   } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size)) {
-    caches_ = {};
+    caches_.clear();
   }
   frame.backend.run("vlc.exploration", [&] { build_tables(frame, lights); });
   return true;
 }
 
-void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std::vector<LightSummary>& summaries) {
+void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   if (!octree_.has_samples()) {
-    caches_ = {};
+    caches_.clear();
     return;
   }
   CacheBuildOptions options;
@@ -31,7 +35,7 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std
   options.hysteresis = settings_.hysteresis;
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
-  caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(summaries), options);
+  caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options);
   caches_.populate(frame.backend, octree_.tree());
 }
 
@@ -45,11 +49,11 @@ PassDeclaration KnownLightsPass::declaration() const {
 
 bool KnownLightsPass::run(const FrameContext& frame) {
   const LightCaches& caches = cache_.caches();
-  std::vector<uint32_t> known(caches.buckets().size);
+  known_.reset(caches.buckets().size);
   const CountKnownLightsKernel count{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
-                                     mutable_view_of(known)};
+                                     known_.mutable_view()};
   frame.launch("vlc-view", count, {caches.buckets().size, 1});
-  const KnownLightsKernel show{octree_.samples(), view_of(known), frame.write(kKnownLights), frame.width()};
+  const KnownLightsKernel show{octree_.samples(), known_.view(), frame.write(kKnownLights), frame.width()};
   frame.launch("vlc-view", show);
   return true;
 }
@@ -59,8 +63,8 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
   all_.build(lights, summaries, frame.scene.camera.position,
              {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
              static_cast<uint32_t>(settings_.exploration_cells));
-  infinite_ = build_infinite_lights(lights, selection_.infinity());
-  compact_ = compact_lights(lights);
+  infinite_.assign(build_infinite_lights(lights, selection_.infinity()));
+  compact_.assign(compact_lights(lights));
   VisibilityLightCache& view = selector_.cache;
   const LightCaches& sampled = snapshot_.of(caches_);
   view.regions = sampled.buckets();
@@ -69,9 +73,9 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
   view.all = all_.grid();
-  view.infinite = make_infinite_lights(lights, infinite_, !view.all.empty());
+  view.infinite = make_infinite_lights(lights, infinite_.view(), !view.all.empty());
   view.ltc = ltc_table();
-  view.compact = view_of(compact_);
+  view.compact = compact_.view();
   view.lights = lights;
 }
 
@@ -79,8 +83,9 @@ std::vector<PassStatistic> VisibilityLightCachePass::statistics() const {
   uint64_t regions = 0;
   uint64_t buckets = 0;
   uint64_t lights = 0;
-  for (uint32_t region = 0; region < caches_.buckets().size; ++region) {
-    const uint32_t count = caches_.buckets()[region].count;
+  const std::span<const LightBuckets> all = caches_.read_buckets();
+  for (uint32_t region = 0; region < all.size(); ++region) {
+    const uint32_t count = all[region].count;
     if (count == 0) continue;
     ++regions;
     buckets += count;
@@ -104,8 +109,9 @@ std::vector<PassRecords> VisibilityLightCachePass::records() const {
   };
   const auto read = [this] {
     std::vector<Entry> entries;
-    for (uint32_t region = 0; region < caches_.buckets().size; ++region) {
-      const uint32_t buckets = caches_.buckets()[region].count;
+    const std::span<const LightBuckets> all = caches_.read_buckets();
+    for (uint32_t region = 0; region < all.size(); ++region) {
+      const uint32_t buckets = all[region].count;
       if (buckets == 0) continue;
       for (const uint32_t packed : caches_.list(region)) {
         const LightId light = CachedLight::id(packed);
@@ -128,7 +134,7 @@ void VisibilityLightCachePass::save(std::ostream& out) const {
 
 void VisibilityLightCachePass::load(std::istream& in) {
   caches_.load(in);
-  snapshot_.load(in, {});
+  snapshot_.load(in, LightCaches(summaries_.memory()));
   loaded_ = true;
 }
 
@@ -139,13 +145,13 @@ void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
   selector_.cache.bucket_size = bucket_size;
   if (caches_.consistent(bucket_size, light_count) && snapshot_.of(caches_).consistent(bucket_size, light_count))
     return;
-  caches_ = {};
+  caches_.clear();
   snapshot_.reset();
 }
 
 size_t VisibilityLightCachePass::memory_bytes() const {
-  return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() +
-         sizeof(AliasEntry) * infinite_.size() + sizeof(CompactLight) * compact_.size();
+  return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() + summaries_.memory_bytes() +
+         infinite_.memory_bytes() + compact_.memory_bytes();
 }
 
 }  // namespace relume

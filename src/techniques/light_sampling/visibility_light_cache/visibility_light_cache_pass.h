@@ -15,8 +15,15 @@ namespace relume {
 class VisibilityLightCachePass final : public Pass {
  public:
   VisibilityLightCachePass(const VisibilityLightCacheSettings& settings, const LightSelectionSettings& selection,
-                           const OctreePass& octree)
-      : settings_(settings), selection_(selection), octree_(octree) {
+                           const OctreePass& octree, Memory& memory = host_memory())
+      : settings_(settings),
+        selection_(selection),
+        octree_(octree),
+        caches_(memory),
+        summaries_(memory),
+        all_(memory),
+        infinite_(memory),
+        compact_(memory) {
     selector_.kind = LightSelectorKind::cache;
   }
 
@@ -38,7 +45,7 @@ class VisibilityLightCachePass final : public Pass {
  private:
   /// Clears the caches that a damaged checkpoint left inconsistent.
   void drop_inconsistent(uint32_t light_count);
-  void build_caches(const FrameContext& frame, const std::vector<LightSummary>& summaries);
+  void build_caches(const FrameContext& frame);
   void build_tables(const FrameContext& frame, const std::vector<LightSummary>& summaries);
 
   VisibilityLightCacheSettings settings_;
@@ -48,23 +55,27 @@ class VisibilityLightCachePass final : public Pass {
   LightCaches caches_;
   Snapshot<LightCaches> snapshot_;
   bool loaded_ = false;  ///< whether a loaded checkpoint is still unchecked
+  Array<LightSummary> summaries_;
   ExplorationTables all_;
-  std::vector<AliasEntry> infinite_;
-  std::vector<CompactLight> compact_;
+  Array<AliasEntry> infinite_;
+  Array<CompactLight> compact_;
 };
 
 inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};
 
 class KnownLightsPass final : public Pass {
  public:
-  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache) : octree_(octree), cache_(cache) {}
+  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache, Memory& memory = host_memory())
+      : octree_(octree), cache_(cache), known_(memory) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override { return known_.memory_bytes(); }
 
  private:
   const OctreePass& octree_;
   const VisibilityLightCachePass& cache_;
+  Array<uint32_t> known_;  ///< number of lights by leaf slot
 };
 
 }  // namespace relume

@@ -375,7 +375,7 @@ TEST(VisibilityLightCache, FavoursKnownAndImportantLights) {
   cache.bucket_weights = view_of(bucket_weights);
   cache.all = {view_of(all)};
   const AliasTable explored{view_of(all)};
-  cache.infinite = make_infinite_lights(lights, infinite, true);
+  cache.infinite = make_infinite_lights(lights, view_of(infinite), true);
   cache.ltc = ltc_table();
   cache.compact = view_of(compact);
   cache.lights = lights;

@@ -32,7 +32,7 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 
 bool CellsPass::run(const FrameContext& frame) {
   const HashGridBounds bounds = bounds_for(frame.pixels(), depths_, physical_memory_bytes());
-  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
+  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds, memory_);
   ready_ = true;
   grid_.configure(settings_.grid, bounds);
   if (includes(frame.changes, Change::settings)) grid_.clear();
@@ -144,7 +144,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
 std::vector<PassStatistic> ResolveCellsPass::statistics() const {
   uint64_t filtered = 0;
   uint64_t culled = 0;
-  for (const FilteredPixel& p : pixels_) {
+  for (const FilteredPixel& p : pixels_ ? pixels_->read<FilteredPixel>() : View<const FilteredPixel>{}) {
     filtered += p.filtered ? 1 : 0;
     culled += p.culled ? 1 : 0;
   }
@@ -166,7 +166,8 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   cells_.advance(frame);
   ResolveCellsKernel kernel;
   kernel.grid = cells_.filter().grid;
-  kernel.pixels = pixels_ = frame.read(kFilteredPixels);
+  kernel.pixels = frame.read(kFilteredPixels);
+  pixels_ = frame.buffer(kFilteredPixels);
   kernel.radiance = frame.write(kRadiance);
   kernel.layers = {frame.write(kCellIdentity), frame.write(kCellLevel),       frame.write(kCellCount),
                    frame.write(kCellAge),      frame.write(kCellVariance),    frame.write(kCellSurvival),

@@ -25,7 +25,8 @@ inline constexpr BufferKey<float> kCellTermination{"cell-termination"};
 class CellsPass final : public Pass {
  public:
   /// `depths`: number of path vertices with separate cells, for the size of the table.
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths) : settings_(settings), depths_(depths) {}
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory = host_memory())
+      : settings_(settings), depths_(depths), memory_(memory), grid_(memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
@@ -50,6 +51,7 @@ class CellsPass final : public Pass {
  private:
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
+  Memory& memory_;
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
   uint32_t watched_before_ = 0;  ///< the same before this frame
@@ -74,7 +76,7 @@ class ResolveCellsPass final : public Pass {
   PathSource source_;
   CellsPass& cells_;
   bool sharpens_edges_;
-  View<const FilteredPixel> pixels_;  ///< pixels of the last frame
+  const Buffer* pixels_ = nullptr;  ///< pixels of the last frame
 };
 
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels.

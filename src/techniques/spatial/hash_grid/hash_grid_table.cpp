@@ -46,9 +46,9 @@ struct SavedCell {
 };
 
 /// Number of distinct keys of waiting samples. None of them is in the table.
-uint64_t distinct_keys(const View<const WaitingSample>& samples, const CellKeys& keys) {
-  std::vector<uint64_t> fingerprints(samples.size);
-  for (uint32_t i = 0; i < samples.size; ++i)
+uint64_t distinct_keys(std::span<const WaitingSample> samples, const CellKeys& keys) {
+  std::vector<uint64_t> fingerprints(samples.size());
+  for (size_t i = 0; i < samples.size(); ++i)
     fingerprints[i] = keys.address(samples[i].point, samples[i].coarser).fingerprint;
   std::sort(fingerprints.begin(), fingerprints.end());
   return static_cast<uint64_t>(std::unique(fingerprints.begin(), fingerprints.end()) - fingerprints.begin());
@@ -79,8 +79,17 @@ HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_byte
   return {std::min(wanted, in_memory), in_memory, pixels * depths * 5 / 4 + kMinSlots};
 }
 
-HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds)
-    : expected_cells_(std::min(expected_cells, uint64_t{kMostSlots})) {
+HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds,
+                   Memory& memory)
+    : expected_cells_(std::min(expected_cells, uint64_t{kMostSlots})),
+      fingerprints_(memory),
+      bucket_hashes_(memory),
+      parents_(memory),
+      sums_(memory),
+      histories_(memory),
+      regions_(memory),
+      overflow_(memory),
+      tally_(memory) {
   configure(settings, bounds);
   allocate(first_slots_);
 }
@@ -99,36 +108,38 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
 }
 
 void HashGrid::allocate(uint32_t slots) {
-  fingerprints_.assign(slots, 0);
-  bucket_hashes_.assign(slots, 0);
+  fingerprints_.reset(slots);
+  bucket_hashes_.reset(slots);
   parents_.assign(slots, kNoCell);
-  sums_.assign(slots, {});
-  histories_.assign(slots, {});
-  longest_ = 0;
+  sums_.reset(slots);
+  histories_.reset(slots);
+  tally_.write().longest = 0;
 }
 
 HashGridView HashGrid::view(const CameraView& camera) {
   keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
-  counters_before_ = counters_;
-  if (overflow_count_ == 0 && overflow_capacity_ != samples_a_frame_) {
-    overflow_.reset(new std::byte[samples_a_frame_ * sizeof(WaitingSample)]);
-    overflow_capacity_ = samples_a_frame_;
+  counters_before_ = counters();
+  if (tally_.read().overflow_count == 0 && overflow_.size() != samples_a_frame_) {
+    overflow_.clear();
+    overflow_.shrink_to_fit();
+    overflow_.reset(samples_a_frame_, kUninitialized);
   }
   return view();
 }
 
 HashGridView HashGrid::view() {
   HashGridView v;
-  v.fingerprints = mutable_view_of(fingerprints_);
-  v.bucket_hashes = mutable_view_of(bucket_hashes_);
-  v.parents = mutable_view_of(parents_);
-  v.sums = mutable_view_of(sums_);
-  v.histories = view_of(histories_);
-  v.counters = &counters_;
-  v.overflow = {{reinterpret_cast<WaitingSample*>(overflow_.get()), static_cast<uint32_t>(overflow_capacity_)},
-                &overflow_count_};
-  v.probe_limit = std::min(std::max(kMaxProbes, longest_ + 1), static_cast<uint32_t>(fingerprints_.size()));
+  HashGridTally* const tally = tally_.mutable_view().data;
+  v.fingerprints = fingerprints_.mutable_view();
+  v.bucket_hashes = bucket_hashes_.mutable_view();
+  v.parents = parents_.mutable_view();
+  v.sums = sums_.mutable_view();
+  v.histories = histories_.view();
+  v.counters = &tally->counters;
+  v.overflow = {overflow_.mutable_view(), &tally->overflow_count};
+  v.probe_limit =
+      std::min(std::max(kMaxProbes, tally_.read().longest + 1), static_cast<uint32_t>(fingerprints_.size()));
   v.renumbered = renumbered_;
   v.keys = keys_;
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
@@ -149,55 +160,58 @@ HashGridView HashGrid::placing_view(uint32_t probes) {
 /// Grows the table if its keys fill more than half of it, then adds the waiting samples. The set of waiting samples
 /// depends on timing; the number of keys does not.
 void HashGrid::settle(Backend& backend) {
-  const auto waiting = static_cast<uint32_t>(std::min(uint64_t{overflow_count_}, overflow_capacity_));
-  const View<const WaitingSample> samples{reinterpret_cast<const WaitingSample*>(overflow_.get()), waiting};
-  const uint64_t keys = census_.taken + counters_.made + distinct_keys(samples, keys_);
+  const auto waiting = static_cast<uint32_t>(std::min<size_t>(tally_.read().overflow_count, overflow_.size()));
+  const View<const WaitingSample> samples{overflow_.view().data, waiting};
+  uint64_t keys = census().taken + counters().made;
+  if (waiting > 0) keys += distinct_keys(overflow_.read().first(waiting), keys_);
   const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
   const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
   if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
   // A table at its memory limit may be full. Probing all of it for each sample would take too long.
   const uint32_t probes = 2 * keys <= memory_limit_ ? kAnywhere : 4 * kMaxProbes;
   if (waiting > 0) {
-    launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(probes), &longest_}, kMaintenanceRow,
+    uint32_t* const longest = &tally_.mutable_view().data->longest;
+    launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(probes), longest}, kMaintenanceRow,
            rows_of(waiting));
   }
   most_waiting_ = std::max(most_waiting_, uint64_t{waiting});
-  overflow_count_ = 0;
-  counters_.made = 0;
+  tally_.write().overflow_count = 0;
+  tally_.write().counters.made = 0;
 }
 
 void HashGrid::advance(Backend& backend, bool watched) {
   settle(backend);
-  if (counters_.inherited_cells > 0) {
-    const InheritCellsKernel inherit{view(), mutable_view_of(histories_)};
+  if (counters().inherited_cells > 0) {
+    const InheritCellsKernel inherit{view(), histories_.mutable_view()};
     launch(backend, "cells", inherit, kMaintenanceRow, rows_of(fingerprints_.size()));
-    inherited_ += counters_.inherited_cells;
-    counters_.inherited_cells = 0;
+    inherited_ += counters().inherited_cells;
+    tally_.write().counters.inherited_cells = 0;
   }
-  regions_.assign(watched && settings_.change_detection > 0 ? kRegions : 0, {});
+  regions_.reset(watched && settings_.change_detection > 0 ? kRegions : 0);
   if (!regions_.empty()) {
-    const MeasureChangesKernel measure{view(), mutable_view_of(regions_)};
+    const MeasureChangesKernel measure{view(), regions_.mutable_view()};
     launch(backend, "cells", measure, kMaintenanceRow, rows_of(fingerprints_.size()));
   }
-  census_ = {};
-  const MaintainCellsKernel kernel{view(), mutable_view_of(histories_), view_of(regions_), &census_,
-                                   static_cast<uint32_t>(settings_.max_age)};
+  tally_.write().census = {};
+  const MaintainCellsKernel kernel{view(), histories_.mutable_view(), regions_.view(),
+                                   &tally_.mutable_view().data->census, static_cast<uint32_t>(settings_.max_age)};
   launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints_.size()));
-  evicted_ += census_.evicted;
+  evicted_ += census().evicted;
 }
 
 void HashGrid::abandon_frame() {
-  has_abandoned_keys_ = has_abandoned_keys_ || counters_.made > counters_before_.made;
-  counters_ = counters_before_;
-  overflow_count_ = 0;
+  HashGridTally& tally = tally_.write();
+  has_abandoned_keys_ = has_abandoned_keys_ || tally.counters.made > counters_before_.made;
+  tally.counters = counters_before_;
+  tally.overflow_count = 0;
   abandoned_ = true;
 }
 
 /// Discards the samples of an abandoned frame and the keys that it inserted.
 void HashGrid::drop_frame(Backend& backend) {
   abandoned_ = false;
-  std::fill(sums_.begin(), sums_.end(), CellSums{});
-  if (!std::exchange(has_abandoned_keys_, false)) return std::fill(parents_.begin(), parents_.end(), kNoCell);
+  backend.run("cells", [&] { sums_.fill({}); });
+  if (!std::exchange(has_abandoned_keys_, false)) return backend.run("cells", [&] { parents_.fill(kNoCell); });
   rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
   --rebuilds_;  // not counted
 }
@@ -205,84 +219,87 @@ void HashGrid::drop_frame(Backend& backend) {
 void HashGrid::adjust_size(Backend& backend) {
   if (abandoned_) drop_frame(backend);
   const uint64_t slots = fingerprints_.size();
-  if (census_.live > capacity_of(limit_)) discard_oldest(census_.live - capacity_of(limit_));
+  if (census().live > capacity_of(limit_))
+    backend.run("cells", [&] { discard_oldest(census().live - capacity_of(limit_)); });
+  const HashGridCensus& census = tally_.read().census;
   // Emptied cells keep their slots until a rebuild, because probing stops at gaps.
-  const uint32_t wanted = wanted_slots(census_.live);
+  const uint32_t wanted = wanted_slots(census.live);
   // Cleaning takes a pass over the table, so it must free at least an eighth of it.
-  const bool worthwhile = (census_.taken - census_.live) * 8 >= slots;
-  const bool crowded = census_.taken * 2 > slots && (wanted > slots || worthwhile);
+  const bool worthwhile = (census.taken - census.live) * 8 >= slots;
+  const bool crowded = census.taken * 2 > slots && (wanted > slots || worthwhile);
   const bool spacious = uint64_t{wanted} * 8 < slots && wanted >= first_slots_;
   if (crowded || spacious || slots > limit_) rebuild(backend, wanted);
   renumbered_ = false;
 }
 
 void HashGrid::discard_oldest(uint64_t count) {
+  const std::span<const uint64_t> fingerprints = fingerprints_.read();
+  const std::span<const uint32_t> bucket_hashes = bucket_hashes_.read();
+  const std::span<CellHistory> histories = histories_.write();
   std::vector<uint32_t> cells;
-  for (uint32_t i = 0; i < histories_.size(); ++i) {
-    if (!histories_[i].empty()) cells.push_back(i);
+  for (uint32_t i = 0; i < histories.size(); ++i) {
+    if (!histories[i].empty()) cells.push_back(i);
   }
   // A total order, so the choice does not depend on slots.
   const auto rank = [&](uint32_t i) {
-    return std::tuple(histories_[i].age, -histories_[i].moments.count, fingerprints_[i], bucket_hashes_[i]);
+    return std::tuple(histories[i].age, -histories[i].moments.count, fingerprints[i], bucket_hashes[i]);
   };
   const auto first = cells.end() - static_cast<std::ptrdiff_t>(count);
   std::nth_element(cells.begin(), first, cells.end(), [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
-  for (auto i = first; i != cells.end(); ++i) histories_[*i] = {};
-  census_.live -= count;
+  for (auto i = first; i != cells.end(); ++i) histories[*i] = {};
+  tally_.write().census.live -= count;
   discarded_ += count;
 }
 
 void HashGrid::clear() {
   allocate(first_slots_);
-  census_ = {};
-  overflow_count_ = 0;
-  counters_.made = 0;
+  tally_.write().census = {};
+  tally_.write().overflow_count = 0;
+  tally_.write().counters.made = 0;
   renumbered_ = false;
   abandoned_ = has_abandoned_keys_ = false;
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
-  std::vector<uint64_t> fingerprints(slots, 0);
-  std::vector<uint32_t> bucket_hashes(slots, 0);
-  std::vector<uint32_t> parents(slots, kNoCell);
-  std::vector<CellSums> sums(slots);
-  std::vector<CellHistory> histories(slots);
-  fingerprints.swap(fingerprints_);
-  bucket_hashes.swap(bucket_hashes_);
-  parents.swap(parents_);
-  sums.swap(sums_);
-  histories.swap(histories_);
-  longest_ = 0;
+  const Array<uint64_t> fingerprints = std::move(fingerprints_);
+  const Array<uint32_t> bucket_hashes = std::move(bucket_hashes_);
+  const Array<uint32_t> parents = std::move(parents_);
+  const Array<CellSums> sums = std::move(sums_);
+  const Array<CellHistory> histories = std::move(histories_);
+  allocate(slots);
   const HashGridView target = placing_view(kAnywhere);
   const uint32_t rows = rows_of(fingerprints.size());
-  const MoveCellsKernel cells{view_of(fingerprints),
-                              view_of(bucket_hashes),
-                              view_of(sums),
-                              view_of(histories),
+  uint32_t* const longest = &tally_.mutable_view().data->longest;
+  const MoveCellsKernel cells{fingerprints.view(),
+                              bucket_hashes.view(),
+                              sums.view(),
+                              histories.view(),
                               target,
-                              mutable_view_of(histories_),
-                              &longest_};
+                              histories_.mutable_view(),
+                              longest};
   launch(backend, "cells", cells, kMaintenanceRow, rows);
-  if (counters_.inherited_cells > 0) {
-    const MoveParentsKernel links{view_of(fingerprints), view_of(bucket_hashes), view_of(parents), target};
+  if (counters().inherited_cells > 0) {
+    const MoveParentsKernel links{fingerprints.view(), bucket_hashes.view(), parents.view(), target};
     launch(backend, "cells", links, kMaintenanceRow, rows);
   }
-  census_.taken = census_.live;
-  counters_.made = 0;
+  tally_.write().census.taken = census().live;
+  tally_.write().counters.made = 0;
   renumbered_ = true;
   ++rebuilds_;
 }
 
 std::vector<HashGridRecord> HashGrid::records() const {
+  const std::span<const uint64_t> fingerprints = fingerprints_.read();
+  const std::span<const CellHistory> histories = histories_.read();
   std::vector<uint32_t> slots;
-  for (uint32_t slot = 0; slot < fingerprints_.size(); ++slot) {
-    if (fingerprints_[slot] != 0 && !histories_[slot].empty()) slots.push_back(slot);
+  for (uint32_t slot = 0; slot < fingerprints.size(); ++slot) {
+    if (fingerprints[slot] != 0 && !histories[slot].empty()) slots.push_back(slot);
   }
-  std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return fingerprints_[a] < fingerprints_[b]; });
+  std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return fingerprints[a] < fingerprints[b]; });
   std::vector<HashGridRecord> records;
   for (const uint32_t slot : slots) {
-    const CellHistory& cell = histories_[slot];
-    const uint64_t key = fingerprints_[slot];
+    const CellHistory& cell = histories[slot];
+    const uint64_t key = fingerprints[slot];
     records.push_back({{static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32)},
                        cell.moments.mean,
                        cell.moments.mean_square,
@@ -294,45 +311,49 @@ std::vector<HashGridRecord> HashGrid::records() const {
 
 HashGridStatistics HashGrid::statistics() const {
   HashGridStatistics s;
+  const auto& [counters, census, overflow_count, longest] = tally_.read();
   s.slots = fingerprints_.size();
-  s.cells = census_.live;
-  s.occupancy = static_cast<float>(census_.taken) / static_cast<float>(s.slots);
+  s.cells = census.live;
+  s.occupancy = static_cast<float>(census.taken) / static_cast<float>(s.slots);
   s.mean_probes =
-      census_.taken > 0 ? 1.0f + static_cast<float>(census_.displacements) / static_cast<float>(census_.taken) : 0.0f;
-  s.samples = census_.samples;
+      census.taken > 0 ? 1.0f + static_cast<float>(census.displacements) / static_cast<float>(census.taken) : 0.0f;
+  s.samples = census.samples;
   s.evicted = evicted_;
   s.discarded = discarded_;
   s.inherited = inherited_;
-  s.dropped = counters_.dropped;
-  s.saturated = counters_.saturated;
-  s.nonfinite = counters_.nonfinite;
-  s.skipped_vertices = counters_.skipped_vertices;
-  s.changed = census_.changed;
+  s.dropped = counters.dropped;
+  s.saturated = counters.saturated;
+  s.nonfinite = counters.nonfinite;
+  s.skipped_vertices = counters.skipped_vertices;
+  s.changed = census.changed;
   s.rebuilds = rebuilds_;
   s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample);
   return s;
 }
 
 std::vector<std::byte> HashGrid::save() const {
+  const std::span<const uint64_t> fingerprints = fingerprints_.read();
+  const std::span<const uint32_t> bucket_hashes = bucket_hashes_.read();
+  const std::span<const CellHistory> histories = histories_.read();
   // Cells without a history were inserted by an abandoned frame or evicted.
   const auto is_saved = [&](size_t i) {
-    return fingerprints_[i] != 0 && !(has_abandoned_keys_ && histories_[i].empty());
+    return fingerprints[i] != 0 && !(has_abandoned_keys_ && histories[i].empty());
   };
   size_t cells = 0;
-  for (size_t i = 0; i < fingerprints_.size(); ++i) cells += is_saved(i) ? 1 : 0;
+  for (size_t i = 0; i < fingerprints.size(); ++i) cells += is_saved(i) ? 1 : 0;
   std::vector<std::byte> bytes(kSavedHeaderBytes + cells * kSavedCellBytes);
   std::span<std::byte> rest = bytes;
-  put(rest, static_cast<uint32_t>(fingerprints_.size()));
+  put(rest, static_cast<uint32_t>(fingerprints.size()));
   put(rest, expected_cells_);
-  put(rest, counters_);
+  put(rest, counters());
   put(rest, evicted_);
   put(rest, discarded_);
   put(rest, inherited_);
-  for (size_t i = 0; i < fingerprints_.size(); ++i) {
+  for (size_t i = 0; i < fingerprints.size(); ++i) {
     if (!is_saved(i)) continue;
-    put(rest, fingerprints_[i]);
-    put(rest, bucket_hashes_[i]);
-    put(rest, histories_[i]);
+    put(rest, fingerprints[i]);
+    put(rest, bucket_hashes[i]);
+    put(rest, histories[i]);
   }
   return bytes;
 }
@@ -354,19 +375,23 @@ bool HashGrid::load(std::span<const std::byte> bytes) {
   first_slots_ = wanted_slots(expected_cells_);
   clear();
   allocate(std::max(std::min(slots, limit_), static_cast<uint32_t>(std::min(2 * count, size_t{kMostSlots}))));
-  counters_ = counters;
   evicted_ = evicted;
   discarded_ = discarded;
   inherited_ = inherited;
+  HashGridTally& tally = tally_.write();
+  tally.counters = counters;
   const HashGridView v = placing_view(kAnywhere);
+  fingerprints_.write();  // find_or_insert() accesses them on the host
+  bucket_hashes_.write();
+  const std::span<CellHistory> histories = histories_.write();
   for (const SavedCell& cell : cells) {
     const uint32_t slot = v.find_or_insert(cell.address);
-    histories_[slot] = cell.history;
-    longest_ = std::max(longest_, v.displacement(cell.address, slot));
-    ++census_.taken;
-    census_.live += cell.history.empty() ? 0u : 1u;
+    histories[slot] = cell.history;
+    tally.longest = std::max(tally.longest, v.displacement(cell.address, slot));
+    ++tally.census.taken;
+    tally.census.live += cell.history.empty() ? 0u : 1u;
   }
-  counters_.made = 0;
+  tally.counters.made = 0;
   return true;
 }
 

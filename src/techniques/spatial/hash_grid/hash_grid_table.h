@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/array.h"
 #include "frame/launch.h"
 #include "techniques/spatial/hash_grid/maintain.h"
 #include "techniques/spatial/hash_grid/settings.h"
@@ -51,13 +51,22 @@ struct HashGridBounds {
 /// `memory_bytes`. A frame has at most about one cell per vertex, and probing is short in half-full tables.
 HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes);
 
+/// Numbers of a hash grid that kernels change.
+struct HashGridTally {
+  HashGridCounters counters;
+  HashGridCensus census;
+  uint32_t overflow_count = 0;  ///< waiting samples, including those beyond the end of the list
+  uint32_t longest = 0;         ///< largest displacement of a key placed between frames
+};
+
 class HashGrid {
  public:
   /// `expected_cells`: an estimate for the first size. Later sizes follow the number of cells.
-  HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds = {});
+  HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds = {},
+           Memory& memory = host_memory());
 
   /// An empty table of the smallest size.
-  HashGrid() : HashGrid(HashGridSettings{}, 0) {}
+  explicit HashGrid(Memory& memory = host_memory()) : HashGrid(HashGridSettings{}, 0, {}, memory) {}
 
   /// Applies new settings. Cells whose keys they change are evicted by age. A table above its limit shrinks at the next
   /// clear() or adjust_size().
@@ -96,6 +105,8 @@ class HashGrid {
 
  private:
   void allocate(uint32_t slots);
+  const HashGridCounters& counters() const { return tally_.read().counters; }
+  const HashGridCensus& census() const { return tally_.read().census; }
   void settle(Backend& backend);
   void rebuild(Backend& backend, uint32_t slots);
   void discard_oldest(uint64_t count);
@@ -110,25 +121,21 @@ class HashGrid {
   uint32_t limit_ = 0;         ///< maximum number of slots kept from frame to frame
   uint32_t memory_limit_ = 0;  ///< maximum number of slots during a frame
   uint32_t first_slots_ = 0;   ///< number of slots of an empty table
-  uint32_t longest_ = 0;       ///< largest displacement of a key placed between frames
   bool renumbered_ = false;    ///< whether the table was rebuilt since the paths of this frame
   CellKeys keys_;              ///< keys of this frame
-  std::vector<uint64_t> fingerprints_;
-  std::vector<uint32_t> bucket_hashes_;
-  std::vector<uint32_t> parents_;
-  std::vector<CellSums> sums_;
-  std::vector<CellHistory> histories_;
-  std::vector<RegionChange> regions_;
-  std::unique_ptr<std::byte[]> overflow_;  ///< uninitialised, so that unused pages take no memory
-  uint64_t overflow_capacity_ = 0;         ///< length of the list in samples
-  uint64_t samples_a_frame_ = 0;           ///< wanted length of the list
-  uint32_t overflow_count_ = 0;
-  uint64_t most_waiting_ = 0;  ///< largest number of waiting samples in any frame
-  HashGridCounters counters_;
+  Array<uint64_t> fingerprints_;
+  Array<uint32_t> bucket_hashes_;
+  Array<uint32_t> parents_;
+  Array<CellSums> sums_;
+  Array<CellHistory> histories_;
+  Array<RegionChange> regions_;
+  Array<WaitingSample> overflow_;  ///< uninitialised, so that unused pages take no memory
+  uint64_t samples_a_frame_ = 0;   ///< wanted length of the list
+  uint64_t most_waiting_ = 0;      ///< largest number of waiting samples in any frame
+  KernelValue<HashGridTally> tally_;
   HashGridCounters counters_before_;  ///< counters before this frame
   bool abandoned_ = false;            ///< whether `sums_` and `parents_` are those of an abandoned frame
   bool has_abandoned_keys_ = false;   ///< whether the table has keys that an abandoned frame inserted
-  HashGridCensus census_;
   uint64_t evicted_ = 0;
   uint64_t discarded_ = 0;
   uint64_t inherited_ = 0;

@@ -19,11 +19,11 @@ constexpr uint8_t kTree = 1;
 constexpr uint8_t kPreparedTree = 2;  ///< the next frame was abandoned
 
 /// The tree around the current surfaces. Surfaces that move out of it later belong to cells at its border.
-OctreeTree first_tree(const SceneView& scene) {
+OctreeTree first_tree(const SceneView& scene, Memory& memory) {
   Box box = world_box(scene);
   if (box.empty()) box.add(Vec3(0));
   const float edge = std::max(1.001f * max_component(box.extent()), 1e-3f);
-  return OctreeTree(box.center(), edge);
+  return OctreeTree(box.center(), edge, memory);
 }
 
 }  // namespace
@@ -45,13 +45,13 @@ bool OctreePass::run(const FrameContext& frame) {
   stream_.resize(frame.pixels(), vertices);
   begins_again_ = std::exchange(prepared_, false);
   if (!tree_) {
-    tree_ = first_tree(frame.scene);
+    frame.backend.run("octree.first", [&] { tree_ = first_tree(frame.scene, memory_); });
   } else {
     snapshot_.begin_frame(frame.begins_epoch, *tree_);
     // The samples of an abandoned frame are incomplete and are overwritten.
     if (!begins_again_) adapt(frame);
   }
-  frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
+  frame.backend.run("octree.depths", [&] { depths_.assign(tree_->leaf_depths()); });
   recording_ = {.octree = tree_->view(),
                 .sampled = sampled().view(),
                 .samples = stream_.samples(),
@@ -88,7 +88,7 @@ bool RegionViewPass::run(const FrameContext& frame) {
 }
 
 size_t OctreePass::memory_bytes() const {
-  return stream_.memory_bytes() + depths_.capacity() + (tree_ ? tree_->memory_bytes() : 0) +
+  return stream_.memory_bytes() + depths_.memory_bytes() + (tree_ ? tree_->memory_bytes() : 0) +
          (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
 }
 
@@ -98,7 +98,7 @@ std::vector<PassStatistic> OctreePass::statistics() const {
           {"leaf-slots", static_cast<double>(tree_->leaf_slots())},
           {"depth", static_cast<double>(tree_->depth())},
           {"samples", static_cast<double>(stream_.groups().order.size)},
-          {"tree-bytes", static_cast<double>(tree_->memory_bytes() + depths_.capacity())},
+          {"tree-bytes", static_cast<double>(tree_->memory_bytes() + depths_.memory_bytes())},
           {"place-bytes", static_cast<double>(stream_.place_bytes())}};
 }
 
@@ -140,10 +140,10 @@ void OctreePass::load(std::istream& in) {
   read_value(in, saved);
   if (!in || saved == kNoTree) return;
   prepared_ = saved == kPreparedTree;
-  tree_.emplace(Vec3(0), 1.0f);
+  tree_.emplace(Vec3(0), 1.0f, memory_);
   tree_->load(in);
   stream_.load(in);
-  snapshot_.load(in, OctreeTree(Vec3(0), 1.0f));
+  snapshot_.load(in, OctreeTree(Vec3(0), 1.0f, memory_));
 }
 
 }  // namespace relume

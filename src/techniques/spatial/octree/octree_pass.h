@@ -21,7 +21,8 @@ OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
 class OctreePass final : public Pass {
  public:
   /// `epochs`: several frames may sample the same tree, because a history accumulates them.
-  OctreePass(const OctreeSettings& settings, bool epochs) : settings_(settings), epochs_(epochs) {}
+  OctreePass(const OctreeSettings& settings, bool epochs, Memory& memory = host_memory())
+      : settings_(settings), epochs_(epochs), memory_(memory), stream_(memory), depths_(memory) {}
 
   void configure(const OctreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
@@ -49,13 +50,14 @@ class OctreePass final : public Pass {
   const PathRecording& recording() const { return recording_; }
   View<const VertexSample> samples() const { return {recording_.samples.data, recording_.samples.size}; }
   /// Depth of each leaf of tree(), by slot.
-  View<const uint8_t> depths() const { return view_of(depths_); }
+  View<const uint8_t> depths() const { return depths_.view(); }
 
  private:
   void adapt(const FrameContext& frame);
 
   OctreeSettings settings_;
   bool epochs_;
+  Memory& memory_;
   bool prepared_ = false;  ///< whether the tree is already that of the next frame
   bool begins_again_ = false;
   std::optional<OctreeTree> tree_;
@@ -63,7 +65,7 @@ class OctreePass final : public Pass {
   std::optional<OctreeTree> previous_;
   SampleStream stream_;
   PathRecording recording_;
-  std::vector<uint8_t> depths_;
+  Array<uint8_t> depths_;
 };
 
 inline constexpr BufferKey<uint32_t> kRegion{"region"};

@@ -9,7 +9,7 @@ namespace relume {
 namespace {
 
 /// Depth of each node. Children follow their parents, so one pass suffices.
-std::vector<uint8_t> depths_of(const std::vector<uint32_t>& nodes) {
+std::vector<uint8_t> depths_of(std::span<const uint32_t> nodes) {
   std::vector<uint8_t> depths(nodes.size(), 0);
   for (uint32_t node = 0; node < nodes.size(); ++node) {
     for (uint32_t child = 0; child < 8; ++child) {
@@ -20,7 +20,7 @@ std::vector<uint8_t> depths_of(const std::vector<uint32_t>& nodes) {
 }
 
 /// Whether `nodes` are a tree as rebuild() builds it, within kMaxOctreeDepth and kMaxOctreeNodes.
-bool is_breadth_first(const std::vector<uint32_t>& nodes) {
+bool is_breadth_first(std::span<const uint32_t> nodes) {
   if (nodes.empty() || nodes.size() > kMaxOctreeNodes) return false;
   std::vector<uint8_t> depths(nodes.size(), 0);
   size_t next = 1;
@@ -37,8 +37,8 @@ bool is_breadth_first(const std::vector<uint32_t>& nodes) {
 
 /// Builds the new nodes breadth-first. Leaves are only split while the tree has at most kMaxOctreeNodes nodes, the
 /// range of child numbers.
-std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vector<uint8_t>& split,
-                              const std::vector<uint8_t>& collapse) {
+std::vector<uint32_t> rebuild(std::span<const uint32_t> nodes, std::span<const uint8_t> split,
+                              std::span<const uint8_t> collapse) {
   std::vector<uint32_t> result;
   size_t room = kMaxOctreeNodes - nodes.size();  // for inner nodes
   std::vector<uint32_t> queue{0};                // inner nodes of the new tree: number in the old one, or kNoRegion
@@ -69,97 +69,113 @@ std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vec
 
 }  // namespace
 
-OctreeTree::OctreeTree(const Vec3& center, float edge)
+OctreeTree::OctreeTree(const Vec3& center, float edge, Memory& memory)
     : corner_(center - 0.5f * edge),
       scale_(static_cast<float>(1u << kMaxOctreeDepth) / edge),
-      nodes_{make_octree_node(0, 0xffu)} {
-  links_.parents = {0};
-  links_.neighbours.resize(48, kNoRegion);
+      nodes_(memory),
+      links_(memory) {
+  nodes_.assign(1, make_octree_node(0, 0xffu));
+  links_.parents.reset(1);
+  links_.neighbours.assign(48, kNoRegion);
+  links_.previous.reset(8, kUninitialized);
+  const std::span<uint32_t> neighbours = links_.neighbours.write();
+  const std::span<uint32_t> previous = links_.previous.write();
   for (uint32_t slot = 0; slot < 8; ++slot) {
-    links_.previous.push_back(slot);
+    previous[slot] = slot;
     for (uint32_t axis = 0; axis < 3; ++axis) {
       const bool high = (slot >> axis) & 1u;
-      links_.neighbours[6 * slot + 2 * axis + (high ? 0 : 1)] = slot ^ (1u << axis);
+      neighbours[6 * slot + 2 * axis + (high ? 0 : 1)] = slot ^ (1u << axis);
     }
   }
 }
 
-OctreeView OctreeTree::view() const { return {view_of(nodes_), corner_, scale_}; }
+OctreeView OctreeTree::view() const { return {nodes_.view(), corner_, scale_}; }
 
 OctreeCube OctreeTree::cube_of(uint32_t slot) const {
-  const OctreeCell cell = octree_cell_of(view_of(nodes_), view_of(links_.parents), slot);
+  const OctreeCell cell = octree_cell_of(view_of(nodes_.read()), view_of(links_.parents.read()), slot);
   return {corner_ + Vec3(cell.corner) / scale_, static_cast<float>(cell.size()) / scale_};
 }
 
 uint32_t OctreeTree::leaf_count() const {
   uint32_t count = 0;
-  for (const uint32_t node : nodes_) count += static_cast<uint32_t>(std::popcount(octree_leaf_mask(node)));
+  for (const uint32_t node : nodes_.read()) count += static_cast<uint32_t>(std::popcount(octree_leaf_mask(node)));
   return count;
 }
 
 std::vector<uint8_t> OctreeTree::leaf_depths() const {
-  const std::vector<uint8_t> nodes = depths_of(nodes_);
+  const std::vector<uint8_t> nodes = depths_of(nodes_.read());
   std::vector<uint8_t> depths(leaf_slots());
   for (uint32_t slot = 0; slot < leaf_slots(); ++slot) depths[slot] = static_cast<uint8_t>(nodes[slot / 8] + 1);
   return depths;
 }
 
 size_t OctreeTree::memory_bytes() const {
-  return sizeof(uint32_t) * (nodes_.size() + links_.parents.size() + links_.neighbours.size() + links_.previous.size());
+  return nodes_.memory_bytes() + links_.parents.memory_bytes() + links_.neighbours.memory_bytes() +
+         links_.previous.memory_bytes();
 }
 
 void OctreeTree::save(std::ostream& out) const {
   write_value(out, corner_);
   write_value(out, scale_);
-  write_vector(out, nodes_);
+  write_array(out, nodes_);
 }
 
 void OctreeTree::load(std::istream& in) {
   read_value(in, corner_);
   read_value(in, scale_);
-  read_vector(in, nodes_);
-  if (!is_breadth_first(nodes_) || !is_finite(corner_) || !is_finite(scale_) || !(scale_ > 0)) {
-    *this = OctreeTree(Vec3(0), 1.0f);
+  read_array(in, nodes_);
+  if (!is_breadth_first(nodes_.read()) || !is_finite(corner_) || !is_finite(scale_) || !(scale_ > 0)) {
+    *this = OctreeTree(Vec3(0), 1.0f, nodes_.memory());
     return in.setstate(std::ios::failbit);
   }
-  Backend backend(1);
-  augment(backend, *this, {});
+  augment(*this, {}, [this](const auto& kernel, uint32_t count) {
+    nodes_.read();  // on the host, which needs access to what the kernels access
+    links_.parents.write();
+    links_.neighbours.write();
+    links_.previous.write();
+    for (uint32_t i = 0; i < count; ++i) kernel(i, 0);
+  });
+  measure_depth();
 }
 
 OctreeTree OctreeTree::adapted(Backend& backend, View<const uint32_t> counts,
                                const OctreeThresholds& thresholds) const {
-  std::vector<uint8_t> depths;
-  backend.run("octree.mark", [&] { depths = depths_of(nodes_); });
-  std::vector<uint8_t> split(nodes_.size());
-  std::vector<uint8_t> collapse(nodes_.size());
+  Memory& memory = nodes_.memory();
+  Array<uint8_t> depths(memory);
+  backend.run("octree.mark", [&] { depths.assign(depths_of(nodes_.read())); });
+  Array<uint8_t> split(memory);
+  Array<uint8_t> collapse(memory);
+  split.reset(nodes_.size());
+  collapse.reset(nodes_.size());
   OctreeThresholds limits = thresholds;
   limits.max_depth = std::min(limits.max_depth, kMaxOctreeDepth);
   launch(backend, "octree.mark",
-         OctreeMarkKernel{view_of(nodes_), view_of(depths), counts, limits, mutable_view_of(split),
-                          mutable_view_of(collapse)},
+         OctreeMarkKernel{nodes_.view(), depths.view(), counts, limits, split.mutable_view(), collapse.mutable_view()},
          node_count(), 1);
-  OctreeTree next;
+  OctreeTree next(memory);
   next.corner_ = corner_;
   next.scale_ = scale_;
-  backend.run("octree.rebuild", [&] { next.nodes_ = rebuild(nodes_, split, collapse); });
-  next.augment(backend, *this, counts);
+  backend.run("octree.rebuild", [&] { next.nodes_.assign(rebuild(nodes_.read(), split.read(), collapse.read())); });
+  next.augment(*this, counts,
+               [&](const auto& kernel, uint32_t count) { launch(backend, "octree.augment", kernel, count, 1); });
+  backend.run("octree.augment", [&] { next.measure_depth(); });
   return next;
 }
 
-void OctreeTree::augment(Backend& backend, const OctreeTree& previous, View<const uint32_t> counts) {
-  links_.parents.assign(nodes_.size(), 0);
-  links_.neighbours.resize(size_t{6} * leaf_slots());
-  links_.previous.resize(leaf_slots());
-  launch(backend, "octree.augment", OctreeParentsKernel{view_of(nodes_), mutable_view_of(links_.parents)}, node_count(),
-         1);
-  launch(backend, "octree.augment",
-         OctreeLeafLinksKernel{view(), previous.view(), view_of(links_.parents), counts,
-                               mutable_view_of(links_.neighbours), mutable_view_of(links_.previous)},
-         leaf_slots(), 1);
-  backend.run("octree.augment", [&] {
-    const std::vector<uint8_t> depths = depths_of(nodes_);
-    depth_ = 1u + *std::max_element(depths.begin(), depths.end());
-  });
+template <typename Run>
+void OctreeTree::augment(const OctreeTree& previous, View<const uint32_t> counts, const Run& run) {
+  links_.parents.reset(nodes_.size());
+  links_.neighbours.reset(size_t{6} * leaf_slots(), kUninitialized);
+  links_.previous.reset(leaf_slots(), kUninitialized);
+  run(OctreeParentsKernel{nodes_.view(), links_.parents.mutable_view()}, node_count());
+  run(OctreeLeafLinksKernel{view(), previous.view(), links_.parents.view(), counts, links_.neighbours.mutable_view(),
+                            links_.previous.mutable_view()},
+      leaf_slots());
+}
+
+void OctreeTree::measure_depth() {
+  const std::vector<uint8_t> depths = depths_of(nodes_.read());
+  depth_ = 1u + *std::max_element(depths.begin(), depths.end());
 }
 
 }  // namespace relume

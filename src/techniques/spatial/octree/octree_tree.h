@@ -6,6 +6,7 @@
 #include <iosfwd>
 #include <vector>
 
+#include "core/array.h"
 #include "frame/launch.h"
 #include "techniques/spatial/octree/octree.h"
 
@@ -20,9 +21,11 @@ struct OctreeThresholds {
 
 /// Links of nodes and leaves. Unused leaf slots have kNoRegion everywhere.
 struct OctreeLinks {
-  std::vector<uint32_t> parents;     ///< parent by node; the root's is the root
-  std::vector<uint32_t> neighbours;  ///< 6 per leaf, −x +x −y +y −z +z: the leaf that covers the face, or kNoRegion
-  std::vector<uint32_t> previous;    ///< origin by leaf: the leaf of the previous tree from which data is copied
+  explicit OctreeLinks(Memory& memory) : parents(memory), neighbours(memory), previous(memory) {}
+
+  Array<uint32_t> parents;     ///< parent by node; the root's is the root
+  Array<uint32_t> neighbours;  ///< 6 per leaf, −x +x −y +y −z +z: the leaf that covers the face, or kNoRegion
+  Array<uint32_t> previous;    ///< origin by leaf: the leaf of the previous tree from which data is copied
 };
 
 /// A cell in world space.
@@ -35,14 +38,14 @@ struct OctreeCube {
 class OctreeTree {
  public:
   /// A root with eight leaves over the cube around `center`; `edge` in metres.
-  OctreeTree(const Vec3& center, float edge);
+  OctreeTree(const Vec3& center, float edge, Memory& memory = host_memory());
 
   OctreeView view() const;
   uint32_t node_count() const { return static_cast<uint32_t>(nodes_.size()); }
   /// Upper bound of leaf numbers; some numbers are unused.
   uint32_t leaf_slots() const { return 8 * node_count(); }
   uint32_t leaf_count() const;
-  bool is_leaf(uint32_t slot) const { return (octree_leaf_mask(nodes_[slot / 8]) >> (slot % 8)) & 1u; }
+  bool is_leaf(uint32_t slot) const { return (octree_leaf_mask(nodes_.read()[slot / 8]) >> (slot % 8)) & 1u; }
   OctreeCube cube_of(uint32_t slot) const;   ///< cube of a leaf
   std::vector<uint8_t> leaf_depths() const;  ///< depths by slot; meaningless for unused slots
   uint32_t depth() const { return depth_; }  ///< depth of the deepest leaf
@@ -55,13 +58,16 @@ class OctreeTree {
   OctreeTree adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds) const;
 
  private:
-  OctreeTree() = default;
-  void augment(Backend& backend, const OctreeTree& previous, View<const uint32_t> counts);
+  explicit OctreeTree(Memory& memory) : nodes_(memory), links_(memory) {}
+  /// Computes the links. `run`: runs a kernel for a number of elements × 1.
+  template <typename Run>
+  void augment(const OctreeTree& previous, View<const uint32_t> counts, const Run& run);
+  void measure_depth();
 
   Vec3 corner_{0};
   float scale_ = 0;
   uint32_t depth_ = 1;
-  std::vector<uint32_t> nodes_;
+  Array<uint32_t> nodes_;
   OctreeLinks links_;
 };
 

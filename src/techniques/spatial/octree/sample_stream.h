@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <vector>
 
+#include "core/array.h"
 #include "core/view.h"
 #include "frame/launch.h"
 #include "lights/light.h"
@@ -48,12 +49,15 @@ struct SampleGroupsView {
 /// Owns the records of one frame and their grouping.
 class SampleStream {
  public:
+  explicit SampleStream(Memory& memory = host_memory())
+      : samples_(memory), order_(memory), offsets_(memory), counts_(memory) {}
+
   /// Allocates `vertices` records per pixel. If the number of pixels is unchanged, the first vertices keep their
   /// records.
   void resize(uint32_t pixels, uint32_t vertices);
 
   /// Record of vertex v at pixel p: element v · pixels + p.
-  View<VertexSample> samples() { return mutable_view_of(samples_); }
+  View<VertexSample> samples() { return samples_.mutable_view(); }
 
   /// Groups the records of regions [0, region_count). The order is that of a stable sort by region with any number of
   /// threads.
@@ -68,10 +72,10 @@ class SampleStream {
   void load(std::istream& in);
 
  private:
-  std::vector<VertexSample> samples_;
-  std::vector<uint32_t> order_;
-  std::vector<uint32_t> offsets_;
-  std::vector<uint32_t> counts_;
+  Array<VertexSample> samples_;
+  Array<uint32_t> order_;
+  Array<uint32_t> offsets_;
+  Array<uint32_t> counts_;
 };
 
 }  // namespace relume

@@ -35,7 +35,8 @@ void add_specular_part(PassDeclaration& declaration, Change reset) {
 
 SplatImage splat_image_of(const FrameContext& frame) {
   const View<const uint32_t> allocation = frame.read(kAllocation);
-  const uint64_t traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
+  uint64_t traced = 0;
+  frame.backend.run("accumulate", [&] { traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0}); });
   return {.splats = frame.read(kLightRadiance),
           .mean = frame.write(kLightMean),
           .m2 = frame.write(kLightM2),

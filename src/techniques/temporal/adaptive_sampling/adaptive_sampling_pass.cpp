@@ -43,7 +43,7 @@ PassDeclaration SampleCountPass::declaration() const {
 bool SampleCountPass::run(const FrameContext& frame) {
   if (frame.index.sample > 0) return true;
   const View<uint32_t> counts = frame.write(kSequenceSamples);
-  std::fill(counts.begin(), counts.end(), 0u);
+  frame.backend.run("sequences", [&] { std::fill(counts.begin(), counts.end(), 0u); });
   return true;
 }
 
@@ -77,7 +77,7 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
   if (frame.ends_pilot) {
     // The image starts again with this frame: every pixel needs a sample.
     const View<uint32_t> allocation = frame.write(kAllocation);
-    std::fill(allocation.begin(), allocation.end(), 1u);
+    frame.backend.run("allocate", [&] { std::fill(allocation.begin(), allocation.end(), 1u); });
   }
   return true;
 }
@@ -108,12 +108,12 @@ bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
 void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
   moments_.resize(frame.pixels());
   rows_.resize(frame.pixels());
-  const OwnStatisticsKernel own{read_history(frame), mutable_view_of(moments_), frame.width()};
+  const OwnStatisticsKernel own{read_history(frame), moments_.mutable_view(), frame.width()};
   frame.launch("allocate", own);
-  const PoolRowsKernel rows{view_of(moments_), mutable_view_of(rows_), frame.width()};
+  const PoolRowsKernel rows{moments_.view(), rows_.mutable_view(), frame.width()};
   frame.launch("allocate", rows);
-  const PooledDeviationKernel deviation{.moments = view_of(moments_),
-                                        .rows = view_of(rows_),
+  const PooledDeviationKernel deviation{.moments = moments_.view(),
+                                        .rows = rows_.view(),
                                         .deviation = frame.write(kSamplingNoise),
                                         .width = frame.width(),
                                         .height = frame.height(),

@@ -22,14 +22,14 @@ inline constexpr BufferKey<float> kSamplingProbability{"sampling-probability"};
 class AdaptiveSamplingPass final : public Pass {
  public:
   /// `invalidated_by`: changes that end the history.
-  AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by)
-      : settings_(settings), invalidated_by_(invalidated_by) {}
+  AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by, Memory& memory = host_memory())
+      : settings_(settings), invalidated_by_(invalidated_by), moments_(memory), rows_(memory) {}
 
   void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return (moments_.capacity() + rows_.capacity()) * sizeof(PooledMoments) + totals_.capacity() * sizeof(double);
+    return moments_.memory_bytes() + rows_.memory_bytes() + totals_.capacity() * sizeof(double);
   }
 
  private:
@@ -51,9 +51,9 @@ class AdaptiveSamplingPass final : public Pass {
 
   AdaptiveSamplingSettings settings_;
   Change invalidated_by_;
-  std::vector<PooledMoments> moments_;  ///< statistics of single pixels
-  std::vector<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
-  std::vector<double> totals_;          ///< sums over each row of pixels
+  Array<PooledMoments> moments_;  ///< statistics of single pixels
+  Array<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
+  std::vector<double> totals_;    ///< sums over each row of pixels, computed by the host
 };
 
 }  // namespace relume

@@ -19,13 +19,14 @@ namespace relume {
 namespace {
 
 template <typename T>
-void move_elements(const FrameContext& frame, std::vector<std::byte>& before, Buffer& buffer,
-                   const std::vector<uint32_t>& sources) {
-  const auto bytes = buffer.bytes();
-  before.assign(bytes.begin(), bytes.end());
-  const View<const T> old{reinterpret_cast<const T*>(before.data()), frame.pixels()};
-  const View<T> moved{reinterpret_cast<T*>(bytes.data()), frame.pixels()};
-  frame.launch("reproject", MoveKernel<T>{old, moved, view_of(sources), frame.width()});
+void move_elements(const FrameContext& frame, Array<uint32_t>& before, Buffer& buffer, const Array<uint32_t>& sources) {
+  frame.backend.run("reproject", [&] {
+    const std::span<const std::byte> bytes = std::as_const(buffer).bytes();
+    before.reset(bytes.size() / sizeof(uint32_t), kUninitialized);
+    std::memcpy(before.write().data(), bytes.data(), bytes.size());
+  });
+  const View<const T> old{reinterpret_cast<const T*>(before.view().data), frame.pixels()};
+  frame.launch("reproject", MoveKernel<T>{old, buffer.view_as<T>(), sources.view(), frame.width()});
 }
 
 /// Whether the sample refers to an existing surface, so that kernels may use it.
@@ -39,10 +40,26 @@ bool exists_in(const SceneView& scene, const StoredSample& sample) {
 
 }  // namespace
 
+ReprojectionPass::ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb,
+                                   Memory& memory)
+    : settings_(settings),
+      pixel_count_(pixel_count),
+      m2_rgb_(m2_rgb),
+      stored_(memory),
+      pixels_(memory),
+      stored_before_(memory),
+      pixels_before_(memory),
+      votes_(memory),
+      sources_(memory),
+      owned_(memory),
+      limits_(memory),
+      limits_before_(memory),
+      before_(memory) {}
+
 LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
   return {.reprojection = backward_reprojection(frame, kSurface),
           .reject_reasons = frame.read(kHistoryRejectReason),
-          .limits = view_of(limits_before_)};
+          .limits = limits_before_.view()};
 }
 
 bool ReprojectionPass::fills(const FrameContext& frame) const {
@@ -91,7 +108,7 @@ PassDeclaration ReprojectionPass::declaration() const {
 
 bool ReprojectionPass::run(const FrameContext& frame) {
   allocate(frame);
-  if (loaded_) drop_unknown(frame.scene);
+  if (loaded_) frame.backend.run("reproject", [&] { drop_unknown(frame.scene); });
   loaded_ = false;
   moved_ = false;
   if (!surfaces_move(frame)) {
@@ -119,8 +136,10 @@ void ReprojectionPass::stay(const FrameContext& frame) {
   move_moments(frame, {});
   const bool ends = frame.number == 0 || includes(frame.changes, kEndsHistory);
   if (ends) {
-    std::fill(stored_.begin(), stored_.end(), StoredSample{});
-    std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
+    frame.backend.run("reproject", [&] {
+      stored_.fill({});
+      pixels_.fill({});
+    });
   }
   if (ends || !rests_) set_all(frame, !ends);
   rests_ = !ends;
@@ -139,8 +158,8 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
   const uint32_t capacity = forward ? settings_.capacity() : 0;
   if (capacity_ == capacity && pixels_.size() == count) return;
   capacity_ = capacity;
-  stored_.assign(count * capacity_, StoredSample{});
-  pixels_.assign(count, StoredPixel{});
+  stored_.reset(count * capacity_);
+  pixels_.reset(count);
   stored_before_ = stored_;
   pixels_before_ = pixels_;
   votes_.resize(count);
@@ -150,7 +169,7 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
 }
 
 void ReprojectionPass::drop_unknown(const SceneView& scene) {
-  for (StoredSample& sample : stored_) {
+  for (StoredSample& sample : stored_.write()) {
     if (sample.valid() && !exists_in(scene, sample)) sample = StoredSample{};
   }
 }
@@ -161,7 +180,7 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   pixels_.swap(pixels_before_);
   vote_for_pixels(frame);
   take_over(frame);
-  move_moments(frame, view_of(sources_));
+  move_moments(frame, sources_.view());
   frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
   if (fills(frame)) fill(frame);
   mark_covered(frame);
@@ -177,15 +196,15 @@ void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
 }
 
 void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
-  std::fill(votes_.begin(), votes_.end(), kNoVote);
+  frame.backend.run("reproject", [&] { votes_.fill(kNoVote); });
   DepthVoteKernel kernel;
   kernel.scene = frame.scene;
-  kernel.stored = view_of(stored_before_);
-  kernel.pixels = view_of(pixels_before_);
-  kernel.votes = mutable_view_of(votes_);
+  kernel.stored = stored_before_.view();
+  kernel.pixels = pixels_before_.view();
+  kernel.votes = votes_.mutable_view();
   kernel.reject_reasons = frame.write(kHistoryRejectReason);
   kernel.mean = frame.read(kMean);
-  kernel.limits = mutable_view_of(limits_before_);
+  kernel.limits = limits_before_.mutable_view();
   kernel.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
   kernel.capacity = capacity_;
   kernel.max_error = settings_.error;
@@ -199,14 +218,14 @@ void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
 
 void ReprojectionPass::take_over(const FrameContext& frame) {
   SourceKernel source;
-  source.votes = view_of(votes_);
-  source.stored_before = view_of(stored_before_);
-  source.pixels_before = view_of(pixels_before_);
-  source.stored = mutable_view_of(stored_);
-  source.pixels = mutable_view_of(pixels_);
-  source.limits_before = view_of(limits_before_);
-  source.limits = mutable_view_of(limits_);
-  source.sources = mutable_view_of(sources_);
+  source.votes = votes_.view();
+  source.stored_before = stored_before_.view();
+  source.pixels_before = pixels_before_.view();
+  source.stored = stored_.mutable_view();
+  source.pixels = pixels_.mutable_view();
+  source.limits_before = limits_before_.view();
+  source.limits = limits_.mutable_view();
+  source.sources = sources_.mutable_view();
   source.kept = frame.write(kHistoryKept);
   source.reasons = frame.write(kHistoryReason);
   if (fills(frame)) source.look_back = look_back(frame);
@@ -219,10 +238,10 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
 }
 
 void ReprojectionPass::mark_covered(const FrameContext& frame) {
-  std::fill(owned_.begin(), owned_.end(), 0u);
-  const OwnerKernel owner{view_of(sources_), mutable_view_of(owned_), frame.width()};
+  frame.backend.run("reproject", [&] { owned_.fill(0); });
+  const OwnerKernel owner{sources_.view(), owned_.mutable_view(), frame.width()};
   frame.launch("reproject", owner);
-  const CoveredKernel covered{view_of(owned_), frame.write(kHistoryRejectReason), frame.width()};
+  const CoveredKernel covered{owned_.view(), frame.write(kHistoryRejectReason), frame.width()};
   frame.launch("reproject", covered);
 }
 
@@ -242,7 +261,7 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
                     .now = write_moments(frame, kInherited),
                     .specular_before = frame.read(kSpecularMean),
                     .specular = frame.read(kInheritedSpecularMean)};
-  kernel.sources = mutable_view_of(sources_);
+  kernel.sources = sources_.mutable_view();
   kernel.kept = frame.write(kHistoryKept);
   kernel.reasons = frame.write(kHistoryReason);
   frame.launch("reproject", kernel);
@@ -252,7 +271,7 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
 void ReprojectionPass::limit(const FrameContext& frame) const {
   LimitKernel kernel;
   kernel.moments = write_moments(frame, kInherited);
-  if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
+  if (settings_.method == ReprojectionMethod::forward) kernel.limits = limits_.view();
   kernel.max_samples = history_limit(frame, settings_);
   kernel.light_paths = frame.write(kLightPaths);
   kernel.width = frame.width();
@@ -266,26 +285,28 @@ void ReprojectionPass::set_all(const FrameContext& frame, bool kept) const {
     const View<uint32_t> values = frame.write(key);
     std::fill(values.begin(), values.end(), kept ? 1u : 0u);
   };
-  set(kHistoryKept);
-  set(kHistoryReason);
-  if (settings_.method == ReprojectionMethod::forward) set(kHistoryRejectReason);
+  frame.backend.run("reproject", [&] {
+    set(kHistoryKept);
+    set(kHistoryReason);
+    if (settings_.method == ReprojectionMethod::forward) set(kHistoryRejectReason);
+  });
 }
 
 size_t ReprojectionPass::memory_bytes() const {
   return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
          votes_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
-         before_.capacity();
+         before_.memory_bytes();
 }
 
 void ReprojectionPass::save(std::ostream& out) const {
-  write_vector(out, stored_);
-  write_vector(out, pixels_);
+  write_array(out, stored_);
+  write_array(out, pixels_);
 }
 
 void ReprojectionPass::load(std::istream& in) {
   // Buffers that the next frame overwrites: a failed load changes nothing.
-  read_vector(in, stored_before_);
-  read_vector(in, pixels_before_);
+  read_array(in, stored_before_);
+  read_array(in, pixels_before_);
   const size_t stored = stored_before_.size();
   const bool nothing = stored == 0 && pixels_before_.empty();  // saved before the first frame, or backward
   const size_t capacity = stored / pixel_count_;  // not settings_.capacity() if that changed after the last frame
@@ -323,8 +344,8 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.history = write_moments(frame, kInherited);
   kernel.restarts = frame.ends_pilot;
   kernel.scene = frame.scene;
-  kernel.stored = mutable_view_of(history_.stored());
-  kernel.pixels = mutable_view_of(history_.pixels());
+  kernel.stored = history_.stored();
+  kernel.pixels = history_.pixels();
   kernel.capacity = history_.capacity();
   kernel.max_distance = settings_.max_distance;
   kernel.width = frame.width();

@@ -1,8 +1,7 @@
 // Reprojection as two passes: one moves histories, the other stores this frame's samples.
 #pragma once
 
-#include <vector>
-
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/temporal/reprojection/look_back.h"
 #include "techniques/temporal/reprojection/settings.h"
@@ -21,8 +20,8 @@ class ReprojectionPass final : public Pass {
  public:
   /// `pixel_count`: pixels of the image, which a checkpoint must match. `m2_rgb`: also moves this member of the
   /// moments.
-  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb)
-      : settings_(settings), pixel_count_(pixel_count), m2_rgb_(m2_rgb) {}
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb,
+                   Memory& memory = host_memory());
 
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -33,8 +32,8 @@ class ReprojectionPass final : public Pass {
   void load(std::istream& in) override;
 
   /// Stored samples, for StoreSamplesPass.
-  std::vector<StoredSample>& stored() { return stored_; }
-  std::vector<StoredPixel>& pixels() { return pixels_; }
+  View<StoredSample> stored() { return stored_.mutable_view(); }
+  View<StoredPixel> pixels() { return pixels_.mutable_view(); }
   uint32_t capacity() const { return capacity_; }
 
  private:
@@ -66,16 +65,16 @@ class ReprojectionPass final : public Pass {
   bool loaded_ = false;  ///< stored samples come from a checkpoint and are not yet checked
   bool moved_ = false;   ///< stored samples moved in this frame
   bool rests_ = false;   ///< nothing has moved since the previous frame, and the buffers mark all pixels as kept
-  std::vector<StoredSample> stored_;
-  std::vector<StoredPixel> pixels_;
-  std::vector<StoredSample> stored_before_;
-  std::vector<StoredPixel> pixels_before_;
-  std::vector<uint64_t> votes_;
-  std::vector<uint32_t> sources_;
-  std::vector<uint32_t> owned_;
-  std::vector<uint32_t> limits_;         ///< maximum sample count of each history
-  std::vector<uint32_t> limits_before_;  ///< the same by pixel of the previous frame
-  std::vector<std::byte> before_;        ///< copy of the buffer being moved
+  Array<StoredSample> stored_;
+  Array<StoredPixel> pixels_;
+  Array<StoredSample> stored_before_;
+  Array<StoredPixel> pixels_before_;
+  Array<uint64_t> votes_;
+  Array<uint32_t> sources_;
+  Array<uint32_t> owned_;
+  Array<uint32_t> limits_;         ///< maximum sample count of each history
+  Array<uint32_t> limits_before_;  ///< the same by pixel of the previous frame
+  Array<uint32_t> before_;         ///< copy of the buffer being moved
 };
 
 /// Stores this frame's samples. Runs before AccumulatePass.

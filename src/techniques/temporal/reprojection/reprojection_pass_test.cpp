@@ -112,7 +112,7 @@ TEST(ReprojectionPass, DropsLoadedSamplesInvalidForTheScene) {
   Backend backend(1);
   pass.run(FrameContext(scene.view(), buffers, backend, {.number = 1, .since_change = 1}));
   EXPECT_TRUE(pass.stored()[0].valid());
-  for (const size_t i : {4, 8, 12, 16, 20}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
+  for (const uint32_t i : {4u, 8u, 12u, 16u, 20u}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
 }
 
 /// A plane that moved to the right by one pixel, with a history of 1000 samples per pixel and a buffer of adaptive

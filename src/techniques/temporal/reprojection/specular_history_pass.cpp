@@ -24,8 +24,10 @@ bool SpecularHistoryPass::run(const FrameContext& frame) {
   kernel.now = frame.write(kInheritedSpecularMean);
   kernel.samples = frame.write(kInheritedSpecularSamples);
   if (!surfaces_move(frame)) {
-    std::copy(kernel.before.begin(), kernel.before.end(), kernel.now.begin());
-    std::copy(kernel.samples_before.begin(), kernel.samples_before.end(), kernel.samples.begin());
+    frame.backend.run("reproject", [&] {
+      std::copy(kernel.before.begin(), kernel.before.end(), kernel.now.begin());
+      std::copy(kernel.samples_before.begin(), kernel.samples_before.end(), kernel.samples.begin());
+    });
     return true;
   }
   kernel.reflections = backward_reprojection(frame, kReflection);

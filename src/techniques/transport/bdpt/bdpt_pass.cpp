@@ -37,11 +37,11 @@ void BdptPass::prepare_lights(const FrameContext& frame) {
   const LightsAtInfinity infinity =
       mode_ == BdptMode::light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling;
   frame.backend.run("lights", [&] {
-    emission_ = build_power_lights(frame.scene.lights, infinity);
-    connection_ = build_power_lights(frame.scene.lights, selection_.infinity());
+    emission_.assign(build_power_lights(frame.scene.lights, infinity));
+    connection_.assign(build_power_lights(frame.scene.lights, selection_.infinity()));
   });
-  light_medium_.assign(frame.scene.absorbs ? frame.scene.lights.lights.size : 0, Rgb(0));
-  const LightMediumKernel medium{frame.scene, mutable_view_of(light_medium_)};
+  light_medium_.reset(frame.scene.absorbs ? frame.scene.lights.lights.size : 0);
+  const LightMediumKernel medium{frame.scene, light_medium_.mutable_view()};
   launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }
 
@@ -50,9 +50,9 @@ bool BdptPass::run(const FrameContext& frame) {
   BdptKernel kernel;
   BdptContext& c = kernel.context;
   c.path = make_path_context(source_, frame);
-  c.emission = {{view_of(emission_)}};
-  c.connection = {{view_of(connection_)}};
-  c.light_medium = view_of(light_medium_);
+  c.emission = {{emission_.view()}};
+  c.connection = {{connection_.view()}};
+  c.light_medium = light_medium_.view();
   c.splats = frame.write(kSplats);
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
@@ -63,24 +63,34 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.allocation = frame.read(kAllocation);
   kernel.radiance = frame.write(kRadiance);
   kernel.rays = frame.write(kRays);
-  uint64_t saturated = 0;
-  uint64_t nonfinite = 0;
-  kernel.saturated = {&saturated, 1};
-  kernel.nonfinite = {&nonfinite, 1};
+  faults_.write() = {};
+  SplatFaults* const faults = faults_.mutable_view().data;
+  kernel.saturated = {&faults->saturated, 1};
+  kernel.nonfinite = {&faults->nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
   if (separate_splats_) add.brought = frame.write(kLightRadiance);
   if (!kernel.allocation.empty()) {
-    const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
+    const uint64_t traced = traced_paths(frame);
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
   if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
-    std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{});  // discards the splats of the abandoned frame
+    // Discards the splats of the abandoned frame.
+    frame.backend.run("splats", [&] { std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{}); });
     return false;
   }
-  saturated_ += saturated;
-  nonfinite_ += nonfinite;
+  saturated_ += faults_.read().saturated;
+  nonfinite_ += faults_.read().nonfinite;
   return true;
+}
+
+uint64_t BdptPass::traced_paths(const FrameContext& frame) {
+  uint64_t count = 0;
+  frame.backend.run("splats", [&] {
+    const View<const uint32_t> allocation = frame.read(kAllocation);
+    count = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
+  });
+  return count;
 }
 
 std::vector<std::string> BdptPass::warnings() const {

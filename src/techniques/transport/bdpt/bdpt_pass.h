@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/light_sampling/light_selection/settings.h"
 #include "techniques/transport/bdpt/settings.h"
@@ -15,13 +16,27 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
+/// Faulty splats of one frame.
+struct SplatFaults {
+  uint64_t saturated = 0;  ///< clamped
+  uint64_t nonfinite = 0;  ///< left out
+};
+
 /// Traces one light and one camera subpath for each pixel that receives a sample.
 class BdptPass final : public Pass {
  public:
   /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, bool separate_splats)
-      : settings_(settings), selection_(selection), mode_(mode), source_(source), separate_splats_(separate_splats) {}
+           const PathSource& source, bool separate_splats, Memory& memory = host_memory())
+      : settings_(settings),
+        selection_(selection),
+        mode_(mode),
+        source_(source),
+        separate_splats_(separate_splats),
+        emission_(memory),
+        connection_(memory),
+        light_medium_(memory),
+        faults_(memory) {}
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
@@ -30,8 +45,7 @@ class BdptPass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
-    return (emission_.capacity() + connection_.capacity()) * sizeof(AliasEntry) +
-           light_medium_.capacity() * sizeof(Rgb);
+    return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes();
   }
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
@@ -39,15 +53,18 @@ class BdptPass final : public Pass {
 
  private:
   void prepare_lights(const FrameContext& frame);
+  /// Number of light subpaths in this frame, counted on the host.
+  static uint64_t traced_paths(const FrameContext& frame);
 
   BdptSettings settings_;
   LightSelectionSettings selection_;
   BdptMode mode_;
   PathSource source_;
   bool separate_splats_;
-  std::vector<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
-  std::vector<AliasEntry> connection_;  ///< by power, over the lights that connections sample
-  std::vector<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
+  Array<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
+  Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
+  Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
+  KernelValue<SplatFaults> faults_;
   bool prepared_ = false;
   uint64_t saturated_ = 0;  ///< splats clamped so far
   uint64_t nonfinite_ = 0;  ///< splats left out so far
