@@ -186,6 +186,8 @@ class RELUME_API Session {
  private:
   friend struct SessionAccess;
   struct State;
+  explicit Session(std::unique_ptr<State> state);
+
   std::unique_ptr<State> state_;
 };
 

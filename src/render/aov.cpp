@@ -18,21 +18,25 @@ std::string_view channel_letters(const BufferDescription& b) {
   return b.id.type == BufferType::vec2f ? "XY" : "Y";
 }
 
-/// Component `c` of element `i`.
-float component(const Buffer& buffer, uint32_t i, int c) {
+/// Component `c` of all elements, times `scale`.
+std::vector<float> components(const Buffer& buffer, size_t count, int c, float scale) {
+  std::vector<float> values(count);
+  const auto copy = [&](const auto& elements, const auto& component) {
+    for (size_t i = 0; i < count; ++i) values[i] = component(elements[static_cast<uint32_t>(i)]) * scale;
+  };
   switch (buffer.description().id.type) {
-    case BufferType::f32: return buffer.view<const float>()[i];
-    case BufferType::rgb32f: return buffer.view<const Rgb>()[i][c];
-    case BufferType::vec2f: return buffer.view<const Vec2>()[i][c];
-    case BufferType::u32: return static_cast<float>(buffer.view<const uint32_t>()[i]);
-    case BufferType::record: return 0.0f;
+    case BufferType::f32: copy(buffer.read<float>(), [](float v) { return v; }); break;
+    case BufferType::rgb32f: copy(buffer.read<Rgb>(), [c](const Rgb& v) { return v[c]; }); break;
+    case BufferType::vec2f: copy(buffer.read<Vec2>(), [c](const Vec2& v) { return v[c]; }); break;
+    case BufferType::u32: copy(buffer.read<uint32_t>(), [](uint32_t v) { return static_cast<float>(v); }); break;
+    case BufferType::record: break;
   }
-  return 0.0f;
+  return values;
 }
 
 std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
-  const auto m2 = buffers.view(kMoments.m2);
-  const auto count = buffers.view(kSamples);
+  const auto m2 = buffers.read(kMoments.m2);
+  const auto count = buffers.read(kSamples);
   ExrChannel plane{"variance.Y", std::vector<float>(m2.size)};
   for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i]);
   return {plane};
@@ -80,10 +84,7 @@ std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string
   std::vector<ExrChannel> planes;
   const std::string_view letters = channel_letters(description);
   for (size_t c = 0; c < letters.size(); ++c) {
-    ExrChannel plane{fmt::format("{}.{}", name, letters[c]), std::vector<float>(count)};
-    for (size_t i = 0; i < count; ++i)
-      plane.values[i] = component(*buffer, static_cast<uint32_t>(i), static_cast<int>(c)) * scale;
-    planes.push_back(std::move(plane));
+    planes.push_back({fmt::format("{}.{}", name, letters[c]), components(*buffer, count, static_cast<int>(c), scale)});
   }
   return planes;
 }

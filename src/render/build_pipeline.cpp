@@ -39,13 +39,14 @@ namespace {
 /// Builds the list of a frame's passes.
 class Builder {
  public:
-  Builder(const RenderSettings& settings, FramePasses& passes) : settings_(settings), passes_(passes) {}
+  Builder(const RenderSettings& settings, FramePasses& passes, Memory& memory)
+      : settings_(settings), passes_(passes), memory_(memory) {}
 
   /// Adds the pass and returns it, for passes that read its results. Its constructor takes the settings named by
-  /// `members`, then `arguments`; its configure() follows these settings.
+  /// `members`, then `arguments`, then the memory if it owns data for kernels; its configure() follows these settings.
   template <typename P, auto... members, typename... Arguments>
   P& add(Arguments&&... arguments) {
-    auto pass = std::make_unique<P>(settings_.*members..., std::forward<Arguments>(arguments)...);
+    auto pass = make_pass<P>(memory_, settings_.*members..., std::forward<Arguments>(arguments)...);
     P& added = *pass;
     passes_.pipeline.add(std::move(pass));
     (follow<members>(added), ...);
@@ -68,6 +69,7 @@ class Builder {
 
   const RenderSettings& settings_;
   FramePasses& passes_;
+  Memory& memory_;
 };
 
 /// Whether a pass of a stage before `end` reads any of the buffers.
@@ -359,10 +361,10 @@ std::string refusal(const RenderSettings& settings) {
   }
 }
 
-FramePasses build_passes(const RenderSettings& settings) {
+FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   check_combination(settings);
   FramePasses passes;
-  Builder builder(settings, passes);
+  Builder builder(settings, passes, memory);
   const bool adds_up = settings.history != HistoryChoice::none;
   const OctreePass* octree = learns(settings) ? &builder.add<OctreePass, &RenderSettings::octree>(adds_up) : nullptr;
   const LightSelector& selector = add_light_selection(builder, settings, octree);

@@ -39,8 +39,8 @@ struct FramePasses {
       {};  ///< each passes one group of settings to a pass
 };
 
-/// The passes of plan().
-FramePasses build_passes(const RenderSettings& settings);
+/// The passes of plan(). `memory`: for the data that their kernels access; it must outlive them.
+FramePasses build_passes(const RenderSettings& settings, Memory& memory = host_memory());
 
 /// Passes changed settings to the passes, which use them from the next frame on. plan() must be equal for both
 /// settings.

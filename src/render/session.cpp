@@ -79,6 +79,7 @@ Session::Session(Scene scene, const Settings& settings, std::vector<Index> movab
   check_size(render);
   state_ = std::make_unique<State>(std::move(scene), render, std::move(movable));
 }
+Session::Session(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
@@ -132,7 +133,7 @@ uint32_t Session::frames_since_change() const {
 }
 
 double Session::kept_samples() const {
-  const View<const uint32_t> samples = state_->buffers->view(kSamples);
+  const View<const uint32_t> samples = state_->buffers->read(kSamples);
   return static_cast<double>(sum(*state_->backend, samples)) / static_cast<double>(state_->rendered_pixels());
 }
 
@@ -159,14 +160,14 @@ double Session::estimated_error() const {
     return std::numeric_limits<double>::infinity();  // the samples so far will be dropped
   const BufferTable& buffers = *state_->buffers;
   if (!state_->settings.crop.empty()) {
-    const auto in_window = [&](const auto& key) { return cut(buffers.view(key), state_->window(), buffers.width()); };
+    const auto in_window = [&](const auto& key) { return cut(buffers.read(key), state_->window(), buffers.width()); };
     const std::vector<Rgb> mean = in_window(kMean);
     const std::vector<float> m2 = in_window(kMoments.m2);
     const std::vector<uint32_t> samples = in_window(kSamples);
     return relative_error({view_of(mean), view_of(m2), {}, view_of(samples)});
   }
-  return relative_error({buffers.view(kMean), buffers.view(kMoments.m2), {}, buffers.view(kSamples)},
-                        {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)});
+  return relative_error({buffers.read(kMean), buffers.read(kMoments.m2), {}, buffers.read(kSamples)},
+                        {buffers.read(kLightM2), buffers.read(kLightPaths), buffers.read(kLightFrames)});
 }
 
 const Statistics& Session::statistics() const {
@@ -174,7 +175,7 @@ const Statistics& Session::statistics() const {
   s.statistics.frames = s.counters.frames;
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
-  s.statistics.nonfinite_samples = sum(*s.backend, s.buffers->view(kNonfinite));
+  s.statistics.nonfinite_samples = sum(*s.backend, s.buffers->read(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes() + s.pool->spare_bytes();
   s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
@@ -225,7 +226,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (settings.time_s != current.time_s) set_time(settings.time_s);  // before other changes, because it may throw
   s.edit(change);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
-    s.backend = make_backend(settings);
+    s.backend = make_backend(settings, s.backend->memory());
   current = settings;
   if (resized) s.scene->set_resolution(settings.width, settings.height);
   if (resized || !same_slots || !same_passes) {
@@ -290,10 +291,21 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
 struct SessionAccess {
   static const Session::State& state(const Session& session) { return *session.state_; }
   static Session::State& state(Session& session) { return *session.state_; }
+  static Session make(Scene scene, const RenderSettings& settings, Memory& memory) {
+    check_size(settings);
+    return Session(std::make_unique<Session::State>(std::move(scene), settings, std::vector<Index>(), memory));
+  }
 };
+
+Session make_session(Scene scene, const Settings& settings, Memory& memory) {
+  return SessionAccess::make(std::move(scene), all_settings(settings).render, memory);
+}
 
 void on_tile(Session& session, std::function<void()> hook) {
   SessionAccess::state(session).backend->on_tile(std::move(hook));
+}
+void on_launch(Session& session, std::function<void(const LaunchEvent&)> hook) {
+  SessionAccess::state(session).backend->on_launch(std::move(hook));
 }
 const RenderSettings& render_settings(const Session& session) { return SessionAccess::state(session).settings; }
 const CompiledScene& compiled_scene(const Session& session) { return *SessionAccess::state(session).scene; }

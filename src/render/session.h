@@ -18,7 +18,11 @@ const CompiledScene& compiled_scene(const Session& session);
 const BufferTable& buffer_table(const Session& session);
 /// Declarations of the passes that fill them.
 std::vector<PassDeclaration> pass_declarations(const Session& session);
+/// A session whose kernels access `memory`, which must outlive it. Throws as the constructor of Session.
+Session make_session(Scene scene, const Settings& settings, Memory& memory);
 /// Calls `hook` before each tile of a launch (Backend::on_tile()), until the number of threads changes.
 void on_tile(Session& session, std::function<void()> hook);
+/// Calls `hook` at each step of a launch (Backend::on_launch()), until the number of threads changes.
+void on_launch(Session& session, std::function<void(const LaunchEvent&)> hook);
 
 }  // namespace relume

@@ -63,20 +63,26 @@ inline uint64_t next_session_number() {
   return ++last;
 }
 
-inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings) {
-  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::scalar : KernelForm::tile);
+inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory) {
+  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::scalar : KernelForm::tile,
+                                   memory);
 }
 
 struct Session::State {
-  State(Scene source, const RenderSettings& s, std::vector<Index> movable)
-      : settings(s), hash(relume::scene_hash(source)), backend(make_backend(s)) {
+  /// Kernels access `memory`.
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory = host_memory())
+      : settings(s),
+        hash(relume::scene_hash(source)),
+        backend(make_backend(s, memory)),
+        pool(BlockPool::create(memory)) {
     const double start_s = now_s();
     rebuild_pipeline();
     backend->run("build", [&] {
       scene = std::make_unique<CompiledScene>(
           std::move(source),
           CompileOptions{settings.camera, settings.animation, settings.time_s, settings.width, settings.height,
-                         settings.texture_filter, std::move(movable), settings.accel});
+                         settings.texture_filter, std::move(movable), settings.accel},
+          backend->memory());
     });
     counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;
@@ -94,7 +100,7 @@ struct Session::State {
   Fresh empty_pipeline() const {
     Fresh fresh{std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width),
                                               static_cast<uint32_t>(settings.height), pool),
-                build_passes(settings)};
+                build_passes(settings, backend->memory())};
     fresh.passes.pipeline.add_buffers(*fresh.buffers);
     return fresh;
   }
@@ -145,10 +151,10 @@ struct Session::State {
     if (shows_kept_image) return view_of(kept_image);
     if (counters.frames == 0) return {};
     for (const BufferKey<Rgb>& key : {kDenoised, kFilled}) {
-      const View<const Rgb> image = buffers->view(key);
+      const View<const Rgb> image = buffers->read(key);
       if (!image.empty()) return image;
     }
-    return buffers->view(kMean);
+    return buffers->read(kMean);
   }
   /// Copies the image. show_kept_image() displays the copy until the next complete frame.
   void keep_image() {
@@ -259,11 +265,11 @@ struct Session::State {
   }
 
   void count_frame() {
-    const View<const uint32_t> allocation = buffers->view(kAllocation);
+    const View<const uint32_t> allocation = buffers->read(kAllocation);
     const uint64_t paths = allocation.empty() ? rendered_pixels() : sum(*backend, allocation);
     uneven_samples = uneven_samples || paths < rendered_pixels();
     counters.paths += paths;
-    counters.rays += sum(*backend, buffers->view(kRays));
+    counters.rays += sum(*backend, buffers->read(kRays));
     ++counters.frames;
     ++counters.since_change;
     ++counters.sequence_age;
@@ -273,7 +279,7 @@ struct Session::State {
   RenderSettings settings;
   uint64_t hash;
   std::unique_ptr<Backend> backend;
-  std::shared_ptr<BlockPool> pool = BlockPool::create();  ///< memory of `buffers`, across image sizes
+  std::shared_ptr<BlockPool> pool;  ///< memory of `buffers`, across image sizes
   std::unique_ptr<BufferTable> buffers;
   FramePasses passes;
   std::unique_ptr<CompiledScene> scene;
