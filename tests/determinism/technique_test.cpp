@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "determinism/same_bits.h"
+#include "materials/ltc.h"
+#include "sampling/blue_noise.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "support/technique_checks.h"
+#include "testing/walled_memory.h"
 
 namespace relume::support {
 namespace {
@@ -169,6 +172,49 @@ TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
   render(second, 14, kFrames);
   EXPECT_EQ(bits_of(second), bits_of(whole));
   std::filesystem::remove(file);
+}
+
+/// Lets kernels hold handles of the acceleration structure, and tables that are constants of the program.
+void permit_constants(testing::WalledMemory& memory, const SceneView& scene) {
+  const AccelView& accel = scene.accel;
+  for (const void* handle : {static_cast<const void*>(accel.scene), static_cast<const void*>(accel.meshes),
+                             static_cast<const void*>(accel.instances), static_cast<const void*>(accel.bvh)})
+    memory.permit(handle);
+  memory.permit(scene.energy_tables);
+  memory.permit(ltc_table().entries.data);
+  memory.permit(blue_noise_tile().data);
+}
+
+/// Renders on memory that is closed to the host between launches, where kernels may access no other memory.
+TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
+  constexpr int kShown = 7;
+  const std::filesystem::path file = checkpoint_file("walled_" + std::string(GetParam().name));
+  testing::WalledMemory memory;
+  const RenderSettings settings = settings_of(GetParam(), 2);
+  {
+    Session walled = make_session(build("turntable"), settings, memory);
+    on_launch(walled, [&](const LaunchEvent& event) {
+      switch (event.kind) {
+        case LaunchEvent::Kind::kernel:
+          permit_constants(memory, compiled_scene(walled).view());
+          return memory.check_kernel(event.name, event.argument);
+        case LaunchEvent::Kind::begins: return memory.begin_launch(event.name);
+        case LaunchEvent::Kind::ends: return memory.end_launch();
+      }
+    });
+    memory.end_launch();
+    render(walled, 0, kShown);
+    walled.statistics();
+    for (const RecordTable& table : walled.record_tables()) walled.records(table.name);
+    walled.save_checkpoint(file);
+    walled.load_checkpoint(file);
+    render(walled, kShown, kShown + 2);
+    Session plain = session(2);
+    render(plain, 0, kShown + 2);
+    EXPECT_EQ(bits_of(walled), bits_of(plain));
+  }
+  std::filesystem::remove(file);
+  for (const std::string& violation : memory.violations()) ADD_FAILURE() << violation;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(technique_checks().determinism),

@@ -1,0 +1,174 @@
+#include "testing/walled_memory.h"
+
+#include <execinfo.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace relume::testing {
+namespace {
+
+std::atomic<WalledMemory*> g_memory = nullptr;
+
+size_t page_bytes() {
+  static const auto bytes = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+  return bytes;
+}
+
+bool is_mapped(uint64_t address) {
+  unsigned char resident = 0;
+  void* const page = reinterpret_cast<void*>(address & ~(page_bytes() - 1));  // NOLINT(performance-no-int-to-ptr)
+  return ::mincore(page, 1, &resident) == 0 || errno != ENOMEM;
+}
+
+/// Prints the calls that led to a violation.
+void print_calls() {
+  void* calls[32];
+  ::backtrace_symbols_fd(calls, ::backtrace(calls, 32), STDERR_FILENO);
+}
+
+}  // namespace
+
+WalledMemory::WalledMemory() {
+  WalledMemory* none = nullptr;
+  if (!g_memory.compare_exchange_strong(none, this)) {
+    std::fputs("WalledMemory: two exist at a time\n", stderr);
+    std::abort();
+  }
+  struct sigaction action {};
+  action.sa_sigaction = on_fault;
+  action.sa_flags = SA_SIGINFO | SA_NODEFER;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGSEGV, &action, &earlier_);
+}
+
+WalledMemory::~WalledMemory() {
+  ::sigaction(SIGSEGV, &earlier_, nullptr);
+  g_memory = nullptr;
+  for (const Blocks::value_type& block : blocks_) ::munmap(block.first, block.second.mapped);
+}
+
+void* WalledMemory::allocate(size_t bytes, size_t alignment) {
+  if (alignment > page_bytes()) throw std::bad_alloc();
+  const size_t pages = (bytes + page_bytes() - 1) / page_bytes();
+  const size_t mapped = (pages + 1) * page_bytes();  // the last page stays closed
+  void* const memory = ::mmap(nullptr, mapped, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  const std::lock_guard lock(mutex_);
+  const auto added = blocks_.emplace(static_cast<std::byte*>(memory), Block{bytes, mapped, Access::none}).first;
+  if (in_launch_) {
+    added->second.access = Access::write;
+    protect(*added, Access::write);
+  }
+  return memory;
+}
+
+void WalledMemory::deallocate(void* block, size_t, size_t) noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto found = blocks_.find(static_cast<std::byte*>(block));
+  if (found == blocks_.end()) return;
+  ::munmap(found->first, found->second.mapped);
+  blocks_.erase(found);
+}
+
+void WalledMemory::protect(const Blocks::value_type& block, Access access) {
+  const int flags = access == Access::write ? PROT_READ | PROT_WRITE : access == Access::read ? PROT_READ : PROT_NONE;
+  if (block.second.mapped > page_bytes()) ::mprotect(block.first, block.second.mapped - page_bytes(), flags);
+}
+
+WalledMemory::Blocks::iterator WalledMemory::find(const std::byte* address) {
+  auto after = blocks_.upper_bound(const_cast<std::byte*>(address));
+  if (after == blocks_.begin()) return blocks_.end();
+  --after;
+  return address < after->first + after->second.mapped ? after : blocks_.end();
+}
+
+void WalledMemory::open(const std::byte* address, Access access) {
+  const std::lock_guard lock(mutex_);
+  const auto block = find(address);
+  if (block == blocks_.end() || block->second.access >= access) return;
+  block->second.access = access;
+  protect(*block, access);
+}
+
+void WalledMemory::open_for_reading(const void* block) { open(static_cast<const std::byte*>(block), Access::read); }
+void WalledMemory::open_for_writing(void* block) { open(static_cast<const std::byte*>(block), Access::write); }
+
+void WalledMemory::begin_launch(std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  in_launch_ = true;
+  last_launch_ = name;
+  for (Blocks::value_type& block : blocks_) {
+    if (block.second.access != Access::write) protect(block, Access::write);
+    block.second.access = Access::write;
+  }
+}
+
+void WalledMemory::end_launch() {
+  const std::lock_guard lock(mutex_);
+  in_launch_ = false;
+  for (Blocks::value_type& block : blocks_) {
+    protect(block, Access::none);
+    block.second.access = Access::none;
+  }
+}
+
+void WalledMemory::permit(const void* data, size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (data) permitted_[static_cast<const std::byte*>(data)] = bytes;
+}
+
+bool WalledMemory::is_known(const std::byte* address) {
+  if (find(address) != blocks_.end()) return true;
+  auto after = permitted_.upper_bound(address);
+  if (after == permitted_.begin()) return false;
+  --after;
+  return address < after->first + after->second;
+}
+
+void WalledMemory::check_kernel(std::string_view name, std::span<const std::byte> kernel) {
+  const std::lock_guard lock(mutex_);
+  for (size_t at = 0; at + sizeof(uint64_t) <= kernel.size(); at += sizeof(uint64_t)) {
+    uint64_t word = 0;
+    std::memcpy(&word, kernel.data() + at, sizeof(word));
+    const bool may_be_address = word >> 32 != 0 && word >> 47 == 0;
+    if (!may_be_address || is_known(reinterpret_cast<const std::byte*>(word))) continue;  // NOLINT
+    if (!is_mapped(word)) continue;
+    violations_.push_back("kernel '" + std::string(name) + "' has the address of other memory in byte " +
+                          std::to_string(at) + " of " + std::to_string(kernel.size()) +
+                          "; give it a view of an Array on the backend's memory");
+  }
+}
+
+bool WalledMemory::heal(const std::byte* address) {
+  const std::lock_guard lock(mutex_);
+  const auto block = find(address);
+  if (block == blocks_.end() || address >= block->first + block->second.mapped - page_bytes()) return false;
+  if (block->second.access == Access::write) return true;  // another thread's fault opened it meanwhile
+  const bool was_readable = block->second.access == Access::read;
+  block->second.access = Access::write;
+  protect(*block, Access::write);
+  violations_.push_back("host code " + std::string(was_readable ? "wrote to" : "accessed") + " a block of " +
+                        std::to_string(block->second.bytes) + " bytes after the launch of '" + last_launch_ +
+                        "'; use read() or write() of its Array, or a launch");
+  return true;
+}
+
+void WalledMemory::on_fault(int signal, siginfo_t* info, void*) {
+  WalledMemory* const memory = g_memory;
+  if (memory && memory->heal(static_cast<const std::byte*>(info->si_addr))) return print_calls();
+  if (memory) ::sigaction(signal, &memory->earlier_, nullptr);  // the access fails again, and ends the process
+}
+
+std::vector<std::string> WalledMemory::violations() const {
+  const std::lock_guard lock(mutex_);
+  return violations_;
+}
+
+}  // namespace relume::testing

@@ -1,0 +1,75 @@
+// Memory for tests of who accesses what. Its blocks are closed to the host, like a device's memory, except
+// - during launches, when kernels access them; code that a backend times like a kernel counts as one;
+// - from Array::read() or write() on, until the end of the next launch: spans have no end that could be noticed.
+// Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory.
+#pragma once
+
+#include <csignal>
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/array.h"
+
+namespace relume::testing {
+
+/// One may exist at a time, because it handles the process's segmentation faults.
+class WalledMemory final : public Memory {
+ public:
+  /// All blocks are open until the first end_launch().
+  WalledMemory();
+  ~WalledMemory() override;
+  WalledMemory(const WalledMemory&) = delete;
+  WalledMemory& operator=(const WalledMemory&) = delete;
+
+  void* allocate(size_t bytes, size_t alignment) override;
+  void deallocate(void* block, size_t bytes, size_t alignment) noexcept override;
+  void open_for_reading(const void* block) override;
+  void open_for_writing(void* block) override;
+
+  /// Opens and closes all blocks. Call at the begin and end of a launch, which `name` identifies.
+  void begin_launch(std::string_view name);
+  void end_launch();
+
+  /// Permits addresses in [data, data + bytes) in kernels: constants, and handles of libraries. Null: nothing.
+  void permit(const void* data, size_t bytes = 1);
+  /// Records a violation for each address in a kernel that is mapped, but neither in a block nor permitted. `kernel`:
+  /// its bytes, with zeros between members. Searches aligned words above 4 GiB, where 64-bit processes have their
+  /// memory.
+  void check_kernel(std::string_view name, std::span<const std::byte> kernel);
+
+  /// The violations so far, one sentence each.
+  std::vector<std::string> violations() const;
+
+ private:
+  enum class Access : uint8_t { none, read, write };
+  struct Block {
+    size_t bytes;
+    size_t mapped;
+    Access access;
+  };
+  using Blocks = std::map<std::byte*, Block>;
+
+  static void on_fault(int signal, siginfo_t* info, void* context);
+  /// Opens the block of an address after an access that was not permitted. Returns false if the address is in no block
+  /// or behind its end.
+  bool heal(const std::byte* address);
+  Blocks::iterator find(const std::byte* address);
+  void open(const std::byte* address, Access access);
+  static void protect(const Blocks::value_type& block, Access access);
+  bool is_known(const std::byte* address);
+
+  mutable std::mutex mutex_;
+  Blocks blocks_;
+  std::map<const std::byte*, size_t> permitted_;
+  bool in_launch_ = true;
+  std::string last_launch_ = "none";
+  std::vector<std::string> violations_;
+  struct sigaction earlier_ {};
+};
+
+}  // namespace relume::testing

@@ -1,0 +1,96 @@
+#include "testing/walled_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "frame/launch.h"
+
+namespace relume {
+namespace {
+
+struct AddKernel {
+  uint8_t step = 1;
+  View<const uint32_t> from;
+  View<uint32_t> to;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t) const { to[x] = from[x] + step; }
+};
+
+class WalledMemoryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    backend_.on_launch([this](const LaunchEvent& event) {
+      switch (event.kind) {
+        case LaunchEvent::Kind::kernel: return memory_.check_kernel(event.name, event.argument);
+        case LaunchEvent::Kind::begins: return memory_.begin_launch(event.name);
+        case LaunchEvent::Kind::ends: return memory_.end_launch();
+      }
+    });
+    from_.assign(4, 5);
+    to_.reset(4);
+    memory_.end_launch();
+  }
+  void add(View<const uint32_t> from) { launch(backend_, "add", AddKernel{1, from, to_.mutable_view()}, 4, 1); }
+  static uint32_t sum(std::span<const uint32_t> values) { return std::accumulate(values.begin(), values.end(), 0u); }
+
+  testing::WalledMemory memory_;
+  Backend backend_{2, KernelForm::tile, memory_};
+  Array<uint32_t> from_{memory_};
+  Array<uint32_t> to_{memory_};
+};
+
+TEST_F(WalledMemoryTest, PermitsLaunchesAndOpenedArrays) {
+  add(from_.view());
+  EXPECT_EQ(sum(to_.read()), 24u);
+  from_.write()[2] = 7;
+  from_.resize(1000);
+  add(from_.view());
+  EXPECT_EQ(sum(to_.read()), 26u);
+  const Array<uint32_t> copy = to_;
+  EXPECT_EQ(sum(copy.read()), 26u);
+  uint32_t inside = 0;
+  backend_.run("host", [&] { inside = to_.view()[0]; });
+  EXPECT_EQ(inside, 6u);
+  EXPECT_TRUE(memory_.violations().empty()) << memory_.violations().front();
+}
+
+TEST_F(WalledMemoryTest, RecordsKernelsThatAccessOtherMemory) {
+#if !__has_builtin(__builtin_clear_padding)
+  GTEST_SKIP() << "the compiler cannot clear padding";
+#endif
+  const std::vector<uint32_t> other(4, 2);
+  add(view_of(other));
+  ASSERT_EQ(memory_.violations().size(), 1u);
+  EXPECT_NE(memory_.violations()[0].find("kernel 'add' has the address of other memory in byte 8 of 40"),
+            std::string::npos)
+      << memory_.violations()[0];
+  memory_.permit(other.data());
+  add(view_of(other));
+  EXPECT_EQ(memory_.violations().size(), 1u);
+}
+
+TEST_F(WalledMemoryTest, RecordsHostCodeBetweenLaunches) {
+  add(from_.view());
+  EXPECT_EQ(sum({to_.view().data, 4}), 24u);
+  ASSERT_EQ(memory_.violations().size(), 1u);
+  EXPECT_NE(memory_.violations()[0].find("accessed a block of 16 bytes after the launch of 'add'"), std::string::npos)
+      << memory_.violations()[0];
+  const std::span<const uint32_t> before = to_.read();
+  add(from_.view());
+  EXPECT_EQ(sum(before), 24u) << "the span ended with the launch";
+  EXPECT_EQ(memory_.violations().size(), 2u);
+  from_.read();
+  from_.mutable_view()[0] = 1;
+  ASSERT_EQ(memory_.violations().size(), 3u);
+  EXPECT_NE(memory_.violations()[2].find("wrote to"), std::string::npos);
+}
+
+TEST_F(WalledMemoryTest, ClosesAfterExceptions) {
+  EXPECT_THROW(backend_.run("host", [] { throw std::runtime_error("expected"); }), std::runtime_error);
+  EXPECT_EQ(sum({to_.view().data, 4}), 0u);
+  EXPECT_EQ(memory_.violations().size(), 1u);
+}
+
+}  // namespace
+}  // namespace relume
