@@ -1,5 +1,5 @@
-// Compiles all headers with kernels, and every pass kernel, for the device. Each technique lists its kernels in
-// kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass kernel, for the device. Each technique and the primitives list
+// their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
 #include "accel/bvh/traverse.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"

@@ -30,7 +30,7 @@ def main():
         sys.exit(f"{library} launches {len(launched)} kernels and {kernels} has {len(compiled)}: their symbols are missing")
     missing = sorted(launched - compiled)
     if missing:
-        sys.exit("launched, but in no kernels.inc of a technique:\n  " + "\n  ".join(missing))
+        sys.exit("launched, but in no kernels.inc:\n  " + "\n  ".join(missing))
     print(f"all {len(launched)} launched kernels are compiled for the device")
 
 

@@ -1,0 +1,48 @@
+// Sets and copies arrays in launches.
+#pragma once
+
+#include <algorithm>
+#include <stop_token>
+#include <string_view>
+
+#include "core/hd.h"
+#include "core/view.h"
+#include "frame/launch.h"
+
+namespace relume {
+
+/// Number of elements per tile of the kernels below.
+inline constexpr uint32_t kFillTile = 16384;
+
+template <typename T>
+struct FillElementsKernel {
+  View<T> elements;
+  T value;
+
+  RELUME_HD void operator()(uint32_t i, uint32_t) const { elements[i] = value; }
+  void operator()(const Tile& tile) const { std::fill(elements.data + tile.x0, elements.data + tile.x1, value); }
+};
+
+template <typename T>
+struct CopyElementsKernel {
+  View<const T> from;
+  View<T> to;
+
+  RELUME_HD void operator()(uint32_t i, uint32_t) const { to[i] = from[i]; }
+  void operator()(const Tile& tile) const { std::copy(from.data + tile.x0, from.data + tile.x1, to.data + tile.x0); }
+};
+
+/// Sets all elements. Returns false if `stop` was requested first; some elements are then unchanged.
+template <typename T>
+bool fill(Backend& backend, std::string_view name, View<T> elements, const T& value, const std::stop_token& stop = {}) {
+  return launch(backend, name, FillElementsKernel<T>{elements, value}, elements.size, 1, stop, kFillTile);
+}
+
+/// Copies all elements of `from` to the first elements of `to`, which is no smaller and does not overlap. Returns false
+/// if `stop` was requested first; some elements are then unchanged.
+template <typename T>
+bool copy(Backend& backend, std::string_view name, View<const T> from, View<T> to, const std::stop_token& stop = {}) {
+  return launch(backend, name, CopyElementsKernel<T>{from, to}, from.size, 1, stop, kFillTile);
+}
+
+}  // namespace relume

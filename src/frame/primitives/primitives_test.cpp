@@ -1,0 +1,339 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stop_token>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/hash.h"
+#include "frame/primitives/fill.h"
+#include "frame/primitives/group_by_key.h"
+#include "frame/primitives/reduce.h"
+#include "frame/primitives/scan.h"
+
+namespace relume {
+namespace {
+
+/// Sizes around the borders of lanes and blocks.
+constexpr uint32_t kSizes[] = {0,
+                               1,
+                               kReduceLanes - 1,
+                               kReduceLanes + 1,
+                               kPrimitiveBlock - 1,
+                               kPrimitiveBlock,
+                               kPrimitiveBlock + 1,
+                               10 * kPrimitiveBlock + 123};
+/// The blocks of blocks do not fit into one.
+constexpr uint32_t kThreeLevels = kPrimitiveBlock * kPrimitiveBlock + 1;
+
+template <typename T>
+Array<T> array_of(const std::vector<T>& values) {
+  Array<T> array;
+  array.assign(values);
+  return array;
+}
+
+std::vector<uint32_t> random_words(uint32_t size, uint32_t below = 0) {
+  std::vector<uint32_t> values(size);
+  for (uint32_t i = 0; i < size; ++i) values[i] = below > 0 ? hash(i, size) % below : hash(i, size);
+  return values;
+}
+
+/// Positive and negative, of very different sizes: each order of additions gives another sum.
+std::vector<float> random_reals(uint32_t size) {
+  std::vector<float> values(size);
+  for (uint32_t i = 0; i < size; ++i) {
+    const uint32_t h = hash(i, size, 7u);
+    values[i] = std::ldexp(to_unit_float(h) - 0.5f, static_cast<int>(h % 32) - 16);
+  }
+  return values;
+}
+
+/// Calls test(launch) with both forms of kernels and several numbers of threads. The temporary memory is that of
+/// earlier calls.
+template <typename Test>
+void for_each_backend(const Test& test) {
+  PrimitiveScratch scratch;
+  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+    for (const int threads : {1, 2, 5}) {
+      SCOPED_TRACE((form == KernelForm::tile ? "tile form, threads: " : "scalar form, threads: ") +
+                   std::to_string(threads));
+      Backend backend(threads, form);
+      test(PrimitiveLaunch{backend, "test", scratch});
+    }
+  }
+}
+
+template <typename T>
+uint64_t bits_of(T value) {
+  if constexpr (std::is_same_v<T, float>) return std::bit_cast<uint32_t>(value);
+  if constexpr (std::is_same_v<T, double>) return std::bit_cast<uint64_t>(value);
+  if constexpr (std::is_integral_v<T>) return value;
+}
+
+/// The definition of a reduction: lanes of blocks, then the results of blocks in the same way.
+template <typename Operation>
+typename Operation::Value reduced(std::vector<typename Operation::Value> values) {
+  using Value = typename Operation::Value;
+  if (values.empty()) return Operation::identity();
+  do {
+    std::vector<Value> results;
+    for (size_t begin = 0; begin < values.size(); begin += kPrimitiveBlock) {
+      std::vector<Value> lanes(kReduceLanes, Operation::identity());
+      const size_t end = std::min<size_t>(begin + kPrimitiveBlock, values.size());
+      for (size_t i = begin; i < end; ++i) {
+        Value& lane = lanes[(i - begin) % kReduceLanes];
+        lane = Operation::combine(lane, values[i]);
+      }
+      for (; lanes.size() > 1; lanes.resize(lanes.size() / 2)) {
+        for (size_t k = 0; k < lanes.size() / 2; ++k)
+          lanes[k] = Operation::combine(lanes[k], lanes[k + lanes.size() / 2]);
+      }
+      results.push_back(lanes[0]);
+    }
+    values = results;
+  } while (values.size() > 1);
+  return values[0];
+}
+
+template <typename Operation, typename T>
+void expect_defined_reduction(const std::vector<T>& values) {
+  using Value = typename Operation::Value;
+  const Value expected = reduced<Operation>(std::vector<Value>(values.begin(), values.end()));
+  const Array<T> array = array_of(values);
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    const Value result = reduce<Operation>(at, Elements<T>{array.view()}, static_cast<uint32_t>(values.size()));
+    EXPECT_EQ(bits_of(result), bits_of(expected)) << values.size() << " elements";
+  });
+}
+
+void expect_exact_sum(uint32_t size) {
+  const std::vector<uint32_t> values = random_words(size);
+  const uint64_t expected = std::accumulate(values.begin(), values.end(), uint64_t{0});
+  const Array<uint32_t> array = array_of(values);
+  for_each_backend([&](const PrimitiveLaunch& at) { EXPECT_EQ(sum(at, array.view()), expected) << size; });
+}
+
+TEST(Reduce, SumsOfIntegersAreExact) {
+  for (const uint32_t size : kSizes) expect_exact_sum(size);
+  expect_exact_sum(kThreeLevels);
+}
+
+TEST(Reduce, SumsOfRealNumbersHaveTheSameBitsInAllForms) {
+  for (const uint32_t size : kSizes) {
+    expect_defined_reduction<Sum<float>>(random_reals(size));
+    expect_defined_reduction<Sum<double>>(random_reals(size));
+  }
+  expect_defined_reduction<Sum<float>>(random_reals(kThreeLevels));
+}
+
+TEST(Reduce, SumsOfRealNumbersAreAccurate) {
+  const std::vector<float> values(3 * kPrimitiveBlock * kPrimitiveBlock, 0.1f);
+  const Array<float> array = array_of(values);
+  Backend backend(2);
+  PrimitiveScratch scratch;
+  const float result = reduce<Sum<float>>({backend, "test", scratch}, Elements<float>{array.view()}, array.view().size);
+  EXPECT_NEAR(result, 0.1f * static_cast<float>(values.size()), 1e-6f * static_cast<float>(values.size()));
+}
+
+TEST(Reduce, FindsMinimaAndMaxima) {
+  for (const uint32_t size : kSizes) {
+    expect_defined_reduction<Min<uint32_t>>(random_words(size));
+    expect_defined_reduction<Max<uint32_t>>(random_words(size));
+    expect_defined_reduction<Min<float>>(random_reals(size));
+    expect_defined_reduction<Max<float>>(random_reals(size));
+  }
+}
+
+TEST(Reduce, MinimaAndMaximaIgnoreNan) {
+  std::vector<float> values(100, std::numeric_limits<float>::quiet_NaN());
+  const auto both = [&](float lowest, float highest) {
+    const Array<float> array = array_of(values);
+    for_each_backend([&](const PrimitiveLaunch& at) {
+      EXPECT_EQ(reduce<Min<float>>(at, Elements<float>{array.view()}, array.view().size), lowest);
+      EXPECT_EQ(reduce<Max<float>>(at, Elements<float>{array.view()}, array.view().size), highest);
+    });
+  };
+  const float infinity = std::numeric_limits<float>::infinity();
+  both(infinity, -infinity);
+  values[70] = 5;
+  values[3] = -2;
+  both(-2, 5);
+}
+
+TEST(AnyOf, FindsOneElement) {
+  for (const uint32_t size : kSizes) {
+    std::vector<uint32_t> values(size, 0);
+    const auto expect = [&](bool found) {
+      const Array<uint32_t> array = array_of(values);
+      for_each_backend([&](const PrimitiveLaunch& at) {
+        EXPECT_EQ(any_of(at, Elements<uint32_t>{array.view()}, size), found) << size;
+      });
+    };
+    expect(false);
+    if (size == 0) continue;
+    values[hash(size) % size] = 0x80000000u;
+    expect(true);
+  }
+}
+
+void expect_prefix_sums(uint32_t size) {
+  const std::vector<uint32_t> values = random_words(size, 1000);
+  std::vector<uint32_t> expected(size);
+  std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0u);
+  const uint64_t total = std::accumulate(values.begin(), values.end(), uint64_t{0});
+  const Array<uint32_t> input = array_of(values);
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    Array<uint32_t> sums;
+    sums.reset(size, kUninitialized);
+    EXPECT_EQ(exclusive_scan(at, Elements<uint32_t>{input.view()}, sums.mutable_view()), total) << size;
+    EXPECT_TRUE(std::ranges::equal(sums.read(), expected)) << size;
+    Array<uint32_t> in_place = input;
+    EXPECT_EQ(exclusive_scan(at, in_place.mutable_view()), total) << size;
+    EXPECT_TRUE(std::ranges::equal(in_place.read(), expected)) << size;
+  });
+}
+
+TEST(ExclusiveScan, IsTheSequentialPrefixSum) {
+  for (const uint32_t size : kSizes) expect_prefix_sums(size);
+  expect_prefix_sums(kThreeLevels);
+}
+
+TEST(ExclusiveScan, ReturnsTotalsBeyond32Bits) {
+  const Array<uint32_t> large = array_of(std::vector<uint32_t>(3 * kPrimitiveBlock, 0xffffffffu));
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    Array<uint32_t> sums = large;
+    EXPECT_EQ(exclusive_scan(at, sums.mutable_view()), uint64_t{0xffffffffu} * sums.size());
+    EXPECT_EQ(sums.read()[2], 0xfffffffeu);
+  });
+}
+
+void expect_stable_groups(const std::vector<uint32_t>& keys, uint32_t key_count) {
+  std::vector<uint32_t> order;
+  for (uint32_t i = 0; i < keys.size(); ++i)
+    if (keys[i] < key_count) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keys[a] < keys[b]; });
+  std::vector<uint32_t> begins;
+  for (uint32_t key = 0, next = 0; key <= key_count; ++key) {
+    while (next < order.size() && keys[order[next]] < key) ++next;
+    begins.push_back(next);
+  }
+  const Array<uint32_t> input = array_of(keys);
+  KeyGroups groups;  // reused, as between frames
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    ASSERT_TRUE(group_by_key(at, Elements<uint32_t>{input.view()}, input.view().size, key_count, groups));
+    EXPECT_TRUE(std::ranges::equal(groups.order.read(), order)) << keys.size() << " keys below " << key_count;
+    EXPECT_TRUE(std::ranges::equal(groups.begins.read(), begins)) << keys.size() << " keys below " << key_count;
+  });
+}
+
+TEST(GroupByKey, IsAStableSort) {
+  const uint32_t part = key_part_size(1, KernelForm::tile);
+  for (const uint32_t key_count : {1u, 7u, kPrimitiveBlock, 5000u}) {
+    for (const uint32_t size : {0u, 1u, kPrimitiveBlock - 1, kPrimitiveBlock + 1, part - 1, part, part + 1, 10 * part})
+      expect_stable_groups(random_words(size, key_count), key_count);
+  }
+}
+
+TEST(GroupByKey, LeavesOutKeysFromTheBoundOn) {
+  std::vector<uint32_t> keys = random_words(100'000, 300);
+  keys[0] = keys[99'999] = 0xffffffffu;
+  for (const uint32_t key_count : {0u, 1u, 100u, 299u}) expect_stable_groups(keys, key_count);
+}
+
+TEST(GroupByKey, TakesGroupsOfVeryDifferentSizes) {
+  std::vector<uint32_t> keys(200'000, 17);
+  for (uint32_t i = 0; i < keys.size(); i += 1000) keys[i] = hash(i) % 2000;
+  expect_stable_groups(keys, 2000);
+}
+
+TEST(Fill, SetsAndCopiesAllElements) {
+  for (const uint32_t size : {0u, 1u, kFillTile - 1, kFillTile, kFillTile + 1, 5 * kFillTile + 3}) {
+    const Array<uint32_t> from = array_of(random_words(size));
+    for_each_backend([&](const PrimitiveLaunch& at) {
+      Array<uint32_t> to;
+      to.reset(size_t{size} + 1);
+      EXPECT_TRUE(fill(at.backend, at.name, View<uint32_t>{to.mutable_view().data, size}, 5u));
+      EXPECT_EQ(std::ranges::count(to.read(), 5u), size);
+      EXPECT_TRUE(copy(at.backend, at.name, from.view(), to.mutable_view()));
+      EXPECT_TRUE(std::ranges::equal(to.read().first(size), from.read()));
+      EXPECT_EQ(to.read()[size], 0u);
+    });
+  }
+}
+
+TEST(Primitives, Stop) {
+  const uint32_t size = 10 * kPrimitiveBlock + 1;
+  Array<uint32_t> values = array_of(random_words(size, 100));
+  const Elements<uint32_t> input{values.view()};
+  std::stop_source source;
+  source.request_stop();
+  const std::stop_token stop = source.get_token();
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    KeyGroups groups;
+    Array<uint32_t> sums = values;
+    EXPECT_FALSE(reduce_or_stop<Sum<uint64_t>>(at, input, size, stop));
+    EXPECT_FALSE(exclusive_scan_or_stop(at, input, sums.mutable_view(), stop));
+    EXPECT_FALSE(group_by_key(at, input, size, 100, groups, stop));
+    EXPECT_FALSE(fill(at.backend, at.name, sums.mutable_view(), 0u, stop));
+    EXPECT_FALSE(copy(at.backend, at.name, values.view(), sums.mutable_view(), stop));
+    EXPECT_TRUE(std::ranges::equal(sums.read(), values.read()));
+  });
+}
+
+TEST(Primitives, StopAtAnyTile) {
+  const Array<uint32_t> keys = array_of(random_words(100'000, 100));
+  for_each_backend([&](const PrimitiveLaunch& at) {
+    for (int tiles = 0;; ++tiles) {
+      std::stop_source source;
+      std::atomic<int> left{tiles};
+      at.backend.on_tile([&] {
+        if (left.fetch_sub(1) <= 0) source.request_stop();
+      });
+      KeyGroups groups;
+      if (group_by_key(at, Elements<uint32_t>{keys.view()}, 100'000, 100, groups, source.get_token())) {
+        EXPECT_GT(tiles, 4);  // each launch can be stopped
+        EXPECT_EQ(groups.begins.read()[100], 100'000u);
+        break;
+      }
+    }
+    at.backend.on_tile({});
+  });
+}
+
+TEST(Primitives, AddTimesUnderTheirCallersNames) {
+  Backend backend(2);
+  PrimitiveScratch scratch;
+  Array<uint32_t> values = array_of(random_words(100'000, 10));
+  KeyGroups groups;
+  sum({backend, "one", scratch}, values.view());
+  group_by_key(PrimitiveLaunch{backend, "two", scratch}, Elements<uint32_t>{values.view()}, 100'000, 10, groups);
+  ASSERT_EQ(backend.times().size(), 2u);
+  EXPECT_EQ(backend.times()[0].name, "one");
+  EXPECT_EQ(backend.times()[1].name, "two");
+}
+
+TEST(Primitives, KeepTheirMemory) {
+  Backend backend(1);
+  PrimitiveScratch scratch;
+  const Array<uint32_t> values = array_of(random_words(100'000, 10));
+  KeyGroups groups;
+  const auto run = [&](uint32_t size) {
+    group_by_key(PrimitiveLaunch{backend, "test", scratch}, Elements<uint32_t>{values.view()}, size, 10, groups);
+    return std::pair(groups.order.view().data, scratch.memory_bytes());
+  };
+  const auto first = run(100'000);
+  EXPECT_GT(first.second, 0u);
+  EXPECT_EQ(run(10), first);
+  EXPECT_EQ(run(100'000), first);
+}
+
+}  // namespace
+}  // namespace relume
