@@ -51,7 +51,7 @@ bool OctreePass::run(const FrameContext& frame) {
     // The samples of an abandoned frame are incomplete and are overwritten.
     if (!begins_again_) adapt(frame);
   }
-  frame.backend.run("octree.depths", [&] { depths_.assign(tree_->leaf_depths()); });
+  tree_->write_leaf_depths(frame.backend, depths_);
   recording_ = {.octree = tree_->view(),
                 .sampled = sampled().view(),
                 .samples = stream_.samples(),
@@ -65,7 +65,8 @@ bool OctreePass::run(const FrameContext& frame) {
 
 void OctreePass::adapt(const FrameContext& frame) {
   stream_.group(frame.backend, tree_->leaf_slots());
-  OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
+  OctreeTree next =
+      tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()), scratch_);
   previous_ = std::move(tree_);
   tree_ = std::move(next);
 }
@@ -88,8 +89,8 @@ bool RegionViewPass::run(const FrameContext& frame) {
 }
 
 size_t OctreePass::memory_bytes() const {
-  return stream_.memory_bytes() + depths_.memory_bytes() + (tree_ ? tree_->memory_bytes() : 0) +
-         (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
+  return stream_.memory_bytes() + depths_.memory_bytes() + scratch_.memory_bytes() +
+         (tree_ ? tree_->memory_bytes() : 0) + (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
 }
 
 std::vector<PassStatistic> OctreePass::statistics() const {

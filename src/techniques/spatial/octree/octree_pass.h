@@ -22,7 +22,7 @@ class OctreePass final : public Pass {
  public:
   /// `epochs`: several frames may sample the same tree, because a history accumulates them.
   OctreePass(const OctreeSettings& settings, bool epochs, Memory& memory = host_memory())
-      : settings_(settings), epochs_(epochs), memory_(memory), stream_(memory), depths_(memory) {}
+      : settings_(settings), epochs_(epochs), memory_(memory), scratch_(memory), stream_(memory), depths_(memory) {}
 
   void configure(const OctreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
@@ -63,6 +63,7 @@ class OctreePass final : public Pass {
   std::optional<OctreeTree> tree_;
   Snapshot<OctreeTree> snapshot_;
   std::optional<OctreeTree> previous_;
+  OctreeScratch scratch_;
   SampleStream stream_;
   PathRecording recording_;
   Array<uint8_t> depths_;

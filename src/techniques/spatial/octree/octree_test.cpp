@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -216,6 +217,57 @@ TEST(Octree, LeavesLinkToThePreviousTree) {
   EXPECT_GT(unchanged, 100);
   EXPECT_GT(split, 10);
   EXPECT_GT(joined, 10);
+}
+
+/// The next tree's nodes by definition: breadth-first, from marks of the nodes.
+std::vector<uint32_t> rebuilt(const OctreeTree& tree, const std::vector<uint32_t>& counts, const OctreeThresholds& t) {
+  const View<const uint32_t> nodes = tree.view().nodes;
+  const auto joined = [&](uint32_t node) {
+    const auto first = counts.begin() + static_cast<std::ptrdiff_t>(8 * node);
+    return octree_leaf_mask(nodes[node]) == 0xffu && std::accumulate(first, first + 8, 0u) < t.collapse;
+  };
+  std::vector<uint32_t> result;
+  size_t room = t.max_nodes - nodes.size;
+  std::vector<uint32_t> queue{0};  // number in the old tree, or kNoRegion
+  for (size_t i = 0; i < queue.size(); ++i) {
+    const uint32_t old = queue[i];
+    const auto first = static_cast<uint32_t>(queue.size());
+    uint32_t mask = 0xff;
+    for (uint32_t child = 0; old != kNoRegion && child < 8; ++child) {
+      const uint32_t slot = 8 * old + child;
+      if ((nodes[old] >> child) & 1u) {
+        if (counts[slot] <= t.split || cell_of(tree, slot).depth >= t.max_depth || room == 0) continue;
+        --room;
+        queue.push_back(kNoRegion);
+      } else {
+        const uint32_t inner = octree_inner_child(nodes[old], child);
+        if (joined(inner)) continue;
+        queue.push_back(inner);
+      }
+      mask &= ~(1u << child);
+    }
+    result.push_back(make_octree_node(mask == 0xffu ? 0u : first, mask));
+  }
+  return result;
+}
+
+TEST(Octree, IsRebuiltBreadthFirst) {
+  Backend backend(3);
+  OctreeTree tree(Vec3(0), 16);
+  for (int frame = 0; frame < 12; ++frame) {
+    const Vec3 center(0.3f * static_cast<float>(frame), 0, 0);
+    const std::vector<uint32_t> counts = count_samples(tree, surface_points(20000, center, 3));
+    OctreeThresholds thresholds{50, 100, 6};
+    const bool limited = frame == 2;
+    if (limited) thresholds.max_nodes = tree.node_count() + 5;
+    const std::vector<uint32_t> expected = rebuilt(tree, counts, thresholds);
+    tree = tree.adapted(backend, view_of(counts), thresholds);
+    EXPECT_TRUE(std::ranges::equal(tree.view().nodes, expected)) << frame;
+    if (limited) {
+      EXPECT_EQ(tree.node_count(), thresholds.max_nodes);
+    }
+  }
+  EXPECT_GT(tree.node_count(), 100u);
 }
 
 TEST(Octree, IsTheSameWithAnyNumberOfThreads) {

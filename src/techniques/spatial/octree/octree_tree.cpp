@@ -4,22 +4,14 @@
 #include <bit>
 
 #include "core/stream_io.h"
+#include "frame/primitives/scan.h"
 
 namespace relume {
 namespace {
 
-/// Depth of each node. Children follow their parents, so one pass suffices.
-std::vector<uint8_t> depths_of(std::span<const uint32_t> nodes) {
-  std::vector<uint8_t> depths(nodes.size(), 0);
-  for (uint32_t node = 0; node < nodes.size(); ++node) {
-    for (uint32_t child = 0; child < 8; ++child) {
-      if (!((nodes[node] >> child) & 1u)) depths[octree_inner_child(nodes[node], child)] = depths[node] + 1;
-    }
-  }
-  return depths;
-}
+constexpr uint32_t kNodesPerTile = 64;
 
-/// Whether `nodes` are a tree as rebuild() builds it, within kMaxOctreeDepth and kMaxOctreeNodes.
+/// Whether `nodes` are a tree as OctreeRebuildKernel builds it, within kMaxOctreeDepth and kMaxOctreeNodes.
 bool is_breadth_first(std::span<const uint32_t> nodes) {
   if (nodes.empty() || nodes.size() > kMaxOctreeNodes) return false;
   std::vector<uint8_t> depths(nodes.size(), 0);
@@ -33,38 +25,6 @@ bool is_breadth_first(std::span<const uint32_t> nodes) {
     next += inner;
   }
   return next == nodes.size();
-}
-
-/// Builds the new nodes breadth-first. Leaves are only split while the tree has at most kMaxOctreeNodes nodes, the
-/// range of child numbers.
-std::vector<uint32_t> rebuild(std::span<const uint32_t> nodes, std::span<const uint8_t> split,
-                              std::span<const uint8_t> collapse) {
-  std::vector<uint32_t> result;
-  size_t room = kMaxOctreeNodes - nodes.size();  // for inner nodes
-  std::vector<uint32_t> queue{0};                // inner nodes of the new tree: number in the old one, or kNoRegion
-  for (size_t i = 0; i < queue.size(); ++i) {
-    const uint32_t old = queue[i];
-    const uint32_t first = static_cast<uint32_t>(queue.size());
-    uint32_t mask = 0;
-    for (uint32_t child = 0; child < 8; ++child) {
-      uint32_t origin = kNoRegion;
-      bool leaf = true;
-      if (old != kNoRegion && ((nodes[old] >> child) & 1u)) {
-        leaf = !((split[old] >> child) & 1u) || room == 0;
-        if (!leaf) --room;
-      } else if (old != kNoRegion) {
-        origin = octree_inner_child(nodes[old], child);
-        leaf = collapse[origin] != 0;
-      }
-      if (leaf) {
-        mask |= 1u << child;
-      } else {
-        queue.push_back(origin);
-      }
-    }
-    result.push_back(make_octree_node(mask == 0xffu ? 0u : first, mask));
-  }
-  return result;
 }
 
 }  // namespace
@@ -102,11 +62,10 @@ uint32_t OctreeTree::leaf_count() const {
   return count;
 }
 
-std::vector<uint8_t> OctreeTree::leaf_depths() const {
-  const std::vector<uint8_t> nodes = depths_of(nodes_.read());
-  std::vector<uint8_t> depths(leaf_slots());
-  for (uint32_t slot = 0; slot < leaf_slots(); ++slot) depths[slot] = static_cast<uint8_t>(nodes[slot / 8] + 1);
-  return depths;
+void OctreeTree::write_leaf_depths(Backend& backend, Array<uint8_t>& depths) const {
+  depths.reset(leaf_slots(), kUninitialized);
+  const OctreeLeafDepthsKernel kernel{{links_.parents.view()}, depths.mutable_view()};
+  launch(backend, "octree.depths", kernel, leaf_slots(), 1, {}, kNodesPerTile);
 }
 
 size_t OctreeTree::memory_bytes() const {
@@ -135,31 +94,53 @@ void OctreeTree::load(std::istream& in) {
     links_.previous.write();
     for (uint32_t i = 0; i < count; ++i) kernel(i, 0);
   });
-  measure_depth();
+  // The last node of a breadth-first tree is one of the deepest.
+  depth_ = 1 + OctreeDepths{view_of(links_.parents.read())}(nodes_.size() - 1);
 }
 
-OctreeTree OctreeTree::adapted(Backend& backend, View<const uint32_t> counts,
-                               const OctreeThresholds& thresholds) const {
-  Memory& memory = nodes_.memory();
-  Array<uint8_t> depths(memory);
-  backend.run("octree.mark", [&] { depths.assign(depths_of(nodes_.read())); });
-  Array<uint8_t> split(memory);
-  Array<uint8_t> collapse(memory);
-  split.reset(nodes_.size());
-  collapse.reset(nodes_.size());
-  OctreeThresholds limits = thresholds;
-  limits.max_depth = std::min(limits.max_depth, kMaxOctreeDepth);
-  launch(backend, "octree.mark",
-         OctreeMarkKernel{nodes_.view(), depths.view(), counts, limits, split.mutable_view(), collapse.mutable_view()},
-         node_count(), 1);
-  OctreeTree next(memory);
+OctreeTree OctreeTree::adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds,
+                               OctreeScratch& scratch) const {
+  OctreeTree next(nodes_.memory());
   next.corner_ = corner_;
   next.scale_ = scale_;
-  backend.run("octree.rebuild", [&] { next.nodes_.assign(rebuild(nodes_.read(), split.read(), collapse.read())); });
-  next.augment(*this, counts,
-               [&](const auto& kernel, uint32_t count) { launch(backend, "octree.augment", kernel, count, 1); });
-  backend.run("octree.augment", [&] { next.measure_depth(); });
+  mark(backend, counts, thresholds, scratch);
+  rebuild(backend, scratch, next.nodes_);
+  next.augment(*this, counts, [&](const auto& kernel, uint32_t count) {
+    launch(backend, "octree.augment", kernel, count, 1, {}, kNodesPerTile);
+  });
+  const OctreeDepths depths{next.links_.parents.view()};
+  next.depth_ = 1 + reduce<Max<uint32_t>>({backend, "octree.augment", scratch.primitives}, depths, next.node_count());
   return next;
+}
+
+void OctreeTree::mark(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds,
+                      OctreeScratch& scratch) const {
+  const PrimitiveLaunch at{backend, "octree.mark", scratch.primitives};
+  scratch.split.reset(nodes_.size(), kUninitialized);
+  scratch.collapse.reset(nodes_.size(), kUninitialized);
+  OctreeThresholds limits = thresholds;
+  limits.max_depth = std::min(limits.max_depth, kMaxOctreeDepth);
+  limits.max_nodes = std::min(limits.max_nodes, kMaxOctreeNodes);
+  const OctreeMarkKernel kernel{nodes_.view(), {links_.parents.view()},      counts,
+                                limits,        scratch.split.mutable_view(), scratch.collapse.mutable_view()};
+  launch(backend, at.name, kernel, node_count(), 1, {}, kNodesPerTile);
+  const uint32_t room = limits.max_nodes - std::min(limits.max_nodes, node_count());
+  const OctreeSplits splits{scratch.split.view()};
+  if (reduce<Sum<uint64_t>>(at, splits, node_count()) <= room) return;
+  scratch.places.reset(nodes_.size(), kUninitialized);
+  exclusive_scan(at, splits, scratch.places.mutable_view());
+  const OctreeLimitSplitsKernel limit{scratch.places.view(), room, scratch.split.mutable_view()};
+  launch(backend, at.name, limit, node_count(), 1, {}, kNodesPerTile);
+}
+
+void OctreeTree::rebuild(Backend& backend, OctreeScratch& scratch, Array<uint32_t>& next) const {
+  const PrimitiveLaunch at{backend, "octree.rebuild", scratch.primitives};
+  const OctreeChanges changes{nodes_.view(), scratch.split.view(), scratch.collapse.view()};
+  scratch.places.reset(nodes_.size(), kUninitialized);
+  const uint64_t inner = exclusive_scan(at, changes, scratch.places.mutable_view());
+  next.reset(1 + inner, kUninitialized);
+  const OctreeRebuildKernel kernel{changes, scratch.places.view(), next.mutable_view()};
+  launch(backend, at.name, kernel, node_count(), 1, {}, kNodesPerTile);
 }
 
 template <typename Run>
@@ -171,11 +152,6 @@ void OctreeTree::augment(const OctreeTree& previous, View<const uint32_t> counts
   run(OctreeLeafLinksKernel{view(), previous.view(), links_.parents.view(), counts, links_.neighbours.mutable_view(),
                             links_.previous.mutable_view()},
       leaf_slots());
-}
-
-void OctreeTree::measure_depth() {
-  const std::vector<uint8_t> depths = depths_of(nodes_.read());
-  depth_ = 1u + *std::max_element(depths.begin(), depths.end());
 }
 
 }  // namespace relume

@@ -3,11 +3,12 @@
 // OctreeLinks::previous.
 #pragma once
 
+#include <bit>
 #include <iosfwd>
-#include <vector>
 
 #include "core/array.h"
 #include "frame/launch.h"
+#include "frame/primitives/primitive.h"
 #include "techniques/spatial/octree/octree.h"
 
 namespace relume {
@@ -17,6 +18,21 @@ struct OctreeThresholds {
   uint32_t collapse = 2048;
   uint32_t split = 4096;
   uint32_t max_depth = 16;
+  uint32_t max_nodes = kMaxOctreeNodes;  ///< leaves whose nodes would exceed it are not split
+};
+
+/// Temporary memory for OctreeTree::adapted(), which callers keep between frames.
+struct OctreeScratch {
+  explicit OctreeScratch(Memory& memory = host_memory()) : split(memory), collapse(memory), places(memory) {}
+
+  Array<uint8_t> split;     ///< by node
+  Array<uint8_t> collapse;  ///< by node
+  Array<uint32_t> places;   ///< by node
+  PrimitiveScratch primitives;
+
+  size_t memory_bytes() const {
+    return split.memory_bytes() + collapse.memory_bytes() + places.memory_bytes() + primitives.memory_bytes();
+  }
 };
 
 /// Links of nodes and leaves. Unused leaf slots have kNoRegion everywhere.
@@ -47,7 +63,6 @@ class OctreeTree {
   uint32_t leaf_count() const;
   bool is_leaf(uint32_t slot) const { return (octree_leaf_mask(nodes_.read()[slot / 8]) >> (slot % 8)) & 1u; }
   OctreeCube cube_of(uint32_t slot) const;   ///< cube of a leaf
-  std::vector<uint8_t> leaf_depths() const;  ///< depths by slot; meaningless for unused slots
   uint32_t depth() const { return depth_; }  ///< depth of the deepest leaf
   const OctreeLinks& links() const { return links_; }
   size_t memory_bytes() const;
@@ -55,14 +70,26 @@ class OctreeTree {
   void load(std::istream& in);
 
   /// The next frame's tree for this frame's number of samples per leaf slot (`counts`). Its links refer to this tree.
-  OctreeTree adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds) const;
+  OctreeTree adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds,
+                     OctreeScratch& scratch) const;
+  OctreeTree adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds) const {
+    OctreeScratch scratch(nodes_.memory());
+    return adapted(backend, counts, thresholds, scratch);
+  }
+
+  /// Writes the depth of each leaf by slot; meaningless for unused slots.
+  void write_leaf_depths(Backend& backend, Array<uint8_t>& depths) const;
 
  private:
   explicit OctreeTree(Memory& memory) : nodes_(memory), links_(memory) {}
   /// Computes the links. `run`: runs a kernel for a number of elements × 1.
   template <typename Run>
   void augment(const OctreeTree& previous, View<const uint32_t> counts, const Run& run);
-  void measure_depth();
+  /// Marks what changes, in `scratch`.
+  void mark(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds,
+            OctreeScratch& scratch) const;
+  /// The nodes of the next tree.
+  void rebuild(Backend& backend, OctreeScratch& scratch, Array<uint32_t>& next) const;
 
   Vec3 corner_{0};
   float scale_ = 0;
@@ -71,10 +98,31 @@ class OctreeTree {
   OctreeLinks links_;
 };
 
+/// Depth of each node (root: 0), by walking up the parents.
+struct OctreeDepths {
+  View<const uint32_t> parents;
+
+  RELUME_HD uint32_t operator()(size_t node) const {
+    uint32_t depth = 0;
+    for (; node != 0; node = parents.data[node]) ++depth;
+    return depth;
+  }
+};
+
+/// Writes the depth of each leaf slot.
+struct OctreeLeafDepthsKernel {
+  OctreeDepths depths;
+  View<uint8_t> leaf_depths;
+
+  RELUME_HD void operator()(uint32_t slot, uint32_t) const {
+    leaf_depths[slot] = static_cast<uint8_t>(depths(slot / 8) + 1);
+  }
+};
+
 /// Marks leaves to split and nodes to join: a bit per child in `split`, a flag per node in `collapse`.
 struct OctreeMarkKernel {
   View<const uint32_t> nodes;
-  View<const uint8_t> depths;  ///< depth by node
+  OctreeDepths depths;
   View<const uint32_t> counts;
   OctreeThresholds thresholds;
   View<uint8_t> split;
@@ -87,11 +135,84 @@ struct OctreeMarkKernel {
     for (uint32_t child = 0; child < 8; ++child) {
       const uint32_t count = counts[8 * node + child];
       sum += count;
-      const bool leaf = (leaves >> child) & 1u;
-      if (leaf && count > thresholds.split && depths[node] + 1u < thresholds.max_depth) marked |= 1u << child;
+      if (((leaves >> child) & 1u) && count > thresholds.split) marked |= 1u << child;
     }
-    split[node] = static_cast<uint8_t>(marked);
-    collapse[node] = node != 0 && leaves == 0xffu && sum < thresholds.collapse ? 1 : 0;
+    if (marked != 0 && depths(node) + 1u >= thresholds.max_depth) marked = 0;
+    const bool joined = node != 0 && leaves == 0xffu && sum < thresholds.collapse;
+    split[node] = joined ? uint8_t{0} : static_cast<uint8_t>(marked);
+    collapse[node] = joined ? 1 : 0;
+  }
+};
+
+/// Number of each node's leaves to split.
+struct OctreeSplits {
+  View<const uint8_t> split;
+
+  RELUME_HD uint32_t operator()(size_t node) const { return static_cast<uint32_t>(std::popcount(split.data[node])); }
+};
+
+/// Keeps the first `room` leaves to split, in the order of their numbers.
+struct OctreeLimitSplitsKernel {
+  View<const uint32_t> places;  ///< number of leaves to split in earlier nodes, by node
+  uint32_t room = 0;
+  View<uint8_t> split;
+
+  RELUME_HD void operator()(uint32_t node, uint32_t) const {
+    uint32_t kept = 0;
+    uint32_t place = places[node];
+    for (uint32_t child = 0; child < 8; ++child) {
+      if (((split[node] >> child) & 1u) && place++ < room) kept |= 1u << child;
+    }
+    split[node] = static_cast<uint8_t>(kept);
+  }
+};
+
+/// The next tree's form of a node that stays.
+struct OctreeChanges {
+  View<const uint32_t> nodes;
+  View<const uint8_t> split;
+  View<const uint8_t> collapse;
+
+  /// Mask of the children that are leaves in the next tree.
+  RELUME_HD uint32_t leaf_mask(uint32_t node) const {
+    const uint32_t word = nodes[node];
+    uint32_t mask = octree_leaf_mask(word) & ~uint32_t{split[node]};
+    for (uint32_t child = 0; child < 8; ++child) {
+      if (!((word >> child) & 1u) && collapse[octree_inner_child(word, child)] != 0) mask |= 1u << child;
+    }
+    return mask;
+  }
+  /// Number of inner children in the next tree; 0 for a node that is joined.
+  RELUME_HD uint32_t operator()(size_t node) const {
+    const auto n = static_cast<uint32_t>(node);
+    return collapse[n] != 0 ? 0u : 8u - static_cast<uint32_t>(std::popcount(leaf_mask(n)));
+  }
+};
+
+/// Writes the words of the next tree's nodes, which are numbered breadth-first; one call per node of this tree. Nodes
+/// of a depth keep their order, so the children of a node follow those of all earlier nodes.
+struct OctreeRebuildKernel {
+  OctreeChanges changes;
+  View<const uint32_t> places;  ///< number of inner children of all earlier nodes
+  View<uint32_t> next;
+
+  RELUME_HD void operator()(uint32_t node, uint32_t) const {
+    if (node == 0) next[0] = word_of(0);
+    if (changes.collapse[node] != 0) return;
+    const uint32_t word = changes.nodes[node];
+    const uint32_t mask = changes.leaf_mask(node);
+    uint32_t place = 1 + places[node];
+    for (uint32_t child = 0; child < 8; ++child) {
+      if ((mask >> child) & 1u) continue;
+      const bool was_leaf = (word >> child) & 1u;
+      next[place++] = was_leaf ? make_octree_node(0, 0xffu) : word_of(octree_inner_child(word, child));
+    }
+  }
+
+ private:
+  RELUME_HD uint32_t word_of(uint32_t node) const {
+    const uint32_t mask = changes.leaf_mask(node);
+    return make_octree_node(mask == 0xffu ? 0u : 1 + places[node], mask);
   }
 };
 

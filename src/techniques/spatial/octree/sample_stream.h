@@ -8,6 +8,7 @@
 #include "core/array.h"
 #include "core/view.h"
 #include "frame/launch.h"
+#include "frame/primitives/group_by_key.h"
 #include "lights/light.h"
 #include "techniques/spatial/octree/octree.h"
 
@@ -38,7 +39,7 @@ inline constexpr uint32_t kVisibleLight = 0x80000000u;
 struct SampleGroupsView {
   View<const VertexSample> samples;
   View<const uint32_t> order;    ///< addresses, region by region
-  View<const uint32_t> offsets;  ///< first index into `order`, by leaf slot
+  View<const uint32_t> offsets;  ///< first index into `order`, by leaf slot; then the number of all
   View<const uint32_t> counts;   ///< number of records, by leaf slot
 
   RELUME_HD const VertexSample& sample(uint32_t region, uint32_t i) const {
@@ -46,11 +47,25 @@ struct SampleGroupsView {
   }
 };
 
+/// The region of each record.
+struct SampleRegions {
+  View<const VertexSample> samples;
+
+  RELUME_HD uint32_t operator()(size_t i) const { return samples.data[i].region; }
+};
+
+/// Writes the number of each region's records.
+struct CountSamplesKernel {
+  View<const uint32_t> offsets;
+  View<uint32_t> counts;
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const { counts[region] = offsets[region + 1] - offsets[region]; }
+};
+
 /// Owns the records of one frame and their grouping.
 class SampleStream {
  public:
-  explicit SampleStream(Memory& memory = host_memory())
-      : samples_(memory), order_(memory), offsets_(memory), counts_(memory) {}
+  explicit SampleStream(Memory& memory = host_memory()) : samples_(memory), groups_(memory), counts_(memory) {}
 
   /// Allocates `vertices` records per pixel. If the number of pixels is unchanged, the first vertices keep their
   /// records.
@@ -66,16 +81,16 @@ class SampleStream {
 
   size_t memory_bytes() const;
   /// Bytes of the offsets and counts of regions.
-  size_t place_bytes() const;
+  size_t place_bytes() const { return groups_.begins.memory_bytes() + counts_.memory_bytes(); }
   /// Saves the records without their grouping.
   void save(std::ostream& out) const;
   void load(std::istream& in);
 
  private:
   Array<VertexSample> samples_;
-  Array<uint32_t> order_;
-  Array<uint32_t> offsets_;
+  KeyGroups groups_;
   Array<uint32_t> counts_;
+  PrimitiveScratch scratch_;
 };
 
 }  // namespace relume
