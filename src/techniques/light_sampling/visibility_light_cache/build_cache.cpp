@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "core/stream_io.h"
+#include "frame/primitives/fill.h"
+#include "frame/primitives/scan.h"
 
 namespace relume {
 namespace {
@@ -12,106 +14,85 @@ namespace {
 /// Maximum total length of lists: positions have 32 bits.
 constexpr uint64_t kMostListed = uint64_t{1} << 31;
 
+/// For kernels that only copy.
+constexpr uint32_t kRegionsPerTile = 1024;
+
 }  // namespace
 
 void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
-                        View<const LightSummary> lights, const CacheBuildOptions& options) {
+                        View<const LightSummary> lights, const CacheBuildOptions& options, CacheScratch& scratch) {
   const uint32_t regions = tree.leaf_slots();
-  Memory& memory = lists_.memory();
-  KernelValue<uint64_t> dropped(memory);
-  Array<uint32_t> seen(memory);
-  Array<uint32_t> seen_counts(memory);
-  seen.reset(samples.order.size);
-  seen_counts.reset(regions);
-  launch(backend, "vlc.deduplicate",
-         DeduplicateLightsKernel{samples, lights.size, options.max_samples, seen.mutable_view(),
-                                 seen_counts.mutable_view(), dropped.mutable_view()},
-         regions, 1);
+  scratch.dropped.write() = 0;
+  scratch.seen.reset(samples.order.size, kUninitialized);
+  scratch.seen_counts.reset(regions, kUninitialized);
+  const DeduplicateLightsKernel deduplicate{samples,
+                                            lights.size,
+                                            options.max_samples,
+                                            scratch.seen.mutable_view(),
+                                            scratch.seen_counts.mutable_view(),
+                                            scratch.dropped.mutable_view()};
+  launch(backend, "vlc.deduplicate", deduplicate, regions, 1);
 
-  Array<uint32_t> places(memory);
-  Array<LightList> lists(memory);
-  Array<uint32_t> listed(memory);
-  places.reset(regions);
-  lists.reset(regions);
   MergeLightsKernel merge;
   merge.samples = samples;
-  merge.seen = seen.view();
-  merge.seen_counts = seen_counts.view();
+  merge.seen = scratch.seen.view();
+  merge.seen_counts = scratch.seen_counts.view();
   merge.neighbours = tree.links().neighbours.view();
   merge.old_lists = lists_.view();
   merge.old_lights = lights_.view();
   merge.light_count = lights.size;
   merge.memory = options.memory;
-  backend.run("vlc.merge", [&] {
-    const std::span<uint32_t> place = places.write();
-    uint32_t total = 0;
-    for (uint32_t i = 0; i < regions; ++i) {
-      place[i] = total;
-      total += merge.bound(i);
-    }
-    listed.reset(total);
-  });
-  merge.places = places.view();
-  merge.lights = listed.mutable_view();
-  merge.lists = lists.mutable_view();
+  scratch.places.reset(regions, kUninitialized);
+  const uint64_t longest =
+      exclusive_scan({backend, "vlc.merge", scratch.primitives}, MergeBounds{merge}, scratch.places.mutable_view());
+  scratch.lists.reset(regions, kUninitialized);
+  scratch.lights.reset(longest, kUninitialized);
+  fill(backend, "vlc.merge", scratch.lights.mutable_view(), 0u);  // gaps between lists are saved, too
+  merge.places = scratch.places.view();
+  merge.lights = scratch.lights.mutable_view();
+  merge.lists = scratch.lists.mutable_view();
   launch(backend, "vlc.merge", merge, regions, 1);
 
-  lists_ = std::move(lists);
-  lights_ = std::move(listed);
-  fill_buckets(backend, tree, lights, options, dropped.mutable_view());
-  dropped_ = dropped.read();
+  lists_.swap(scratch.lists);
+  lights_.swap(scratch.lights);
+  fill_buckets(backend, tree, lights, options, scratch);
+  dropped_ = scratch.dropped.read();
 }
 
 void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
-                               const CacheBuildOptions& options, View<uint64_t> dropped) {
+                               const CacheBuildOptions& options, CacheScratch& scratch) {
   const auto regions = static_cast<uint32_t>(lists_.size());
-  Array<LightBuckets> buckets(buckets_.memory());
-  buckets.reset(regions);
-  launch(backend, "vlc.buckets",
-         CountBucketsKernel{lists_.view(), lights_.view(), buckets_.view(), options.bucket_size, options.hysteresis,
-                            buckets.mutable_view()},
-         regions, 1);
-  backend.run("vlc.buckets", [&] {
-    uint32_t entries = 0;
-    for (LightBuckets& b : buckets.write()) {
-      b.first = entries;
-      entries += b.count * options.bucket_size;
-    }
-    entries_.reset(entries, kUninitialized);
-    bucket_weights_.reset(entries / options.bucket_size, kUninitialized);
-  });
-  launch(backend, "vlc.buckets",
-         FillBucketsKernel{lists_.view(), lights_.view(), buckets.view(), options.bucket_size, entries_.mutable_view(),
-                           dropped},
-         regions, 1);
-  launch(backend, "vlc.buckets",
-         BucketWeightsKernel{tree.view(), tree.links().parents.view(), buckets.view(), entries_.view(), lights,
-                             options.bucket_size, options.even_buckets, bucket_weights_.mutable_view()},
-         regions, 1);
-  buckets_ = std::move(buckets);
+  const uint32_t size = options.bucket_size;
+  scratch.buckets.reset(regions, kUninitialized);
+  const View<LightBuckets> buckets = scratch.buckets.mutable_view();
+  const CountBucketsKernel count{lists_.view(), lights_.view(), buckets_.view(), size, options.hysteresis, buckets};
+  launch(backend, "vlc.buckets", count, regions, 1);
+  scratch.places.reset(regions, kUninitialized);
+  const uint64_t all = exclusive_scan({backend, "vlc.buckets", scratch.primitives},
+                                      BucketCounts{scratch.buckets.view()}, scratch.places.mutable_view());
+  launch(backend, "vlc.buckets", PlaceBucketsKernel{scratch.places.view(), size, buckets}, regions, 1, {},
+         kRegionsPerTile);
+  entries_.reset(all * size, kUninitialized);
+  bucket_weights_.reset(all, kUninitialized);
+  const FillBucketsKernel fill_in{lists_.view(), lights_.view(),          scratch.buckets.view(),
+                                  size,          entries_.mutable_view(), scratch.dropped.mutable_view()};
+  launch(backend, "vlc.buckets", fill_in, regions, 1);
+  const BucketWeightsKernel weigh{
+      tree.view(), tree.links().parents.view(), scratch.buckets.view(),        entries_.view(), lights,
+      size,        options.even_buckets,        bucket_weights_.mutable_view()};
+  launch(backend, "vlc.buckets", weigh, regions, 1);
+  buckets_.swap(scratch.buckets);
 }
 
-void LightCaches::populate(Backend& backend, const OctreeTree& next) {
-  backend.run("vlc.populate", [&] {
-    const uint32_t regions = next.leaf_slots();
-    Array<LightBuckets> next_buckets(buckets_.memory());
-    Array<LightList> next_lists(lists_.memory());
-    next_buckets.reset(regions);
-    next_lists.reset(regions);
-    const std::span<LightBuckets> buckets = next_buckets.write();
-    const std::span<LightList> lists = next_lists.write();
-    const std::span<const LightBuckets> old_buckets = buckets_.read();
-    const std::span<const LightList> old_lists = lists_.read();
-    const std::span<const uint32_t> previous = next.links().previous.read();
-    for (uint32_t i = 0; i < regions; ++i) {
-      const uint32_t from = previous[i];
-      if (from >= old_buckets.size()) continue;
-      buckets[i] = old_buckets[from];
-      lists[i] = old_lists[from];
-    }
-    buckets_ = std::move(next_buckets);
-    lists_ = std::move(next_lists);
-  });
+void LightCaches::populate(Backend& backend, const OctreeTree& next, CacheScratch& scratch) {
+  const uint32_t regions = next.leaf_slots();
+  scratch.buckets.reset(regions, kUninitialized);
+  scratch.lists.reset(regions, kUninitialized);
+  const InheritCachesKernel kernel{next.links().previous.view(), buckets_.view(), lists_.view(),
+                                   scratch.buckets.mutable_view(), scratch.lists.mutable_view()};
+  launch(backend, "vlc.populate", kernel, regions, 1, {}, kRegionsPerTile);
+  buckets_.swap(scratch.buckets);
+  lists_.swap(scratch.lists);
 }
 
 size_t LightCaches::region_bytes() const { return buckets_.memory_bytes() + lists_.memory_bytes(); }

@@ -7,6 +7,7 @@
 
 #include "core/array.h"
 #include "frame/launch.h"
+#include "frame/primitives/primitive.h"
 #include "techniques/light_sampling/visibility_light_cache/bucket_weights.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
 #include "techniques/spatial/octree/octree_tree.h"
@@ -33,6 +34,32 @@ struct LightList {
   uint32_t count = 0;
 };
 
+/// Temporary memory for LightCaches, which callers keep between frames.
+struct CacheScratch {
+  explicit CacheScratch(Memory& memory = host_memory())
+      : seen(memory),
+        seen_counts(memory),
+        places(memory),
+        lights(memory),
+        lists(memory),
+        buckets(memory),
+        dropped(memory) {}
+
+  Array<uint32_t> seen;         ///< distinct lights, parallel to SampleGroupsView::order
+  Array<uint32_t> seen_counts;  ///< by leaf slot
+  Array<uint32_t> places;       ///< first list element or bucket, by leaf slot
+  Array<uint32_t> lights;       ///< next elements of lists
+  Array<LightList> lists;       ///< next lists, by leaf slot
+  Array<LightBuckets> buckets;  ///< next buckets, by leaf slot
+  KernelValue<uint64_t> dropped;
+  PrimitiveScratch primitives;
+
+  size_t memory_bytes() const {
+    return seen.memory_bytes() + seen_counts.memory_bytes() + places.memory_bytes() + lights.memory_bytes() +
+           lists.memory_bytes() + buckets.memory_bytes() + primitives.memory_bytes();
+  }
+};
+
 /// Caches by leaf slot.
 class LightCaches {
  public:
@@ -42,10 +69,19 @@ class LightCaches {
   /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite lights. Larger ids are
   /// ignored: those of lights at infinity and of removed lights.
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
-             const CacheBuildOptions& options);
+             const CacheBuildOptions& options, CacheScratch& scratch);
+  void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
+             const CacheBuildOptions& options) {
+    CacheScratch scratch(lists_.memory());
+    build(backend, tree, samples, lights, options, scratch);
+  }
 
   /// Gives each leaf of `next` the cache of the leaf that it stems from.
-  void populate(Backend& backend, const OctreeTree& next);
+  void populate(Backend& backend, const OctreeTree& next, CacheScratch& scratch);
+  void populate(Backend& backend, const OctreeTree& next) {
+    CacheScratch scratch(lists_.memory());
+    populate(backend, next, scratch);
+  }
 
   /// Removes all caches.
   void clear();
@@ -77,7 +113,7 @@ class LightCaches {
  private:
   /// Sorts the new lists into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
-                    const CacheBuildOptions& options, View<uint64_t> dropped);
+                    const CacheBuildOptions& options, CacheScratch& scratch);
 
   Array<LightBuckets> buckets_;  ///< by leaf slot
   Array<LightList> lists_;       ///< by leaf slot
@@ -116,6 +152,45 @@ struct MergeLightsKernel {
   RELUME_HD void operator()(uint32_t region, uint32_t) const;
   /// Upper bound of the length of a merged list.
   RELUME_HD uint32_t bound(uint32_t region) const;
+};
+
+/// Upper bounds of the lengths of merged lists, by region.
+struct MergeBounds {
+  MergeLightsKernel merge;
+
+  RELUME_HD uint32_t operator()(size_t region) const { return merge.bound(static_cast<uint32_t>(region)); }
+};
+
+/// Number of buckets, by region.
+struct BucketCounts {
+  View<const LightBuckets> buckets;
+
+  RELUME_HD uint32_t operator()(size_t region) const { return buckets.data[region].count; }
+};
+
+/// Sets the first entry of each region.
+struct PlaceBucketsKernel {
+  View<const uint32_t> places;  ///< number of buckets of earlier regions, by region
+  uint32_t bucket_size = 32;
+  View<LightBuckets> buckets;
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const { buckets[region].first = places[region] * bucket_size; }
+};
+
+/// Copies the cache of each region's origin.
+struct InheritCachesKernel {
+  View<const uint32_t> previous;  ///< origin by region
+  View<const LightBuckets> old_buckets;
+  View<const LightList> old_lists;
+  View<LightBuckets> buckets;
+  View<LightList> lists;
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    const uint32_t from = previous[region];
+    const bool known = from < old_buckets.size;
+    buckets[region] = known ? old_buckets[from] : LightBuckets{};
+    lists[region] = known ? old_lists[from] : LightList{};
+  }
 };
 
 /// Halves the number of buckets of each region while all lights fit.

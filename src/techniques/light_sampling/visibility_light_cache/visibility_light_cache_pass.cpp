@@ -35,8 +35,8 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   options.hysteresis = settings_.hysteresis;
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
-  caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options);
-  caches_.populate(frame.backend, octree_.tree());
+  caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options, scratch_);
+  caches_.populate(frame.backend, octree_.tree(), scratch_);
 }
 
 PassDeclaration KnownLightsPass::declaration() const {
@@ -151,7 +151,7 @@ void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
 
 size_t VisibilityLightCachePass::memory_bytes() const {
   return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() + summaries_.memory_bytes() +
-         infinite_.memory_bytes() + compact_.memory_bytes();
+         infinite_.memory_bytes() + compact_.memory_bytes() + scratch_.memory_bytes();
 }
 
 }  // namespace relume

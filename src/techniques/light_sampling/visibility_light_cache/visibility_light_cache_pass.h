@@ -20,6 +20,7 @@ class VisibilityLightCachePass final : public Pass {
         selection_(selection),
         octree_(octree),
         caches_(memory),
+        scratch_(memory),
         summaries_(memory),
         all_(memory),
         infinite_(memory),
@@ -53,6 +54,7 @@ class VisibilityLightCachePass final : public Pass {
   const OctreePass& octree_;
   LightSelector selector_;
   LightCaches caches_;
+  CacheScratch scratch_;
   Snapshot<LightCaches> snapshot_;
   bool loaded_ = false;  ///< whether a loaded checkpoint is still unchecked
   Array<LightSummary> summaries_;
