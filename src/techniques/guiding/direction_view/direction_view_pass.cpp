@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/stream_io.h"
+#include "frame/primitives/fill.h"
 #include "techniques/guiding/direction_view/incident_light.h"
 
 namespace relume {
@@ -45,19 +46,16 @@ PassDeclaration DirectionViewPass::declaration() const {
 bool DirectionViewPass::run(const FrameContext& frame) {
   const uint32_t edge = std::min(frame.width() / 2, frame.height());
   const View<float> out = frame.write(kDirections);
-  const auto clear = [&] { std::fill(out.begin(), out.end(), 0.0f); };
   if (!settings_.view || edge == 0) {
-    if (!sums_.empty()) frame.backend.run("cdq-view", clear);  // the last frame's view
+    if (!sums_.empty()) fill(frame.backend, "cdq-view", out, 0.0f);  // the last frame's view
     sums_.clear();
     return true;
   }
   const uint32_t pixel = chosen_pixel(settings_, frame);
   IncidentLightKernel kernel{};
   bool found = false;
-  frame.backend.run("cdq-view", [&] {
-    clear();
-    found = prepare(frame, pixel, kernel);
-  });
+  fill(frame.backend, "cdq-view", out, 0.0f);
+  frame.backend.run("cdq-view", [&] { found = prepare(frame, pixel, kernel); });
   if (!found) return true;
   kernel.edge = edge;
   if (pixel != pixel_ || sums_.size() != size_t{edge} * edge || frame.since_change == 0)

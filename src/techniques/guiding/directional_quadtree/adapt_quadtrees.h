@@ -46,4 +46,45 @@ struct AdaptQuadtreesKernel {
   }
 };
 
+/// Gives each region the quadtree of its origin, or a uniform one.
+struct PopulateQuadtreesKernel {
+  View<const uint32_t> previous;  ///< origin by region
+  QuadtreeArray trees;            ///< those of the origins; empty: all new trees are uniform
+  QuadtreeArray next;
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    const bool keep = !trees.words.empty() && previous[region] != kNoRegion;
+    next.store(region, keep ? trees.load(previous[region]) : uniform_quadtree(next.bit_count));
+  }
+};
+
+/// Counts the regions that have the same origin.
+struct CountSuccessorsKernel {
+  View<const uint32_t> previous;  ///< origin by region
+  View<uint32_t> successors;      ///< by origin; zero before
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    if (previous[region] != kNoRegion) atomic_add(&successors[previous[region]], 1u);
+  }
+};
+
+/// Gives each region the weights of its origin. Each part of a split region has a quarter, because a surface passes
+/// through about four of eight parts.
+struct InheritWeightsKernel {
+  View<const uint32_t> previous;        ///< origin by region
+  View<const uint32_t> successors;      ///< number of regions with this origin
+  View<const QuadtreeWeights> weights;  ///< by origin; empty: new ones are zero
+  View<QuadtreeWeights> next;
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    const uint32_t from = previous[region];
+    if (weights.empty() || from == kNoRegion) {
+      next[region] = {};
+      return;
+    }
+    next[region] = weights[from];
+    if (successors[from] > 1) next[region].scale(0.25f);
+  }
+};
+
 }  // namespace relume

@@ -1,5 +1,9 @@
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
 
+#include <utility>
+
+#include "frame/primitives/fill.h"
+
 namespace relume {
 
 bool is_quadtree(const DirectionalQuadtree& tree) {
@@ -30,26 +34,6 @@ namespace {
 
 /// Factor of earlier sums per frame. Together, all earlier frames then have the weight of `frames` frames.
 float kept_share(int frames) { return static_cast<float>(frames) / static_cast<float>(frames + 1); }
-
-/// Weights of the regions with the origins `previous`; empty ones without `weights`. Each part of a split region has a
-/// quarter, because a surface passes through about four of eight parts.
-Array<QuadtreeWeights> inherited_weights(const Array<QuadtreeWeights>& from_weights,
-                                         std::span<const uint32_t> previous) {
-  Array<QuadtreeWeights> next_weights(from_weights.memory());
-  next_weights.reset(previous.size());
-  const std::span<const QuadtreeWeights> weights = from_weights.read();
-  if (weights.empty()) return next_weights;
-  const std::span<QuadtreeWeights> next = next_weights.write();
-  std::vector<uint32_t> successors(weights.size());
-  for (const uint32_t from : previous)
-    if (from != kNoRegion) ++successors[from];
-  for (size_t i = 0; i < next.size(); ++i) {
-    if (previous[i] == kNoRegion) continue;
-    next[i] = weights[previous[i]];
-    if (successors[previous[i]] > 1) next[i].scale(0.25f);
-  }
-  return next_weights;
-}
 
 }  // namespace
 
@@ -85,25 +69,27 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
         weights_.mutable_view(), moved_.mutable_view()};
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
   }
-  frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
+  populate(frame, same_size, remembers);
 }
 
-void DirectionalQuadtreePass::populate(bool keep, bool remembers) {
-  const uint32_t regions = octree_.tree().leaf_slots();
-  Quadtrees next(bit_count(), regions, trees_.memory());
-  const QuadtreeArray trees = trees_.write();
-  const QuadtreeArray next_trees = next.write();
-  const std::span<const uint32_t> previous = octree_.tree().links().previous.read();
-  const DirectionalQuadtree uniform = uniform_quadtree(bit_count());
-  for (uint32_t i = 0; i < regions; ++i)
-    next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
-  if (remembers) {
-    if (!keep) weights_.clear();
-    weights_ = inherited_weights(weights_, previous);
-  } else {
-    weights_.clear();
+void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, bool remembers) {
+  const Grid regions{octree_.tree().leaf_slots(), 1};
+  const View<const uint32_t> previous = octree_.tree().links().previous.view();
+  next_trees_.reset(bit_count(), regions.width);
+  const PopulateQuadtreesKernel kernel{previous, keep ? trees_.view() : QuadtreeArray{}, next_trees_.view()};
+  frame.launch("cdq.populate", kernel, regions);
+  std::swap(trees_, next_trees_);
+  if (!remembers || !keep) weights_.clear();
+  if (!remembers) return;
+  successors_.reset(weights_.size(), kUninitialized);
+  next_weights_.reset(regions.width, kUninitialized);
+  if (!weights_.empty()) {
+    fill(frame.backend, "cdq.populate", successors_.mutable_view(), 0u);
+    frame.launch("cdq.populate", CountSuccessorsKernel{previous, successors_.mutable_view()}, regions);
   }
-  trees_ = std::move(next);
+  const InheritWeightsKernel inherit{previous, successors_.view(), weights_.view(), next_weights_.mutable_view()};
+  frame.launch("cdq.populate", inherit, regions);
+  weights_.swap(next_weights_);
 }
 
 std::vector<PassRecords> DirectionalQuadtreePass::records() const {

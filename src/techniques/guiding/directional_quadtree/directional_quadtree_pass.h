@@ -27,6 +27,11 @@ class Quadtrees {
   /// The trees for host code.
   QuadtreeArray write() { return {mutable_view_of(words_.write()), bit_count_}; }
   Memory& memory() const { return words_.memory(); }
+  /// Makes room for trees, which have no value.
+  void reset(uint32_t bit_count, uint32_t regions) {
+    bit_count_ = bit_count;
+    words_.reset(size_t{regions} * (bit_count / 32), kUninitialized);
+  }
   uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
   uint32_t bit_count() const { return bit_count_; }
   size_t memory_bytes() const { return words_.memory_bytes(); }
@@ -43,7 +48,14 @@ class DirectionalQuadtreePass final : public Pass {
  public:
   DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree,
                           Memory& memory = host_memory())
-      : settings_(settings), octree_(octree), trees_(bit_count(), 0, memory), weights_(memory), moved_(memory) {
+      : settings_(settings),
+        octree_(octree),
+        trees_(bit_count(), 0, memory),
+        next_trees_(bit_count(), 0, memory),
+        weights_(memory),
+        next_weights_(memory),
+        successors_(memory),
+        moved_(memory) {
     directions_.kind = DirectionSamplerKind::quadtree;
   }
 
@@ -51,7 +63,8 @@ class DirectionalQuadtreePass final : public Pass {
   PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.memory_bytes();
+    return trees_.memory_bytes() + next_trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.memory_bytes() +
+           next_weights_.memory_bytes() + successors_.memory_bytes();
   }
   std::vector<PassStatistic> statistics() const override {
     return {{"migrations", static_cast<double>(moved_.read())},
@@ -70,16 +83,19 @@ class DirectionalQuadtreePass final : public Pass {
   void take_in_samples(const FrameContext& frame);
   /// Creates the trees of the current octree's leaves: copies of their origins' if `keep`, else uniform ones.
   /// `remembers`: copies the weights, too.
-  void populate(bool keep, bool remembers);
+  void populate(const FrameContext& frame, bool keep, bool remembers);
   uint32_t bit_count() const { return 32 * (1 + static_cast<uint32_t>(settings_.bits)); }
 
   DirectionalQuadtreeSettings settings_;
   const OctreePass& octree_;
   DirectionSampler directions_;
   Quadtrees trees_;
+  Quadtrees next_trees_;  ///< memory for the next octree's
   Snapshot<Quadtrees> snapshot_;
-  Array<QuadtreeWeights> weights_;  ///< weights by leaf slot; empty if none outlast a frame
-  KernelValue<uint64_t> moved_;     ///< number of migrations in the last frame
+  Array<QuadtreeWeights> weights_;       ///< weights by leaf slot; empty if none outlast a frame
+  Array<QuadtreeWeights> next_weights_;  ///< memory for the next octree's
+  Array<uint32_t> successors_;           ///< number of the next octree's regions that stem from a region
+  KernelValue<uint64_t> moved_;          ///< number of migrations in the last frame
 };
 
 }  // namespace relume
