@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "frame/primitives/scan.h"
 #include "relume/error.h"
 #include "scene/world_triangles.h"
 
@@ -90,26 +91,30 @@ bool LightListBuilder::advance(Backend& backend, const SceneView& scene, const s
   return launch(backend, "static-lists.rays", kernel, kernel.cells.size, kernel.done.size / kernel.cells.size, stop, 1);
 }
 
-LightListData LightListBuilder::lists() const {
-  LightListData data;
-  data.grid = grid_;
-  if (words_ == 0) return data;
-  const std::span<const uint64_t> visible = visible_.read();
-  for (uint32_t cell = 0; cell < grid_.count(); ++cell) {
-    data.first.push_back(static_cast<uint32_t>(data.ids.size()));
-    for (LightId light = 0; light < lights_; ++light) {
-      if ((visible[size_t{cell} * words_ + light / 64] >> (light % 64)) & 1u) data.ids.push_back(light);
-    }
-  }
-  data.first.push_back(static_cast<uint32_t>(data.ids.size()));
-  return data;
+void LightListBuilder::write_lists(Backend& backend, Array<uint32_t>& first, Array<LightId>& ids) {
+  first.clear();
+  ids.clear();
+  if (words_ == 0) return;
+  const uint32_t cells = grid_.count();
+  first.reset(size_t{cells} + 1, kUninitialized);
+  const VisibleLightCounts counts{visible_.view(), words_, cells};
+  ids.reset(exclusive_scan({backend, "static-lists.lists", scratch_}, counts, first.mutable_view()), kUninitialized);
+  const WriteListKernel kernel{visible_.view(), words_, first.view(), ids.mutable_view()};
+  launch(backend, "static-lists.lists", kernel, cells, 1);
+}
+
+LightListData LightListBuilder::lists(Backend& backend) {
+  Array<uint32_t> first(backend.memory());
+  Array<LightId> ids(backend.memory());
+  write_lists(backend, first, ids);
+  return {grid_, {first.read().begin(), first.read().end()}, {ids.read().begin(), ids.read().end()}};
 }
 
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
                                 uint32_t seed) {
   LightListBuilder builder(scene, options, seed);
   builder.advance(backend, scene, {});
-  return builder.lists();
+  return builder.lists(backend);
 }
 
 }  // namespace relume

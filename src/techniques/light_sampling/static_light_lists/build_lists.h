@@ -1,12 +1,14 @@
 // Finds the lights visible from each cell by random shadow rays.
 #pragma once
 
+#include <bit>
 #include <stop_token>
 #include <vector>
 
 #include "core/array.h"
 #include "core/fixed_point.h"
 #include "frame/launch.h"
+#include "frame/primitives/primitive.h"
 #include "scene/scene_view.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists.h"
 
@@ -37,8 +39,11 @@ class LightListBuilder {
   /// Traces the remaining rays. Returns false if `stop` was requested first; another call continues.
   bool advance(Backend& backend, const SceneView& scene, const std::stop_token& stop);
 
-  /// The lists from the rays so far.
-  LightListData lists() const;
+  const LightGrid& grid() const { return grid_; }
+  /// Writes the lists from the rays so far: first index into `ids` of each cell, then the number of all.
+  void write_lists(Backend& backend, Array<uint32_t>& first, Array<LightId>& ids);
+  /// The same for host code.
+  LightListData lists(Backend& backend);
 
  private:
   LightGrid grid_;
@@ -49,10 +54,41 @@ class LightListBuilder {
   Array<uint32_t> cells_;  ///< with a surface
   Array<uint64_t> visible_;
   Array<uint8_t> done_;  ///< by cell and part
+  PrimitiveScratch scratch_;
 };
 
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
                                 uint32_t seed = 0);
+
+/// Number of lights that a cell sees; 0 for the element after the last cell.
+struct VisibleLightCounts {
+  View<const uint64_t> visible;
+  uint32_t words = 0;  ///< 64-bit words per cell
+  uint32_t cells = 0;
+
+  RELUME_HD uint32_t operator()(size_t cell) const {
+    uint32_t count = 0;
+    for (uint32_t word = 0; cell < cells && word < words; ++word)
+      count += static_cast<uint32_t>(std::popcount(visible.data[cell * words + word]));
+    return count;
+  }
+};
+
+/// Writes the lights that a cell sees, in ascending order; one call per cell.
+struct WriteListKernel {
+  View<const uint64_t> visible;
+  uint32_t words = 0;
+  View<const uint32_t> first;
+  View<LightId> ids;
+
+  RELUME_HD void operator()(uint32_t cell, uint32_t) const {
+    uint32_t next = first[cell];
+    for (uint32_t word = 0; word < words; ++word) {
+      for (uint64_t bits = visible.data[size_t{cell} * words + word]; bits != 0; bits &= bits - 1)
+        ids[next++] = 64 * word + static_cast<uint32_t>(std::countr_zero(bits));
+    }
+  }
+};
 
 /// Sets bit `light` of a cell's row if any ray reaches the light. `i`: index into `cells`; `part`: a batch of rays,
 /// small enough for quick stops.

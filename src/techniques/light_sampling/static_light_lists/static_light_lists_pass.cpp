@@ -64,7 +64,8 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
 
 void StaticLightListsPass::build_lists(const FrameContext& frame) {
   const bool complete = builder_->advance(frame.backend, frame.scene, frame.hurry);
-  frame.backend.run("static-lists.lists", [&] { use(builder_->lists()); });
+  grid_ = builder_->grid();
+  builder_->write_lists(frame.backend, first_, ids_);
   if (complete) builder_.reset();
   built_ = false;
 }

@@ -83,7 +83,7 @@ TEST(LightListBuilder, StopsAndContinues) {
   std::stop_source stopped;
   stopped.request_stop();
   EXPECT_FALSE(builder.advance(backend, scene.view(), stopped.get_token()));
-  EXPECT_TRUE(builder.lists().ids.empty());
+  EXPECT_TRUE(builder.lists(backend).ids.empty());
   // Stops at an arbitrary point of the build.
   std::stop_source soon;
   const std::jthread timer([&] {
@@ -93,8 +93,8 @@ TEST(LightListBuilder, StopsAndContinues) {
   builder.advance(backend, scene.view(), soon.get_token());
   EXPECT_TRUE(builder.advance(backend, scene.view(), {}));
   const LightListData whole = build_light_lists(backend, scene.view(), options);
-  EXPECT_EQ(builder.lists().ids, whole.ids);
-  EXPECT_EQ(builder.lists().first, whole.first);
+  EXPECT_EQ(builder.lists(backend).ids, whole.ids);
+  EXPECT_EQ(builder.lists(backend).first, whole.first);
 }
 
 TEST(LightGrid, NumbersItsCells) {
