@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/math.h"
-#include "core/parallel.h"
 #include "frame/moments.h"
+#include "frame/primitives/fill.h"
 #include "techniques/temporal/adaptive_sampling/paper_allocation.h"
 
 namespace relume {
@@ -15,19 +14,6 @@ namespace {
 constexpr BufferKey<float> kSamplingNoise{"sampling-noise"};
 
 constexpr float kLeastShare = 0.1f;  ///< least rate of a pixel without noise, as a fraction of the mean rate
-
-/// Σ value(row[x]), in partial sums that vectorise.
-template <typename Value>
-double sum_of(const Value& value, const float* row, uint32_t width) {
-  constexpr uint32_t kLanes = 16;
-  float lanes[kLanes] = {};
-  uint32_t x = 0;
-  for (; x + kLanes <= width; x += kLanes) {
-    for (uint32_t i = 0; i < kLanes; ++i) lanes[i] += value(row[x + i]);
-  }
-  for (; x < width; ++x) lanes[0] += value(row[x]);
-  return std::accumulate(std::begin(lanes), std::end(lanes), 0.0);
-}
 
 }  // namespace
 
@@ -43,7 +29,7 @@ PassDeclaration SampleCountPass::declaration() const {
 bool SampleCountPass::run(const FrameContext& frame) {
   if (frame.index.sample > 0) return true;
   const View<uint32_t> counts = frame.write(kSequenceSamples);
-  frame.backend.run("sequences", [&] { std::fill(counts.begin(), counts.end(), 0u); });
+  fill(frame.backend, "sequences", counts, 0u);
   return true;
 }
 
@@ -76,8 +62,7 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
   }
   if (frame.ends_pilot) {
     // The image starts again with this frame: every pixel needs a sample.
-    const View<uint32_t> allocation = frame.write(kAllocation);
-    frame.backend.run("allocate", [&] { std::fill(allocation.begin(), allocation.end(), 1u); });
+    fill(frame.backend, "allocate", frame.write(kAllocation), 1u);
   }
   return true;
 }
@@ -140,18 +125,23 @@ void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
   frame.launch("allocate", kernel);
 }
 
-template <typename Value>
-double AdaptiveSamplingPass::mean_of(const FrameContext& frame, View<const float> values, const Value& value) {
-  totals_.resize(frame.height());
-  frame.backend.run("allocate", [&] {
-    parallel_for(frame.height(),
-                 [&](size_t y) { totals_[y] = sum_of(value, values.data + y * frame.width(), frame.width()); });
-  });
-  return std::accumulate(totals_.begin(), totals_.end(), 0.0) / frame.pixels();
+RateSums AdaptiveSamplingPass::means_of(const FrameContext& frame, View<const float> deviation,
+                                        const SampleRate& rate) {
+  totals_.reset(frame.height(), kUninitialized);
+  const SumRatesKernel kernel{deviation, totals_.mutable_view(), rate, frame.width()};
+  frame.launch("allocate", kernel, {frame.height(), 1});
+  RateSums sum;
+  for (const RateSums& row : totals_.read()) {
+    sum.deviation += row.deviation;
+    sum.probability += row.probability;
+    sum.cut += row.cut;
+  }
+  const double pixels = frame.pixels();
+  return {sum.deviation / pixels, sum.probability / pixels, sum.cut / pixels};
 }
 
 SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const float> deviation) {
-  const double average = mean_of(frame, deviation, [](float d) { return d; });
+  const double average = means_of(frame, deviation, {}).deviation;
   if (!(average > 0)) return {0.0f, 1.0f};  // no noise measured: sample every pixel
   const SampleRate rate = rate_that_cuts_little(frame, deviation, average);
   return rate.least >= kLeastShare * settings_.rate ? rate : rate_of_average(frame, deviation, average);
@@ -164,10 +154,10 @@ SampleRate AdaptiveSamplingPass::rate_that_cuts_little(const FrameContext& frame
   double scale = 1 / (kKept * average);
   for (int i = 0; i < kSteps; ++i) {
     const SampleRate rate{static_cast<float>(scale), 0.0f};
-    const double cut = mean_of(frame, deviation, [&](float d) { return rate.scale * d > 1.0f ? 1.0f : 0.0f; });
-    const double within = mean_of(frame, deviation, rate) - cut;
-    if (cut == 0) break;
-    scale = cut / (kKept * average - within / scale);
+    const RateSums mean = means_of(frame, deviation, rate);
+    const double within = mean.probability - mean.cut;
+    if (mean.cut == 0) break;
+    scale = mean.cut / (kKept * average - within / scale);
   }
   return {static_cast<float>(scale), static_cast<float>(kLeastShare * kKept * scale * average)};
 }
@@ -176,7 +166,8 @@ SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View
                                                  double average) {
   constexpr int kSteps = 4;  // each approaches the rate, which the bounds displace
   SampleRate rate{static_cast<float>(settings_.rate / average), kLeastShare * settings_.rate};
-  for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(frame, deviation, rate));
+  for (int i = 1; i < kSteps; ++i)
+    rate.scale *= static_cast<float>(settings_.rate / means_of(frame, deviation, rate).probability);
   return rate;
 }
 

@@ -1,8 +1,6 @@
 // Adaptive sampling as passes.
 #pragma once
 
-#include <vector>
-
 #include "frame/pass.h"
 #include "techniques/temporal/adaptive_sampling/pooled_deviation.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
@@ -23,13 +21,13 @@ class AdaptiveSamplingPass final : public Pass {
  public:
   /// `invalidated_by`: changes that end the history.
   AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by, Memory& memory = host_memory())
-      : settings_(settings), invalidated_by_(invalidated_by), moments_(memory), rows_(memory) {}
+      : settings_(settings), invalidated_by_(invalidated_by), moments_(memory), rows_(memory), totals_(memory) {}
 
   void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return moments_.memory_bytes() + rows_.memory_bytes() + totals_.capacity() * sizeof(double);
+    return moments_.memory_bytes() + rows_.memory_bytes() + totals_.memory_bytes();
   }
 
  private:
@@ -45,15 +43,14 @@ class AdaptiveSamplingPass final : public Pass {
   SampleRate rate_that_cuts_little(const FrameContext& frame, View<const float> deviation, double average);
   /// The scale that gives `adaptive.rate` samples per pixel.
   SampleRate rate_of_average(const FrameContext& frame, View<const float> deviation, double average);
-  /// Mean over the pixels of value(values[pixel]).
-  template <typename Value>
-  double mean_of(const FrameContext& frame, View<const float> values, const Value& value);
+  /// Means over the pixels.
+  RateSums means_of(const FrameContext& frame, View<const float> deviation, const SampleRate& rate);
 
   AdaptiveSamplingSettings settings_;
   Change invalidated_by_;
   Array<PooledMoments> moments_;  ///< statistics of single pixels
   Array<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
-  std::vector<double> totals_;    ///< sums over each row of pixels, computed by the host
+  Array<RateSums> totals_;        ///< sums over each row of pixels
 };
 
 }  // namespace relume

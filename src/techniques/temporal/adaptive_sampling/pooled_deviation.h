@@ -113,6 +113,46 @@ struct SampleRate {
   RELUME_HD float operator()(float deviation) const { return relume::min(relume::max(scale * deviation, least), 1.0f); }
 };
 
+/// Sums over pixels, for the choice of a rate.
+struct RateSums {
+  double deviation = 0;
+  double probability = 0;  ///< at a rate
+  double cut = 0;          ///< number of pixels whose probability would exceed 1
+};
+
+/// Sums over each row of pixels, in partial sums that vectorise; one call per row. Callers add the rows in order.
+struct SumRatesKernel {
+  View<const float> deviation;
+  View<RateSums> rows;
+  SampleRate rate;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t y, uint32_t) const {
+    constexpr size_t kParts = 16;
+    float deviations[kParts] = {};
+    float probabilities[kParts] = {};
+    float cuts[kParts] = {};
+    const float* const row = deviation.data + size_t{y} * width;
+    const auto add = [&](size_t part, float d) {
+      deviations[part] += d;
+      probabilities[part] += rate(d);
+      cuts[part] += rate.scale * d > 1.0f ? 1.0f : 0.0f;
+    };
+    size_t x = 0;
+    for (; x + kParts <= width; x += kParts) {
+      for (size_t i = 0; i < kParts; ++i) add(i, row[x + i]);
+    }
+    for (; x < width; ++x) add(0, row[x]);
+    RateSums sum;
+    for (size_t i = 0; i < kParts; ++i) {
+      sum.deviation += static_cast<double>(deviations[i]);
+      sum.probability += static_cast<double>(probabilities[i]);
+      sum.cut += static_cast<double>(cuts[i]);
+    }
+    rows[y] = sum;
+  }
+};
+
 /// Decides for each pixel whether it gets a sample in this frame.
 struct PooledAllocationKernel {
   View<const float> deviation;
