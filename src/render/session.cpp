@@ -39,6 +39,9 @@ void check_size(const RenderSettings& settings) {
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 
+/// Name of launches that answer questions between frames.
+constexpr std::string_view kOutsideFrames = "statistics";
+
 /// Sets a flag during its lifetime.
 class FrameMark {
  public:
@@ -50,17 +53,6 @@ class FrameMark {
  private:
   bool& flag_;
 };
-
-/// Elements of `values` within `window`.
-template <typename T>
-std::vector<T> cut(View<const T> values, const Tile& window, uint32_t width) {
-  std::vector<T> result;
-  if (values.empty()) return result;
-  for (uint32_t y = window.y0; y < window.y1; ++y) {
-    for (uint32_t x = window.x0; x < window.x1; ++x) result.push_back(values[y * width + x]);
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -133,8 +125,8 @@ uint32_t Session::frames_since_change() const {
 }
 
 double Session::kept_samples() const {
-  const View<const uint32_t> samples = state_->buffers->read(kSamples);
-  return static_cast<double>(sum(*state_->backend, samples)) / static_cast<double>(state_->rendered_pixels());
+  const uint64_t samples = state_->sum(kOutsideFrames, state_->buffers->view(kSamples));
+  return static_cast<double>(samples) / static_cast<double>(state_->rendered_pixels());
 }
 
 void Session::begin_image() {
@@ -159,15 +151,12 @@ double Session::estimated_error() const {
   if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // the samples so far will be dropped
   const BufferTable& buffers = *state_->buffers;
-  if (!state_->settings.crop.empty()) {
-    const auto in_window = [&](const auto& key) { return cut(buffers.read(key), state_->window(), buffers.width()); };
-    const std::vector<Rgb> mean = in_window(kMean);
-    const std::vector<float> m2 = in_window(kMoments.m2);
-    const std::vector<uint32_t> samples = in_window(kSamples);
-    return relative_error({view_of(mean), view_of(m2), {}, view_of(samples)});
-  }
-  return relative_error({buffers.read(kMean), buffers.read(kMoments.m2), {}, buffers.read(kSamples)},
-                        {buffers.read(kLightM2), buffers.read(kLightPaths), buffers.read(kLightFrames)});
+  const Tile all{0, 0, buffers.width(), buffers.height()};
+  const ImageErrors image{{buffers.view(kMean), buffers.view(kMoments.m2), {}, buffers.view(kSamples)},
+                          {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)},
+                          state_->settings.crop.empty() ? all : state_->window(),
+                          buffers.width()};
+  return relative_error({*state_->backend, kOutsideFrames, state_->scratch}, image);
 }
 
 const Statistics& Session::statistics() const {
@@ -175,13 +164,15 @@ const Statistics& Session::statistics() const {
   s.statistics.frames = s.counters.frames;
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
-  s.statistics.nonfinite_samples = sum(*s.backend, s.buffers->read(kNonfinite));
+  s.statistics.nonfinite_samples = s.sum(kOutsideFrames, s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes() + s.pool->spare_bytes();
   s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
-  for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
+  for (const LaunchTime& t : s.backend->times()) {
+    if (t.name != kOutsideFrames) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
+  }
   s.statistics.pass_statistics = s.passes.pipeline.statistics();
   return s.statistics;
 }

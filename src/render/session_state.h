@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <numeric>
 #include <stop_token>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/clock.h"
 #include "core/hash.h"
-#include "core/parallel.h"
 #include "frame/launch.h"
+#include "frame/primitives/reduce.h"
 #include "framebuffer/block_pool.h"
 #include "relume/error.h"
 #include "relume/session.h"
@@ -26,21 +26,6 @@
 #include "scene/scene_hash.h"
 
 namespace relume {
-
-/// Sum of `values`, computed by the backend's threads. Exact in any order of additions, because the values are
-/// integers.
-inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
-  constexpr uint32_t kPart = 65536;
-  std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
-  backend.execute([&] {
-    parallel_for(parts.size(), [&](size_t part) {
-      const uint64_t begin = part * kPart;
-      const uint64_t end = std::min<uint64_t>(begin + kPart, values.size);
-      for (uint64_t i = begin; i < end; ++i) parts[part] += values[static_cast<uint32_t>(i)];
-    });
-  });
-  return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
-}
 
 /// Removed parts of the scene, by index.
 struct RemovedParts {
@@ -264,12 +249,17 @@ struct Session::State {
                          .observed = pass_hook != nullptr});
   }
 
+  /// Exact sum over the pixels, timed as `name`.
+  uint64_t sum(std::string_view name, View<const uint32_t> values) {
+    return relume::sum({*backend, name, scratch}, values);
+  }
+
   void count_frame() {
-    const View<const uint32_t> allocation = buffers->read(kAllocation);
-    const uint64_t paths = allocation.empty() ? rendered_pixels() : sum(*backend, allocation);
+    const View<const uint32_t> allocation = buffers->view(kAllocation);
+    const uint64_t paths = allocation.empty() ? rendered_pixels() : sum("count", allocation);
     uneven_samples = uneven_samples || paths < rendered_pixels();
     counters.paths += paths;
-    counters.rays += sum(*backend, buffers->read(kRays));
+    counters.rays += sum("count", buffers->view(kRays));
     ++counters.frames;
     ++counters.since_change;
     ++counters.sequence_age;
@@ -279,6 +269,7 @@ struct Session::State {
   RenderSettings settings;
   uint64_t hash;
   std::unique_ptr<Backend> backend;
+  PrimitiveScratch scratch;
   std::shared_ptr<BlockPool> pool;  ///< memory of `buffers`, across image sizes
   std::unique_ptr<BufferTable> buffers;
   FramePasses passes;

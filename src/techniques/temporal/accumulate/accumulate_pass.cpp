@@ -1,7 +1,7 @@
 #include "techniques/temporal/accumulate/accumulate_pass.h"
 
+#include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "frame/moments.h"
 #include "techniques/temporal/accumulate/accumulate.h"
@@ -33,10 +33,8 @@ void add_specular_part(PassDeclaration& declaration, Change reset) {
                            {kRadianceSpecular, kSpecularAlbedo, kInheritedSpecularMean, kInheritedSpecularSamples});
 }
 
-SplatImage splat_image_of(const FrameContext& frame) {
-  const View<const uint32_t> allocation = frame.read(kAllocation);
-  uint64_t traced = 0;
-  frame.backend.run("accumulate", [&] { traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0}); });
+SplatImage splat_image_of(const FrameContext& frame, PrimitiveScratch& scratch) {
+  const uint64_t traced = sum({frame.backend, "accumulate", scratch}, frame.read(kAllocation));
   return {.splats = frame.read(kLightRadiance),
           .mean = frame.write(kLightMean),
           .m2 = frame.write(kLightM2),
@@ -97,7 +95,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
   kernel.taken = frame.write(kSequenceSamples);
   kernel.ray_sum = frame.write(kHeatmap);
   kernel.nonfinite = frame.write(kNonfinite);
-  if (parts_.splat_image) kernel.splat_image = splat_image_of(frame);
+  if (parts_.splat_image) kernel.splat_image = splat_image_of(frame, scratch_);
   if (parts_.specular) kernel.specular = specular_mean(frame);
   kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
@@ -106,18 +104,11 @@ bool AccumulatePass::run(const FrameContext& frame) {
   return true;
 }
 
-double relative_error(const MomentsView& moments, const SplatImageBuffers& splats) {
-  const uint32_t pixels = moments.mean.size;
-  double variance = 0;
-  double luminance_sum = 0;
-  for (uint32_t i = 0; i < pixels; ++i) {
-    if (moments.samples[i] < 2) return std::numeric_limits<double>::infinity();
-    variance += variance_of_mean(moments.m2[i], moments.samples[i]);
-    if (!splats.m2.empty()) variance += splat_variance(splats.m2[i], splats.weight[i], splats.frames[i]);
-    luminance_sum += luminance(moments.mean[i]);
-  }
-  if (luminance_sum <= 0) return 0;
-  return std::sqrt(variance / pixels) / (luminance_sum / pixels);
+double relative_error(const PrimitiveLaunch& at, const ImageErrors& image) {
+  const ImageErrorSums sums = reduce<AddImageErrors>(at, image, image.pixels());
+  if (sums.few > 0) return std::numeric_limits<double>::infinity();
+  if (sums.luminance <= 0) return 0;
+  return std::sqrt(sums.variance / image.pixels()) / (sums.luminance / image.pixels());
 }
 
 }  // namespace relume

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "frame/pass.h"
+#include "frame/primitives/primitive.h"
+#include "techniques/temporal/accumulate/image_error.h"
 
 namespace relume {
 
@@ -21,22 +23,17 @@ class AccumulatePass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override { return scratch_.memory_bytes(); }
 
  private:
   Change invalidated_by_;
   bool keep_;
   AccumulatedParts parts_;
-};
-
-/// Buffers of SplatImage, from the present stage.
-struct SplatImageBuffers {
-  View<const float> m2;
-  View<const float> weight;
-  View<const uint32_t> frames;
+  PrimitiveScratch scratch_;
 };
 
 /// Root of the mean variance of the pixels' means, over the image's mean luminance. 0 for a black image, infinite if a
 /// pixel has fewer than two samples.
-double relative_error(const MomentsView& moments, const SplatImageBuffers& splats = {});
+double relative_error(const PrimitiveLaunch& at, const ImageErrors& image);
 
 }  // namespace relume

@@ -100,7 +100,11 @@ TEST(Accumulate, ContinuesItsHistory) {
 
 TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   Pixels p(2);
-  const auto error = [&] { return relative_error(p.moments.view()); };
+  Backend backend(2);
+  PrimitiveScratch scratch;
+  const auto error = [&] {
+    return relative_error({backend, "error", scratch}, {p.moments.view(), {}, {0, 0, 2, 1}, 2});
+  };
   for (const float value : {1.0f, 3.0f}) {
     EXPECT_TRUE(std::isinf(error()));
     p.add(0, Rgb(value));
@@ -110,7 +114,18 @@ TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   EXPECT_NEAR(error(), std::sqrt(0.5) / 2, 1e-6);
   Pixels black(1);
   for (int i = 0; i < 2; ++i) black.add(0, Rgb(0));
-  EXPECT_EQ(relative_error(black.moments.view()), 0);
+  EXPECT_EQ(relative_error({backend, "error", scratch}, {black.moments.view(), {}, {0, 0, 1, 1}, 1}), 0);
+}
+
+TEST(Accumulate, RelativeErrorOfAWindowIgnoresOtherPixels) {
+  Pixels p(6);  // two rows of three pixels
+  for (const float value : {1.0f, 3.0f}) {
+    for (const uint32_t pixel : {1u, 2u, 4u, 5u}) p.add(pixel, Rgb(pixel == 5 ? value : 2.0f));
+  }
+  Backend backend(2);
+  PrimitiveScratch scratch;
+  const double error = relative_error({backend, "error", scratch}, {p.moments.view(), {}, {1, 0, 3, 2}, 3});
+  EXPECT_NEAR(error, std::sqrt(0.25) / 2, 1e-6);
 }
 
 TEST(Accumulate, CountsSequenceElementsOfEachPixel) {

@@ -1,11 +1,10 @@
 #include "techniques/transport/bdpt/bdpt_pass.h"
 
-#include <algorithm>
-#include <numeric>
-
 #include <fmt/format.h>
 
 #include "core/stream_io.h"
+#include "frame/primitives/fill.h"
+#include "frame/primitives/reduce.h"
 #include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/light_medium.h"
 
@@ -71,26 +70,17 @@ bool BdptPass::run(const FrameContext& frame) {
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
   if (separate_splats_) add.brought = frame.write(kLightRadiance);
   if (!kernel.allocation.empty()) {
-    const uint64_t traced = traced_paths(frame);
+    const uint64_t traced = sum({frame.backend, "splats", scratch_}, kernel.allocation);
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
   if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
     // Discards the splats of the abandoned frame.
-    frame.backend.run("splats", [&] { std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{}); });
+    fill(frame.backend, "splats", c.splats, FixedPointRgb{});
     return false;
   }
   saturated_ += faults_.read().saturated;
   nonfinite_ += faults_.read().nonfinite;
   return true;
-}
-
-uint64_t BdptPass::traced_paths(const FrameContext& frame) {
-  uint64_t count = 0;
-  frame.backend.run("splats", [&] {
-    const View<const uint32_t> allocation = frame.read(kAllocation);
-    count = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
-  });
-  return count;
 }
 
 std::vector<std::string> BdptPass::warnings() const {

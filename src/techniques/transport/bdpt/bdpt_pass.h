@@ -5,6 +5,7 @@
 
 #include "core/array.h"
 #include "frame/pass.h"
+#include "frame/primitives/primitive.h"
 #include "techniques/light_sampling/light_selection/settings.h"
 #include "techniques/transport/bdpt/settings.h"
 #include "techniques/transport/path/path_pass.h"
@@ -45,7 +46,8 @@ class BdptPass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
-    return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes();
+    return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes() +
+           scratch_.memory_bytes();
   }
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
@@ -53,8 +55,6 @@ class BdptPass final : public Pass {
 
  private:
   void prepare_lights(const FrameContext& frame);
-  /// Number of light subpaths in this frame, counted on the host.
-  static uint64_t traced_paths(const FrameContext& frame);
 
   BdptSettings settings_;
   LightSelectionSettings selection_;
@@ -65,6 +65,7 @@ class BdptPass final : public Pass {
   Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
   KernelValue<SplatFaults> faults_;
+  PrimitiveScratch scratch_;
   bool prepared_ = false;
   uint64_t saturated_ = 0;  ///< splats clamped so far
   uint64_t nonfinite_ = 0;  ///< splats left out so far
