@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "frame/primitives/fill.h"
+
 namespace relume {
 namespace {
 
@@ -210,10 +212,13 @@ void HashGrid::abandon_frame() {
 /// Discards the samples of an abandoned frame and the keys that it inserted.
 void HashGrid::drop_frame(Backend& backend) {
   abandoned_ = false;
-  backend.run("cells", [&] { sums_.fill({}); });
-  if (!std::exchange(has_abandoned_keys_, false)) return backend.run("cells", [&] { parents_.fill(kNoCell); });
-  rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
-  --rebuilds_;  // not counted
+  fill(backend, "cells", sums_.mutable_view(), CellSums{});
+  if (!std::exchange(has_abandoned_keys_, false)) {
+    fill(backend, "cells", parents_.mutable_view(), uint32_t{kNoCell});
+  } else {
+    rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
+    --rebuilds_;  // not counted
+  }
 }
 
 void HashGrid::adjust_size(Backend& backend) {
@@ -237,9 +242,8 @@ void HashGrid::discard_oldest(uint64_t count) {
   const std::span<const uint32_t> bucket_hashes = bucket_hashes_.read();
   const std::span<CellHistory> histories = histories_.write();
   std::vector<uint32_t> cells;
-  for (uint32_t i = 0; i < histories.size(); ++i) {
+  for (uint32_t i = 0; i < histories.size(); ++i)
     if (!histories[i].empty()) cells.push_back(i);
-  }
   // A total order, so the choice does not depend on slots.
   const auto rank = [&](uint32_t i) {
     return std::tuple(histories[i].age, -histories[i].moments.count, fingerprints[i], bucket_hashes[i]);
@@ -292,15 +296,13 @@ std::vector<HashGridRecord> HashGrid::records() const {
   const std::span<const uint64_t> fingerprints = fingerprints_.read();
   const std::span<const CellHistory> histories = histories_.read();
   std::vector<uint32_t> slots;
-  for (uint32_t slot = 0; slot < fingerprints.size(); ++slot) {
+  for (uint32_t slot = 0; slot < fingerprints.size(); ++slot)
     if (fingerprints[slot] != 0 && !histories[slot].empty()) slots.push_back(slot);
-  }
   std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return fingerprints[a] < fingerprints[b]; });
   std::vector<HashGridRecord> records;
   for (const uint32_t slot : slots) {
     const CellHistory& cell = histories[slot];
-    const uint64_t key = fingerprints[slot];
-    records.push_back({{static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32)},
+    records.push_back({{static_cast<uint32_t>(fingerprints[slot]), static_cast<uint32_t>(fingerprints[slot] >> 32)},
                        cell.moments.mean,
                        cell.moments.mean_square,
                        cell.moments.count,

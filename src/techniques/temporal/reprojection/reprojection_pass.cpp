@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <istream>
 #include <ostream>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "core/math.h"
 #include "core/stream_io.h"
 #include "frame/moments.h"
+#include "frame/primitives/fill.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 #include "techniques/temporal/reprojection/motion.h"
 #include "techniques/temporal/reprojection/reprojection.h"
@@ -20,22 +20,11 @@ namespace {
 
 template <typename T>
 void move_elements(const FrameContext& frame, Array<uint32_t>& before, Buffer& buffer, const Array<uint32_t>& sources) {
-  frame.backend.run("reproject", [&] {
-    const std::span<const std::byte> bytes = std::as_const(buffer).bytes();
-    before.reset(bytes.size() / sizeof(uint32_t), kUninitialized);
-    std::memcpy(before.write().data(), bytes.data(), bytes.size());
-  });
-  const View<const T> old{reinterpret_cast<const T*>(before.view().data), frame.pixels()};
-  frame.launch("reproject", MoveKernel<T>{old, buffer.view_as<T>(), sources.view(), frame.width()});
-}
-
-/// Whether the sample refers to an existing surface, so that kernels may use it.
-bool exists_in(const SceneView& scene, const StoredSample& sample) {
-  const auto in_unit_interval = [](float x) { return x >= 0.0f && x < 1.0f; };
-  const Hit& hit = sample.hit;
-  return hit.instance < scene.instances.size &&
-         hit.primitive < scene.meshes[scene.instances[hit.instance].mesh].triangle_count && std::isfinite(hit.u) &&
-         std::isfinite(hit.v) && in_unit_interval(sample.light_u.x) && in_unit_interval(sample.light_u.y);
+  const View<T> elements = buffer.view_as<T>();
+  before.reset(size_t{elements.size} * (sizeof(T) / sizeof(uint32_t)), kUninitialized);
+  const View<T> old{reinterpret_cast<T*>(before.mutable_view().data), elements.size};
+  copy(frame.backend, "reproject", View<const T>{elements.data, elements.size}, old);
+  frame.launch("reproject", MoveKernel<T>{{old.data, old.size}, elements, sources.view(), frame.width()});
 }
 
 }  // namespace
@@ -108,7 +97,7 @@ PassDeclaration ReprojectionPass::declaration() const {
 
 bool ReprojectionPass::run(const FrameContext& frame) {
   allocate(frame);
-  if (loaded_) frame.backend.run("reproject", [&] { drop_unknown(frame.scene); });
+  if (loaded_) drop_unknown(frame);
   loaded_ = false;
   moved_ = false;
   if (!surfaces_move(frame)) {
@@ -136,10 +125,8 @@ void ReprojectionPass::stay(const FrameContext& frame) {
   move_moments(frame, {});
   const bool ends = frame.number == 0 || includes(frame.changes, kEndsHistory);
   if (ends) {
-    frame.backend.run("reproject", [&] {
-      stored_.fill({});
-      pixels_.fill({});
-    });
+    relume::fill(frame.backend, "reproject", stored_.mutable_view(), StoredSample{});
+    relume::fill(frame.backend, "reproject", pixels_.mutable_view(), StoredPixel{});
   }
   if (ends || !rests_) set_all(frame, !ends);
   rests_ = !ends;
@@ -168,10 +155,9 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
   limits_before_.resize(count);
 }
 
-void ReprojectionPass::drop_unknown(const SceneView& scene) {
-  for (StoredSample& sample : stored_.write()) {
-    if (sample.valid() && !exists_in(scene, sample)) sample = StoredSample{};
-  }
+void ReprojectionPass::drop_unknown(const FrameContext& frame) {
+  const DropUnknownKernel kernel{frame.scene, stored_.mutable_view()};
+  frame.launch("reproject", kernel, {static_cast<uint32_t>(stored_.size()), 1, kFillTile});
 }
 
 void ReprojectionPass::run_forward(const FrameContext& frame) {
@@ -196,7 +182,7 @@ void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
 }
 
 void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
-  frame.backend.run("reproject", [&] { votes_.fill(kNoVote); });
+  relume::fill(frame.backend, "reproject", votes_.mutable_view(), kNoVote);
   DepthVoteKernel kernel;
   kernel.scene = frame.scene;
   kernel.stored = stored_before_.view();
@@ -238,7 +224,7 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
 }
 
 void ReprojectionPass::mark_covered(const FrameContext& frame) {
-  frame.backend.run("reproject", [&] { owned_.fill(0); });
+  relume::fill(frame.backend, "reproject", owned_.mutable_view(), 0u);
   const OwnerKernel owner{sources_.view(), owned_.mutable_view(), frame.width()};
   frame.launch("reproject", owner);
   const CoveredKernel covered{owned_.view(), frame.write(kHistoryRejectReason), frame.width()};
@@ -282,14 +268,11 @@ void ReprojectionPass::set_all(const FrameContext& frame, bool kept) const {
   static_assert(static_cast<uint32_t>(RejectReason::empty) == 0 &&
                 static_cast<uint32_t>(RejectReason::none) == 1);  // values in the three buffers
   const auto set = [&](const BufferKey<uint32_t>& key) {
-    const View<uint32_t> values = frame.write(key);
-    std::fill(values.begin(), values.end(), kept ? 1u : 0u);
+    relume::fill(frame.backend, "reproject", frame.write(key), kept ? 1u : 0u);
   };
-  frame.backend.run("reproject", [&] {
-    set(kHistoryKept);
-    set(kHistoryReason);
-    if (settings_.method == ReprojectionMethod::forward) set(kHistoryRejectReason);
-  });
+  set(kHistoryKept);
+  set(kHistoryReason);
+  if (settings_.method == ReprojectionMethod::forward) set(kHistoryRejectReason);
 }
 
 size_t ReprojectionPass::memory_bytes() const {

@@ -41,7 +41,7 @@ class ReprojectionPass final : public Pass {
   /// Whether pixels without a vote look back in this frame.
   bool fills(const FrameContext& frame) const;
   void allocate(const FrameContext& frame);
-  void drop_unknown(const SceneView& scene);
+  void drop_unknown(const FrameContext& frame);
   /// All pixels keep their own histories, or start without any.
   void stay(const FrameContext& frame);
   /// `sources`: see MoveMomentsKernel.

@@ -1,7 +1,6 @@
 #include "techniques/temporal/reprojection/specular_history_pass.h"
 
-#include <algorithm>
-
+#include "frame/primitives/fill.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 #include "techniques/temporal/reprojection/motion.h"
 #include "techniques/temporal/reprojection/specular_history.h"
@@ -24,10 +23,8 @@ bool SpecularHistoryPass::run(const FrameContext& frame) {
   kernel.now = frame.write(kInheritedSpecularMean);
   kernel.samples = frame.write(kInheritedSpecularSamples);
   if (!surfaces_move(frame)) {
-    frame.backend.run("reproject", [&] {
-      std::copy(kernel.before.begin(), kernel.before.end(), kernel.now.begin());
-      std::copy(kernel.samples_before.begin(), kernel.samples_before.end(), kernel.samples.begin());
-    });
+    copy(frame.backend, "reproject", kernel.before, kernel.now);
+    copy(frame.backend, "reproject", kernel.samples_before, kernel.samples);
     return true;
   }
   kernel.reflections = backward_reprojection(frame, kReflection);

@@ -141,4 +141,24 @@ struct StoreKernel {
   }
 };
 
+/// Drops stored samples that refer to no existing surface, as in a damaged checkpoint; one call per sample.
+struct DropUnknownKernel {
+  SceneView scene;
+  View<StoredSample> stored;
+
+  RELUME_HD void operator()(uint32_t i, uint32_t) const {
+    if (stored[i].valid() && !exists(stored[i])) stored[i] = StoredSample{};
+  }
+
+ private:
+  RELUME_HD static bool in_unit_interval(float x) { return x >= 0.0f && x < 1.0f; }
+
+  RELUME_HD bool exists(const StoredSample& sample) const {
+    const Hit& hit = sample.hit;
+    return hit.instance < scene.instances.size &&
+           hit.primitive < scene.meshes[scene.instances[hit.instance].mesh].triangle_count && is_finite(hit.u) &&
+           is_finite(hit.v) && in_unit_interval(sample.light_u.x) && in_unit_interval(sample.light_u.y);
+  }
+};
+
 }  // namespace relume
