@@ -138,7 +138,7 @@ void BmfrPass::accumulate(const FrameContext& frame, LightPart part) {
   frame.launch("bmfr-accumulate", kernel);
 }
 
-bool BmfrPass::fit(const FrameContext& frame, LightPart part) const {
+bool BmfrPass::fit(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   BlockRegressionKernel kernel;
   kernel.position = frame.read(buffers.position);
@@ -158,7 +158,8 @@ bool BmfrPass::fit(const FrameContext& frame, LightPart part) const {
   // Without earlier fits, the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
-  if (lacks_history(frame, kBmfrSamples, split_ && reflecting_.now() ? kBmfrSpecularSamples : BufferKey<uint32_t>{}))
+  if (lacks_history(frame, reflecting_.scratch(), kBmfrSamples,
+                    split_ && reflecting_.now() ? kBmfrSpecularSamples : BufferKey<uint32_t>{}))
     fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
@@ -178,17 +179,18 @@ FitHistory BmfrPass::fit_history(const FrameContext& frame, LightPart part) cons
           .max_fits = static_cast<uint32_t>(settings_.max_fits)};
 }
 
-bool BmfrPass::present(const FrameContext& frame) const {
+bool BmfrPass::present(const FrameContext& frame) {
   BmfrPresentKernel kernel;
   kernel.samples = surface_light(frame);
   kernel.fits = fit_history(frame, LightPart::whole);
   kernel.shown = frame.write(kBmfrShown);
   kernel.width = frame.width();
   frame.launch("bmfr-present", kernel);
-  return finish_image(frame, {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples}, settings_.history.newest);
+  return finish_image(frame, reflecting_.scratch(), {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples},
+                      settings_.history.newest);
 }
 
-bool BmfrPass::present_parts(const FrameContext& frame) const {
+bool BmfrPass::present_parts(const FrameContext& frame) {
   BmfrPresentPartsKernel kernel;
   kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
   kernel.diffuse = fit_history(frame, LightPart::diffuse);
@@ -199,7 +201,7 @@ bool BmfrPass::present_parts(const FrameContext& frame) const {
   frame.launch("bmfr-present", kernel);
   ImageBuffers buffers{"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples};
   if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularImage, kBmfrSpecularSamples};
-  return finish_image(frame, buffers, settings_.history.newest);
+  return finish_image(frame, reflecting_.scratch(), buffers, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -29,10 +29,10 @@ class BmfrPass final : public Pass {
  private:
   void accumulate(const FrameContext& frame, LightPart part);
   /// False if a stop was requested first, also for present().
-  bool fit(const FrameContext& frame, LightPart part) const;
-  bool present(const FrameContext& frame) const;
+  bool fit(const FrameContext& frame, LightPart part);
+  bool present(const FrameContext& frame);
   void clear_specular(const FrameContext& frame) const;
-  bool present_parts(const FrameContext& frame) const;
+  bool present_parts(const FrameContext& frame);
   FitHistory fit_history(const FrameContext& frame, LightPart part) const;
 
   BmfrSettings settings_;

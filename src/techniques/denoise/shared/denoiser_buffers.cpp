@@ -2,6 +2,7 @@
 
 #include "techniques/denoise/shared/converge.h"
 #include "techniques/denoise/shared/image_history.h"
+#include "techniques/denoise/shared/pixel_tests.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 
 namespace relume {
@@ -65,9 +66,7 @@ void ReflectingFrames::begin_frame(const FrameContext& frame) {
   const View<const Rgb> albedo = frame.read(kSpecularAlbedo);
   earliest_ = before_;
   before_ = now_;
-  frame.backend.run("reflections", [&] {
-    now_ = std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
-  });
+  now_ = any_of({frame.backend, "reflections", scratch_}, FilteredPixels{albedo}, albedo.size);
 }
 
 void ReflectingFrames::abandon_frame() {
@@ -96,28 +95,21 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .discounts = {}};
 }
 
-bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples,
+bool lacks_history(const FrameContext& frame, PrimitiveScratch& scratch, const BufferKey<uint32_t>& samples,
                    const BufferKey<uint32_t>& specular_samples) {
   if (frame.number > 0 && frame.changes == Change::none) return false;
-  const View<const Rgb> albedo = frame.read(kFeatureAlbedo);
-  const View<const uint32_t> known = frame.read(samples);
-  const View<const uint32_t> known_specular = specular_samples.name.empty() ? known : frame.read(specular_samples);
-  constexpr uint32_t kStride = 61;
+  FreshPixels pixels;
+  pixels.albedo = frame.read(kFeatureAlbedo);
+  pixels.samples = frame.read(samples);
+  pixels.specular_samples = specular_samples.name.empty() ? pixels.samples : frame.read(specular_samples);
   // While upscaling, pixels may have one sample for several frames.
-  const uint32_t most_of_fresh = frame.turns > 1 ? 0 : 1;
-  uint32_t filtered = 0;
-  uint32_t fresh = 0;
-  frame.backend.run("fresh-pixels", [&] {
-    for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
-      if (!is_filtered(albedo[i])) continue;
-      ++filtered;
-      fresh += std::max(known[i], known_specular[i]) <= most_of_fresh ? 1 : 0;
-    }
-  });
-  return 2 * fresh > filtered;
+  pixels.most_of_fresh = frame.turns > 1 ? 0 : 1;
+  const FreshCount count =
+      reduce<AddFreshCounts>({frame.backend, "fresh-pixels", scratch}, pixels, FreshPixels::count(frame.pixels()));
+  return 2 * count.fresh > count.filtered;
 }
 
-bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest) {
+bool finish_image(const FrameContext& frame, PrimitiveScratch& scratch, const ImageBuffers& buffers, float newest) {
   const bool still = frame.changes == Change::none;
   ImageHistoryKernel average;
   average.shown = frame.read(buffers.shown);
@@ -142,7 +134,7 @@ bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float 
   // With upscaling, the average begins with the first image in which all pixels have samples.
   average.averaged = average.frames - (average.frames < frame.turns ? 0 : frame.turns - 1);
   const bool changed = includes(frame.changes, Change::materials | Change::settings);
-  if (frame.number == 0 || changed || lacks_history(frame, buffers.samples, buffers.specular.samples))
+  if (frame.number == 0 || changed || lacks_history(frame, scratch, buffers.samples, buffers.specular.samples))
     average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frame/pass.h"
+#include "frame/primitives/primitive.h"
 #include "techniques/denoise/shared/history_settings.h"
 #include "techniques/denoise/shared/light_history.h"
 
@@ -50,12 +51,15 @@ class ReflectingFrames {
   bool now() const { return now_; }
   /// In this frame or the previous one, whose specular light must still be blended.
   bool recently() const { return now_ || before_; }
+  /// For other primitives of the pass.
+  PrimitiveScratch& scratch() { return scratch_; }
 
  private:
   // After a checkpoint, the first frame blends empty buffers, which changes nothing.
   bool now_ = true;
   bool before_ = true;
   bool earliest_ = true;  ///< `before_` of the previous frame
+  PrimitiveScratch scratch_;
 };
 
 /// Views of this frame's samples for a part of the light, with its albedo and the shown emission.
@@ -94,11 +98,12 @@ struct ImageBuffers {
 };
 /// Whether most filtered pixels have no samples from earlier frames, as at the start and after a cut; while upscaling,
 /// no samples at all. Tests one pixel in 61.
-bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples,
+bool lacks_history(const FrameContext& frame, PrimitiveScratch& scratch, const BufferKey<uint32_t>& samples,
                    const BufferKey<uint32_t>& specular_samples = {});
 
 /// Averages the image over time and blends it to the mean of all samples. `newest`: weight of this frame where
 /// something moves. False if a stop was requested first.
-[[nodiscard]] bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest);
+[[nodiscard]] bool finish_image(const FrameContext& frame, PrimitiveScratch& scratch, const ImageBuffers& buffers,
+                                float newest);
 
 }  // namespace relume

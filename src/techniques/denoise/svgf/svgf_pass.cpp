@@ -147,7 +147,8 @@ bool SvgfPass::present(const FrameContext& frame) {
   kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
-  return finish_image(frame, {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples}, settings_.history.newest);
+  return finish_image(frame, reflecting_.scratch(), {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples},
+                      settings_.history.newest);
 }
 
 bool SvgfPass::present_parts(const FrameContext& frame) {
@@ -161,7 +162,7 @@ bool SvgfPass::present_parts(const FrameContext& frame) {
   frame.launch("svgf-present", kernel);
   ImageBuffers buffers{"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples};
   if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularImage, kSvgfSpecularSamples};
-  return finish_image(frame, buffers, settings_.history.newest);
+  return finish_image(frame, reflecting_.scratch(), buffers, settings_.history.newest);
 }
 
 }  // namespace relume
