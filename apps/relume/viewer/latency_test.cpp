@@ -136,21 +136,29 @@ TEST_P(Latency, AStepOfAFlightShowsWithTheNextFrame) {
   }
 }
 
-/// Built-in scenes, and Sponza if RELUME_SCENES names a folder with it.
-std::vector<std::string> scene_names() {
+/// Short frames, long paths, many lamps, and many triangles. Each test takes seconds.
+std::vector<std::string> quick_scenes() { return {"cornell", "cornell-glass", "warehouse", "city"}; }
+
+/// The other built-in scenes, and Sponza if RELUME_SCENES names a folder with it.
+std::vector<std::string> other_scenes() {
+  const std::vector<std::string> quick = quick_scenes();
   std::vector<std::string> names;
-  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    if (std::find(quick.begin(), quick.end(), scene.name) == quick.end()) names.emplace_back(scene.name);
+  }
   const char* folder = std::getenv("RELUME_SCENES");
   const std::filesystem::path sponza = std::filesystem::path(folder ? folder : "") / "sponza/sponza.gltf";
   if (folder && std::filesystem::exists(sponza)) names.push_back(sponza.string());
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Latency, ::testing::ValuesIn(scene_names()), [](const auto& instance) {
-  std::string name = std::filesystem::path(instance.param).stem().string();
+std::string scene_name(const ::testing::TestParamInfo<std::string>& info) {
+  std::string name = std::filesystem::path(info.param).stem().string();
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
-});
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, Latency, ::testing::ValuesIn(quick_scenes()), scene_name);
+INSTANTIATE_TEST_SUITE_P(SlowScenes, Latency, ::testing::ValuesIn(other_scenes()), scene_name);
 
 }  // namespace
 }  // namespace relume::viewer
