@@ -1,6 +1,7 @@
 // χ² tests over the unit square and over directions: sample counts against integrals of their density.
 #pragma once
 
+#include <numeric>
 #include <vector>
 
 #include "core/frame.h"
@@ -22,14 +23,17 @@ class Histogram {
   /// `least` are parameters of integrate(), `max_strays` of chi2_test().
   template <typename F>
   Chi2Result test(const F& density, int depth = 5, int least = 1, double max_strays = 0) const {
-    uint64_t total = 0;
-    for (const uint64_t c : counts_) total += c;
-    std::vector<double> expected = integrals(density, n_, 0.02 / static_cast<double>(total), depth, least);
+    const double tolerance = 0.02 / static_cast<double>(total());
+    return test_against(integrals(density, n_, tolerance, depth, least), max_strays);
+  }
+
+  /// The same against integrals of a density over the bins, which several histograms may share.
+  Chi2Result test_against(std::vector<double> expected, double max_strays = 0) const {
     double inside = 0;
     for (const double e : expected) inside += e;
     // Quadrature has an error of a few millionths; a smaller remainder counts as zero.
     expected.push_back(1.0 - inside > 2e-5 ? 1.0 - inside : 0.0);
-    for (double& e : expected) e *= static_cast<double>(total);
+    for (double& e : expected) e *= static_cast<double>(total());
     return chi2_test(counts_, expected, max_strays);
   }
 
@@ -47,6 +51,7 @@ class Histogram {
   }
 
  private:
+  uint64_t total() const { return std::accumulate(counts_.begin(), counts_.end(), uint64_t{0}); }
   int index(double x) const {
     const int i = static_cast<int>(x * n_);
     return i < 0 ? 0 : (i < n_ ? i : n_ - 1);
