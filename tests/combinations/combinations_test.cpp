@@ -48,12 +48,11 @@ struct Mean {
   Means error = {};
 };
 
-/// Means over the second half of `frames` images after a sideways move of the camera, so that histories are
+/// Means over the second half of `frames` images after a sideways move of the camera from `start`, so that histories are
 /// reprojected.
-Means means_after_a_move(const RenderSettings& settings, int frames) {
-  Session session(open_box(), settings);
+Means means_after_a_move(Session& session, const CameraPose& start, int frames) {
   for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
-  CameraPose camera = session.camera();
+  CameraPose camera = start;
   camera.to_world[3] += 0.1f * camera.to_world[0];
   session.set_camera(camera);
   const int first = frames / 2;
@@ -69,16 +68,18 @@ Means means_after_a_move(const RenderSettings& settings, int frames) {
   return means;
 }
 
-/// Images of seeds 1, 2, …, rendered on demand.
+/// Images of seeds 1, 2, …, rendered on demand by one session.
 class Measurement {
  public:
-  Measurement(const RenderSettings& settings, int frames) : settings_(settings), frames_(frames) {}
+  Measurement(const RenderSettings& settings, int frames)
+      : session_(open_box(), settings), start_(session_.camera()), frames_(frames) {}
 
   /// Mean over `seeds` images, or all rendered ones if there are more.
   Mean over(int seeds) {
     while (seeds_ < seeds) {
-      settings_.seed = ++seeds_;
-      const Means means = means_after_a_move(settings_, frames_);
+      session_.set_camera(start_);
+      session_.restart(++seeds_);
+      const Means means = means_after_a_move(session_, start_, frames_);
       for (int m = 0; m < kMeans; ++m) {
         sums_[m] += means[m];
         squares_[m] += means[m] * means[m];
@@ -94,7 +95,8 @@ class Measurement {
   }
 
  private:
-  RenderSettings settings_;
+  Session session_;
+  CameraPose start_;
   int frames_;
   int seeds_ = 0;
   Means sums_ = {};
@@ -135,7 +137,7 @@ Deviations deviations_of(const RenderSettings& settings, double most_error = kMo
   const Mean& truth = reference(settings.path.max_bounces);
   Measurement measurement(settings, kFrames);
   Deviations deviations;
-  for (int seeds = kSeeds; seeds <= kMostSeeds; seeds += seeds / 2) {
+  for (int seeds = kSeeds; seeds <= kMostSeeds; seeds += seeds / 4) {
     const Mean mean = measurement.over(seeds);
     for (int m = 0; m < kMeans; ++m) {
       deviations[m] = {mean.value[m] / truth.value[m] - 1, std::hypot(mean.error[m], truth.error[m]) / truth.value[m]};
