@@ -2,11 +2,10 @@
 // technique in every built-in scene, while the camera moves.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -55,41 +54,50 @@ std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& sett
   return frames;
 }
 
-class KernelForms : public ::testing::TestWithParam<const BuiltinScene*> {
- protected:
-  /// Writes a table of the last frame's hashes: kernel_forms/SCENE_ACCEL.tsv in the current folder.
-  static void compare(AccelChoice accel, const char* accel_name) {
-    std::filesystem::create_directories("kernel_forms");
-    std::ofstream table(fmt::format("kernel_forms/{}_{}.tsv", GetParam()->name, accel_name));
-    table << "technique\ttiles\telements\n";
-    const std::vector<DeterminismCheck>& techniques = technique_checks().determinism;
-    Session session(GetParam()->build(), settings_of(techniques.front(), accel, false));
-    for (const DeterminismCheck& technique : techniques) {
-      const std::vector<uint64_t> tiles = moving_frames(session, settings_of(technique, accel, false));
-      const std::vector<uint64_t> elements = moving_frames(session, settings_of(technique, accel, true));
-      EXPECT_EQ(tiles, elements) << technique.name;
-      EXPECT_NE(tiles.front(), tiles.back()) << technique.name;
-      table << fmt::format("{}\t{:016x}\t{:016x}\n", technique.name, tiles.back(), elements.back());
-    }
-  }
+struct FormsCase {
+  const BuiltinScene* scene;
+  AccelChoice accel;
+
+  std::string accel_name() const { return accel == AccelChoice::embree ? "embree" : "bvh"; }
+  std::string name() const { return test_name(std::string(scene->name)) + "_" + accel_name(); }
 };
 
-TEST_P(KernelForms, GiveTheSameBitsWithEmbree) { compare(AccelChoice::embree, "embree"); }
-TEST_P(KernelForms, GiveTheSameBitsWithBvh) { compare(AccelChoice::bvh, "bvh"); }
+void PrintTo(const FormsCase& tested, std::ostream* out) { *out << tested.name(); }
 
-/// All built-in scenes, or those in `names`.
-std::vector<const BuiltinScene*> scenes(const std::vector<std::string_view>& names = {}) {
-  std::vector<const BuiltinScene*> list;
+/// Writes a table of the last frame's hashes: kernel_forms/SCENE_ACCEL.tsv in the current folder.
+class KernelForms : public ::testing::TestWithParam<FormsCase> {};
+TEST_P(KernelForms, GiveTheSameBits) {
+  const AccelChoice accel = GetParam().accel;
+  std::filesystem::create_directories("kernel_forms");
+  std::ofstream table(fmt::format("kernel_forms/{}_{}.tsv", GetParam().scene->name, GetParam().accel_name()));
+  table << "technique\ttiles\telements\n";
+  const std::vector<DeterminismCheck>& techniques = technique_checks().determinism;
+  Session session(GetParam().scene->build(), settings_of(techniques.front(), accel, false));
+  for (const DeterminismCheck& technique : techniques) {
+    const std::vector<uint64_t> tiles = moving_frames(session, settings_of(technique, accel, false));
+    const std::vector<uint64_t> elements = moving_frames(session, settings_of(technique, accel, true));
+    EXPECT_EQ(tiles, elements) << technique.name;
+    EXPECT_NE(tiles.front(), tiles.back()) << technique.name;
+    table << fmt::format("{}\t{:016x}\t{:016x}\n", technique.name, tiles.back(), elements.back());
+  }
+}
+
+std::vector<FormsCase> all_cases() {
+  std::vector<FormsCase> list;
   for (const BuiltinScene& scene : builtin_scenes()) {
-    if (names.empty() || std::find(names.begin(), names.end(), scene.name) != names.end()) list.push_back(&scene);
+    for (const AccelChoice accel : {AccelChoice::embree, AccelChoice::bvh}) list.push_back({&scene, accel});
   }
   return list;
 }
-std::string scene_name(const ::testing::TestParamInfo<const BuiltinScene*>& info) {
-  return test_name(std::string(info.param->name));
-}
-INSTANTIATE_TEST_SUITE_P(Some, KernelForms, ::testing::ValuesIn(scenes({"cornell-glass", "turntable"})), scene_name);
-INSTANTIATE_TEST_SUITE_P(SlowAll, KernelForms, ::testing::ValuesIn(scenes()), scene_name);
+
+std::string case_name(const ::testing::TestParamInfo<FormsCase>& info) { return info.param.name(); }
+
+// Refraction, and animated instances, with one structure each.
+INSTANTIATE_TEST_SUITE_P(Some, KernelForms,
+                         ::testing::Values(FormsCase{find_builtin_scene("cornell-glass"), AccelChoice::embree},
+                                           FormsCase{find_builtin_scene("turntable"), AccelChoice::bvh}),
+                         case_name);
+INSTANTIATE_TEST_SUITE_P(SlowAll, KernelForms, ::testing::ValuesIn(all_cases()), case_name);
 
 }  // namespace
 }  // namespace relume::support
