@@ -8,6 +8,7 @@ import pathlib
 import re
 import resource
 import signal
+import sys
 import time
 import unittest
 
@@ -33,7 +34,7 @@ def cpu_seconds_of_ended_children():
     return usage.ru_utime + usage.ru_stime
 
 
-class Stopping(ProgramTest):
+class StoppingTest(ProgramTest):
     def stats(self):
         return json.loads((self.folder / "s.json").read_text())
 
@@ -45,6 +46,8 @@ class Stopping(ProgramTest):
         self.assertTrue(file.exists())
         self.assertIsNone(process.poll(), "it ended too early to be stopped")
 
+
+class Stopping(StoppingTest):
     def test_samples(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "7", "--stats", "s.json")
         self.assertEqual(self.stats()["samples"], 24 * 18 * 7)
@@ -129,68 +132,6 @@ class Stopping(ProgramTest):
             if line.startswith("built it in"):
                 return
         self.fail("it ended before it rendered")
-
-    def wait_for_handler(self, process, seconds=60):
-        """Waits until the process handles SIGINT, which would end it earlier."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-            if int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) & 1 << (signal.SIGINT - 1):
-                return
-            time.sleep(0.005)
-        self.fail("it handles no interrupt")
-
-    def answer(self, delay_s, arguments):
-        """Interrupts a command after `delay_s`. Returns the time to its end, and whether it reported its remaining
-        work. The time is processor time where that is less: other processes slow a command down."""
-        cpu_of_others = cpu_seconds_of_ended_children()
-        process = start(*arguments, cwd=self.folder)
-        self.addCleanup(process.kill)
-        self.wait_for_handler(process)
-        time.sleep(delay_s)
-        begin = time.monotonic()
-        cpu_at_begin = cpu_seconds(process.pid)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=120)
-        elapsed = time.monotonic() - begin
-        self.assertEqual(process.returncode, 130, errors)
-        self.assertLess(elapsed, SECONDS_TO_ANSWER, errors)
-        seconds = min(elapsed, cpu_seconds_of_ended_children() - cpu_of_others - cpu_at_begin)
-        self.assertEqual([name for name in self.files() if name.startswith(".")], [])
-        return seconds, "stopping once" in errors
-
-    def assert_answers(self, delay_s, *arguments, has_long_steps=False):
-        """Expects an interrupt after `delay_s` to end the command soon, without partial files. Longer work must be
-        reported. Only commands with `has_long_steps` (Embree's build of a large scene, experiments) may take longer
-        than SECONDS_OF_STEPS."""
-        answers = []
-        for _ in range(ATTEMPTS):
-            answers.append(self.answer(delay_s, arguments))
-            seconds, told = answers[-1]
-            if seconds < SECONDS_IN_SILENCE or told and (has_long_steps or seconds < SECONDS_OF_STEPS):
-                return
-        self.fail(f"slow, or does not say what it finishes: {answers}")
-
-    def test_interrupts_are_answered_while_a_scene_is_loaded_built_prepared_and_rendered(self):
-        large = (0, 0.2, 1, 2)  # loading and building take a second or two
-        small = (0, 0.2, 0.8)
-        for delays, scene in ((large, ["city"]), (large, ["cover"]), (small, ["mine", "--guide", "cdq"]), (small, ["warehouse", "--lights", "static-lists", "--static-lists.rays", "65536"])):
-            for delay_s in delays:
-                with self.subTest(scene=scene, delay_s=delay_s):
-                    self.assert_answers(delay_s, "render", *scene, "--width", "160", "--height", "90", "--spp", "1000000", "-o", "out.exr",
-                                        has_long_steps=scene[0] in ("city", "cover"))
-
-    def test_interrupts_of_other_commands_are_answered(self):
-        self.succeed("render", "warehouse", "-o", "r.exr", *SMALL, "--spp", "1")
-        lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
-        compare = ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--reference", "r.exr", "-o", "page"]
-        for command in (compare, ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--timing", "4"], ["compare", "city", *SMALL, "--cache-dir", "cache", "-o", "page"],
-                        ["export", "cover", "-o", "cover.gltf"], ["info", "cover"], ["experiment", "run", "guide-cost", "--cache-dir", "cache", "-o", "pages"]):
-            for delay_s in (0, 1.5 if "city" in command else 0.8):
-                with self.subTest(command=command[:2], delay_s=delay_s):
-                    if delay_s > 0 and command[0] in ("export", "info"):
-                        continue  # already finished
-                    self.assert_answers(delay_s, *command, has_long_steps="city" in command or command[0] == "experiment")
 
     def test_preparation_ends_with_the_time(self):
         lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
@@ -331,5 +272,73 @@ class Stopping(ProgramTest):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
 
 
+class AnswersTest(StoppingTest):
+    def wait_for_handler(self, process, seconds=60):
+        """Waits until the process handles SIGINT, which would end it earlier."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+            if int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) & 1 << (signal.SIGINT - 1):
+                return
+            time.sleep(0.005)
+        self.fail("it handles no interrupt")
+
+    def answer(self, delay_s, arguments):
+        """Interrupts a command after `delay_s`. Returns the time to its end, and whether it reported its remaining
+        work. The time is processor time where that is less: other processes slow a command down."""
+        cpu_of_others = cpu_seconds_of_ended_children()
+        process = start(*arguments, cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for_handler(process)
+        time.sleep(delay_s)
+        begin = time.monotonic()
+        cpu_at_begin = cpu_seconds(process.pid)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+        elapsed = time.monotonic() - begin
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertLess(elapsed, SECONDS_TO_ANSWER, errors)
+        seconds = min(elapsed, cpu_seconds_of_ended_children() - cpu_of_others - cpu_at_begin)
+        self.assertEqual([name for name in self.files() if name.startswith(".")], [])
+        return seconds, "stopping once" in errors
+
+    def assert_answers(self, delay_s, *arguments, has_long_steps=False):
+        """Expects an interrupt after `delay_s` to end the command soon, without partial files. Longer work must be
+        reported. Only commands with `has_long_steps` (Embree's build of a large scene, experiments) may take longer
+        than SECONDS_OF_STEPS."""
+        answers = []
+        for _ in range(ATTEMPTS):
+            answers.append(self.answer(delay_s, arguments))
+            seconds, told = answers[-1]
+            if seconds < SECONDS_IN_SILENCE or told and (has_long_steps or seconds < SECONDS_OF_STEPS):
+                return
+        self.fail(f"slow, or does not say what it finishes: {answers}")
+
+
+class AnswersOfRenders(AnswersTest):
+    def test_interrupts_are_answered_while_a_scene_is_loaded_built_prepared_and_rendered(self):
+        large = (0, 0.2, 1, 2)  # loading and building take a second or two
+        small = (0, 0.2, 0.8)
+        for delays, scene in ((large, ["city"]), (large, ["cover"]), (small, ["mine", "--guide", "cdq"]), (small, ["warehouse", "--lights", "static-lists", "--static-lists.rays", "65536"])):
+            for delay_s in delays:
+                with self.subTest(scene=scene, delay_s=delay_s):
+                    self.assert_answers(delay_s, "render", *scene, "--width", "160", "--height", "90", "--spp", "1000000", "-o", "out.exr",
+                                        has_long_steps=scene[0] in ("city", "cover"))
+
+
+class AnswersOfOthers(AnswersTest):
+    def test_interrupts_of_other_commands_are_answered(self):
+        self.succeed("render", "warehouse", "-o", "r.exr", *SMALL, "--spp", "1")
+        lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
+        compare = ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--reference", "r.exr", "-o", "page"]
+        for command in (compare, ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--timing", "4"], ["compare", "city", *SMALL, "--cache-dir", "cache", "-o", "page"],
+                        ["export", "cover", "-o", "cover.gltf"], ["info", "cover"], ["experiment", "run", "guide-cost", "--cache-dir", "cache", "-o", "pages"]):
+            for delay_s in (0, 1.5 if "city" in command else 0.8):
+                with self.subTest(command=command[:2], delay_s=delay_s):
+                    if delay_s > 0 and command[0] in ("export", "info"):
+                        continue  # already finished
+                    self.assert_answers(delay_s, *command, has_long_steps="city" in command or command[0] == "experiment")
+
+
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(defaultTest=sys.argv[1:] or None, argv=sys.argv[:1])

@@ -86,4 +86,4 @@ if __name__ == "__main__":
         print("neither a display nor Xvfb")
         sys.exit(SKIPPED)
     with display.any_display():
-        unittest.main()
+        unittest.main(defaultTest=sys.argv[1:] or None, argv=sys.argv[:1])

@@ -35,6 +35,8 @@ class Scenes(Viewer):
         self.view("cornell", "frames 4\nscreenshot window.png\n")
         self.assert_shows_something(self.folder / "window.png")
 
+
+class Files(Viewer):
     def test_bad_files_leave_the_scene(self):
         bad = {
             "bad.gltf": b"{",
@@ -132,6 +134,8 @@ class Input(Viewer):
         self.assertRegex(depth["under_mouse"], r"^\(2[345], 4[456]\)  RGB .* depth [\d.]+$")
         self.assertEqual(outside["under_mouse"], "")
 
+
+class Flights(Viewer):
     def test_ctrl_shift_click_focuses(self):
         before, after, _ = self.view("cornell", "frames 1\nreport\nclick 0.5 0.85 ctrl+shift\nframes 3\nreport\n")
         self.assertNotEqual(after["focus_m"], before["focus_m"])
