@@ -48,8 +48,8 @@ struct Mean {
   Means error = {};
 };
 
-/// Means over the second half of `frames` images after a sideways move of the camera from `start`, so that histories are
-/// reprojected.
+/// Means over the second half of `frames` images after a sideways move of the camera from `start`, so that histories
+/// are reprojected.
 Means means_after_a_move(Session& session, const CameraPose& start, int frames) {
   for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
   CameraPose camera = start;
