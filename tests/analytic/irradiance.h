@@ -73,21 +73,41 @@ class WayTest : public ::testing::TestWithParam<Way> {
   }
 };
 
+/// Samples per pixel where the tolerance is 0.2 %, and where it is at least eight times as wide.
+struct Samples {
+  int sharp = 0;
+  int wide = 0;
+};
+
 class IrradianceTest : public WayTest {
  protected:
+  /// For one even lamp: with 1,024, samples may deviate by twice their mean.
+  static constexpr Samples kOneLamp{2048, 1024};
+
   /// Expects the white patch of an irradiance_meter() to have this irradiance from direct light, in W/m², within 0.2 %
   /// times the technique's noise.
-  void expect_irradiance(Scene scene, const Rgb& expected, int spp = 2048) const {
+  void expect_irradiance(Scene scene, const Rgb& expected, const Samples& spp) const {
     RenderSettings settings = small_settings(12, 12);
     take(GetParam(), settings);
     settings.path.max_bounces = 1;
-    // With tolerances eight times as wide, this number of samples suffices in any scene.
-    constexpr int kMostIfNoisy = 2560;
-    const bool noisy = GetParam().noise >= 8;
-    Estimate e = estimate_of(render(std::move(scene), settings, noisy ? std::min(spp, kMostIfNoisy) : spp));
+    Estimate e = estimate_of(render(std::move(scene), settings, samples(spp)));
     e.mean *= kPi;
     e.standard_error *= kPi;
     expect_near(e, expected, 0.002);
+  }
+  void expect_irradiance(Scene scene, const Rgb& expected, int spp = 2048) const {
+    constexpr int kMostIfWide = 2560;  // samples may deviate by more than they do in any scene
+    expect_irradiance(std::move(scene), expected, Samples{spp, std::min(spp, kMostIfWide)});
+  }
+
+  /// Expects no light at all. A single wrong one of 37,000 samples would show.
+  void expect_black(Scene scene) const { expect_irradiance(std::move(scene), Rgb(0), 256); }
+
+ private:
+  static int samples(const Samples& spp) {
+    if (GetParam().noise >= 8) return spp.wide;
+    // Twice the tolerance needs a quarter of independent samples.
+    return GetParam().noise >= 2 && spp.sharp > 4096 ? spp.sharp / 2 : spp.sharp;
   }
 };
 
