@@ -2,6 +2,7 @@
 // density is the forward density of the reversed pair.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "materials/testing/bsdf_charts.h"
@@ -84,7 +85,15 @@ void expect_samples_follow(const std::vector<BsdfCase>& cases) {
 }
 
 TEST(BsdfSampling, LobesFollowTheirDensity) { expect_samples_follow(testing::lobe_cases(kLobeRoughness)); }
-TEST(BsdfSampling, MaterialsFollowTheirDensity) { expect_samples_follow(testing::material_cases(kMaterialRoughness)); }
+
+/// Materials with GGX, and with Beckmann's distribution at one roughness: their lobes are tested with both at five.
+TEST(BsdfSampling, MaterialsFollowTheirDensity) {
+  std::vector<BsdfCase> cases = testing::material_cases(kMaterialRoughness);
+  const std::string beckmann = testing::to_string(MicrofacetModel::beckmann);
+  std::erase_if(
+      cases, [&](const BsdfCase& c) { return c.name.ends_with(beckmann) && !c.name.ends_with("r 0.20, " + beckmann); });
+  expect_samples_follow(cases);
+}
 
 TEST(BsdfSampling, WeightIsValueTimesCosineOverDensity) {
   Random random(32);
