@@ -187,7 +187,7 @@ class Array {
   /// Moves the elements to a block for `capacity` elements.
   void move_to(size_t capacity) {
     T* const moved = capacity > 0 ? allocate(capacity) : nullptr;
-    if (size_ > 0) {
+    if (moved && size_ > 0) {
       memory_->open_for_writing(moved);
       std::memcpy(static_cast<void*>(moved), read().data(), size_ * sizeof(T));
     }

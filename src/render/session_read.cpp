@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "core/parallel.h"
 #include "core/srgb.h"
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
