@@ -104,7 +104,7 @@ bool BmfrPass::run(const FrameContext& frame) {
   const BlockNoiseKernel noise{noise_.mutable_view(), frame.number};
   frame.launch("bmfr-fit", noise, {kBlockPixels, kBlockFeatures - 1});
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
-  if (split_) reflecting_.begin_frame(frame);
+  if (split_) reflecting_.begin_frame(frame, scratch_);
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) accumulate(frame, parts[i]);
   for (size_t i = 0; i < count; ++i) {
@@ -158,7 +158,7 @@ bool BmfrPass::fit(const FrameContext& frame, LightPart part) {
   // Without earlier fits, the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
-  if (lacks_history(frame, reflecting_.scratch(), kBmfrSamples,
+  if (lacks_history(frame, scratch_, kBmfrSamples,
                     split_ && reflecting_.now() ? kBmfrSpecularSamples : BufferKey<uint32_t>{}))
     fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
@@ -186,7 +186,7 @@ bool BmfrPass::present(const FrameContext& frame) {
   kernel.shown = frame.write(kBmfrShown);
   kernel.width = frame.width();
   frame.launch("bmfr-present", kernel);
-  return finish_image(frame, reflecting_.scratch(), {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples},
+  return finish_image(frame, scratch_, {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples},
                       settings_.history.newest);
 }
 
@@ -201,7 +201,7 @@ bool BmfrPass::present_parts(const FrameContext& frame) {
   frame.launch("bmfr-present", kernel);
   ImageBuffers buffers{"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples};
   if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularImage, kBmfrSpecularSamples};
-  return finish_image(frame, reflecting_.scratch(), buffers, settings_.history.newest);
+  return finish_image(frame, scratch_, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -23,7 +23,7 @@ class BmfrPass final : public Pass {
     if (split_) reflecting_.abandon_frame();
   }
   size_t memory_bytes() const override {
-    return noise_.memory_bytes() + change_[0].memory_bytes() + change_[1].memory_bytes();
+    return noise_.memory_bytes() + change_[0].memory_bytes() + change_[1].memory_bytes() + scratch_.memory_bytes();
   }
 
  private:
@@ -38,6 +38,7 @@ class BmfrPass final : public Pass {
   BmfrSettings settings_;
   bool split_;
   ReflectingFrames reflecting_;
+  PrimitiveScratch scratch_;
   LightChange change_[2];  ///< changes of light without the specular part, and of specular light
   Array<float> noise_;
 };

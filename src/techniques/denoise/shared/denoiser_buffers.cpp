@@ -2,7 +2,7 @@
 
 #include "techniques/denoise/shared/converge.h"
 #include "techniques/denoise/shared/image_history.h"
-#include "techniques/denoise/shared/pixel_tests.h"
+#include "techniques/denoise/shared/pixel_counts.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 
 namespace relume {
@@ -62,11 +62,11 @@ void add_split_buffers(std::vector<BufferId>& reads) {
                 kReflection.previous, kReflection.normal, kReflection.depth, kReflection.motion});
 }
 
-void ReflectingFrames::begin_frame(const FrameContext& frame) {
+void ReflectingFrames::begin_frame(const FrameContext& frame, PrimitiveScratch& scratch) {
   const View<const Rgb> albedo = frame.read(kSpecularAlbedo);
   earliest_ = before_;
   before_ = now_;
-  now_ = any_of({frame.backend, "reflections", scratch_}, FilteredPixels{albedo}, albedo.size);
+  now_ = any_of({frame.backend, "reflections", scratch}, FilteredPixels{albedo}, albedo.size);
 }
 
 void ReflectingFrames::abandon_frame() {
@@ -103,7 +103,7 @@ bool lacks_history(const FrameContext& frame, PrimitiveScratch& scratch, const B
   pixels.samples = frame.read(samples);
   pixels.specular_samples = specular_samples.name.empty() ? pixels.samples : frame.read(specular_samples);
   // While upscaling, pixels may have one sample for several frames.
-  pixels.most_of_fresh = frame.turns > 1 ? 0 : 1;
+  pixels.max_fresh_samples = frame.turns > 1 ? 0 : 1;
   const FreshCount count =
       reduce<AddFreshCounts>({frame.backend, "fresh-pixels", scratch}, pixels, FreshPixels::count(frame.pixels()));
   return 2 * count.fresh > count.filtered;

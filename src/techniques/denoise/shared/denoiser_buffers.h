@@ -1,11 +1,11 @@
 // Common parts of denoisers: the light at surfaces that they filter, its history, and the final image.
 #pragma once
 
-#include <algorithm>
 #include <string_view>
 #include <vector>
 
 #include "frame/pass.h"
+#include "frame/primitives/fill.h"
 #include "frame/primitives/primitive.h"
 #include "techniques/denoise/shared/history_settings.h"
 #include "techniques/denoise/shared/light_history.h"
@@ -44,22 +44,19 @@ void add_split_buffers(std::vector<BufferId>& reads);
 class ReflectingFrames {
  public:
   /// Call once in each frame in which light is kept apart.
-  void begin_frame(const FrameContext& frame);
+  void begin_frame(const FrameContext& frame, PrimitiveScratch& scratch);
   /// Undoes begin_frame() when the frame is abandoned.
   void abandon_frame();
 
   bool now() const { return now_; }
   /// In this frame or the previous one, whose specular light must still be blended.
   bool recently() const { return now_ || before_; }
-  /// For other primitives of the pass.
-  PrimitiveScratch& scratch() { return scratch_; }
 
  private:
   // After a checkpoint, the first frame blends empty buffers, which changes nothing.
   bool now_ = true;
   bool before_ = true;
   bool earliest_ = true;  ///< `before_` of the previous frame
-  PrimitiveScratch scratch_;
 };
 
 /// Views of this frame's samples for a part of the light, with its albedo and the shown emission.
@@ -77,8 +74,7 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
 /// Zeroes a buffer of specular light, for frames without any.
 template <typename T>
 void clear_buffer(const FrameContext& frame, const BufferKey<T>& key) {
-  const View<T> values = frame.write(key);
-  frame.backend.run("clear", [&] { std::fill(values.begin(), values.end(), T(0)); });
+  fill(frame.backend, "clear", frame.write(key), T(0));
 }
 
 /// Buffers of a denoiser's last step, which the denoiser owns: `shown`, this frame's filtered image, and `history`,

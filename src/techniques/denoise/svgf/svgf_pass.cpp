@@ -75,7 +75,7 @@ PassDeclaration SvgfPass::declaration() const {
 
 bool SvgfPass::run(const FrameContext& frame) {
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
-  if (split_) reflecting_.begin_frame(frame);
+  if (split_) reflecting_.begin_frame(frame, scratch_);
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) {
     if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i]) || !filter(frame, light_[i])) return false;
@@ -147,7 +147,7 @@ bool SvgfPass::present(const FrameContext& frame) {
   kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
-  return finish_image(frame, reflecting_.scratch(), {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples},
+  return finish_image(frame, scratch_, {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples},
                       settings_.history.newest);
 }
 
@@ -162,7 +162,7 @@ bool SvgfPass::present_parts(const FrameContext& frame) {
   frame.launch("svgf-present", kernel);
   ImageBuffers buffers{"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples};
   if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularImage, kSvgfSpecularSamples};
-  return finish_image(frame, reflecting_.scratch(), buffers, settings_.history.newest);
+  return finish_image(frame, scratch_, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

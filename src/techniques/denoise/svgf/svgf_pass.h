@@ -28,7 +28,7 @@ class SvgfPass final : public Pass {
   }
   size_t memory_bytes() const override {
     return features_.memory_bytes() + light_[0].memory_bytes() + light_[1].memory_bytes() + filtered_.memory_bytes() +
-           change_[0].memory_bytes() + change_[1].memory_bytes();
+           change_[0].memory_bytes() + change_[1].memory_bytes() + scratch_.memory_bytes();
   }
 
  private:
@@ -45,6 +45,7 @@ class SvgfPass final : public Pass {
   SvgfSettings settings_;
   bool split_;
   ReflectingFrames reflecting_;
+  PrimitiveScratch scratch_;
   LightChange change_[2];
   Array<float> features_;
   Array<float> light_[2];

@@ -1,4 +1,4 @@
-// Tests of all pixels that decide what a denoiser does in a frame.
+// Predicates and counts over pixels. Denoisers reduce them once per frame to choose their parameters.
 #pragma once
 
 #include "frame/primitives/reduce.h"
@@ -33,14 +33,14 @@ struct FreshPixels {
   View<const Rgb> albedo;
   View<const uint32_t> samples;
   View<const uint32_t> specular_samples;
-  uint32_t most_of_fresh = 1;  ///< samples of a pixel without history
+  uint32_t max_fresh_samples = 1;  ///< maximum samples of a pixel without history
 
   static uint32_t count(uint32_t pixels) { return pixels / kStride + (pixels % kStride > 0 ? 1 : 0); }
 
   RELUME_HD FreshCount operator()(size_t i) const {
     const size_t pixel = i * kStride;
     if (!is_filtered(albedo.data[pixel])) return {};
-    return {1, relume::max(samples.data[pixel], specular_samples.data[pixel]) <= most_of_fresh ? 1u : 0u};
+    return {1, relume::max(samples.data[pixel], specular_samples.data[pixel]) <= max_fresh_samples ? 1u : 0u};
   }
 };
 
