@@ -110,11 +110,23 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
 }
 
 void HashGrid::allocate(uint32_t slots) {
-  fingerprints_.reset(slots);
-  bucket_hashes_.reset(slots);
-  parents_.assign(slots, kNoCell);
-  sums_.reset(slots);
-  histories_.reset(slots);
+  Memory& memory = fingerprints_.memory();
+  Array<uint64_t> fingerprints(memory);
+  Array<uint32_t> bucket_hashes(memory);
+  Array<uint32_t> parents(memory);
+  Array<CellSums> sums(memory);
+  Array<CellHistory> histories(memory);
+  fingerprints.reset(slots);
+  bucket_hashes.reset(slots);
+  parents.assign(slots, kNoCell);
+  sums.reset(slots);
+  histories.reset(slots);
+  // Nothing allocates from here on: all tables change together, or none.
+  fingerprints_.swap(fingerprints);
+  bucket_hashes_.swap(bucket_hashes);
+  parents_.swap(parents);
+  sums_.swap(sums);
+  histories_.swap(histories);
   tally_.write().longest = 0;
 }
 
@@ -165,7 +177,7 @@ void HashGrid::settle(Backend& backend) {
   const auto waiting = static_cast<uint32_t>(std::min<size_t>(tally_.read().overflow_count, overflow_.size()));
   const View<const WaitingSample> samples{overflow_.view().data, waiting};
   uint64_t keys = census().taken + counters().made;
-  if (waiting > 0) keys += distinct_keys(overflow_.read().first(waiting), keys_);
+  if (waiting > 0) backend.run("cells", [&] { keys += distinct_keys(overflow_.read().first(waiting), keys_); });
   const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
   const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
   if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
