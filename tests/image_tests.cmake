@@ -1,6 +1,6 @@
 # relume_add_image_tests(NAME source...): adds rendering tests with a ctest each, except those with "Shared" in their
-# name. Those with "Slow" in their name carry the label "slow". Their cost starts them before unit tests, which fill the
-# cores at the end.
+# name. Those with "Slow" in their name carry the label "slow". COST starts them before unit tests, so that short
+# tests fill the cores at the end.
 function(relume_add_image_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE test_support relume_flags GTest::gtest_main)

@@ -1,4 +1,4 @@
-"""The examples run as their page says. Those with many samples take fewer here."""
+"""Runs the examples as their page says, some with fewer samples."""
 
 import os
 import pathlib
@@ -19,8 +19,8 @@ def run(script, folder, *arguments):
     return done.stdout
 
 
-def with_fewer(folder, name, *changes):
-    """A copy of the example with fewer samples. References remain far better than what is compared with them."""
+def with_replacements(folder, name, *changes):
+    """Returns a copy of an example with fewer samples. Its reference still has far less noise than the images compared with it."""
     code = (ROOT / "examples" / name).read_text(encoding="utf-8")
     for before, after in changes:
         assert code.count(before) == 1, before
@@ -41,7 +41,7 @@ def test_first_image(tmp_path):
 
 
 def test_equal_time(tmp_path):
-    script = with_fewer(tmp_path, "equal_time.py", ("repetitions=5", "repetitions=3"), ("reference_samples=256", "reference_samples=128"))
+    script = with_replacements(tmp_path, "equal_time.py", ("repetitions=5", "repetitions=3"), ("reference_samples=256", "reference_samples=128"))
     output = run(script, tmp_path)
     scores = {name: float(mse) for name, mse in re.findall(r"^(\S+): MSE (\S+),", output, re.MULTILINE)}
     assert scores["vlc"] < scores["uniform"]
@@ -50,7 +50,7 @@ def test_equal_time(tmp_path):
 
 def test_ghosting(tmp_path):
     # The reference's noise adds 0.2 % of a frame's, of which the bound below allows 5 %.
-    output = run(with_fewer(tmp_path, "ghosting.py", ("still.render(2048)", "still.render(512)")), tmp_path)
+    output = run(with_replacements(tmp_path, "ghosting.py", ("still.render(2048)", "still.render(512)")), tmp_path)
     figures = [[float(n) for n in line] for line in re.findall(r"MSE of a frame (\S+), of which bias (\S+)", output)]
     (noise, bias), (_, backward), (forward_noise, _) = figures
     assert forward_noise < noise
@@ -66,6 +66,6 @@ def test_quadtrees(tmp_path):
 
 def test_denoiser(tmp_path):
     # The reference's noise is a sixty-fourth of that of four samples.
-    script = with_fewer(tmp_path, "denoiser.py", ("reference.render(1024)", "reference.render(256)"))
+    script = with_replacements(tmp_path, "denoiser.py", ("reference.render(1024)", "reference.render(256)"))
     before, after = (float(mse) for mse in re.findall(r"MSE (\S+)", run(script, tmp_path)))
     assert after < 0.6 * before

@@ -103,7 +103,7 @@ TEST(Array, AllocatesOnlyToGrow) {
   EXPECT_EQ(memory.allocations, before + 1);
 }
 
-TEST(Array, CopiesKeepTheirMemoryAndMovesHandItOver) {
+TEST(Array, CopiesKeepTheirMemoryAndMovesTransferIt) {
   CountedMemory a;
   CountedMemory b;
   Array<int> first(a);
@@ -121,7 +121,7 @@ TEST(Array, CopiesKeepTheirMemoryAndMovesHandItOver) {
   EXPECT_EQ(elements_of(third), std::vector<int>(4, 9));
 }
 
-TEST(Array, TellsItsMemoryOfHostAccess) {
+TEST(Array, ReportsHostAccessToItsMemory) {
   CountedMemory memory;
   Array<int> array(memory);
   EXPECT_TRUE(array.read().empty());
@@ -136,7 +136,7 @@ TEST(Array, TellsItsMemoryOfHostAccess) {
   EXPECT_EQ(array.view()[1], 4);
 }
 
-TEST(Array, RefusesMoreElementsThanViewsCount) {
+TEST(Array, RejectsMoreElementsThanAViewCanCount) {
   Array<uint8_t> array;
   const auto problem = [&](const auto& grow) -> std::string {
     try {

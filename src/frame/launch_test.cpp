@@ -57,7 +57,7 @@ TEST(Backend, RunsTheChosenForm) {
   }
 }
 
-/// Has undefined bytes between its members.
+/// Has padding.
 struct PaddedKernel {
   uint8_t small = 1;
   View<uint32_t> values;

@@ -45,11 +45,11 @@ WalledMemory::WalledMemory() {
   action.sa_sigaction = on_fault;
   action.sa_flags = SA_SIGINFO | SA_NODEFER;
   sigemptyset(&action.sa_mask);
-  ::sigaction(SIGSEGV, &action, &earlier_);
+  ::sigaction(SIGSEGV, &action, &previous_action_);
 }
 
 WalledMemory::~WalledMemory() {
-  ::sigaction(SIGSEGV, &earlier_, nullptr);
+  ::sigaction(SIGSEGV, &previous_action_, nullptr);
   g_memory = nullptr;
   for (const Blocks::value_type& block : blocks_) ::munmap(block.first, block.second.mapped);
 }
@@ -60,6 +60,10 @@ void* WalledMemory::allocate(size_t bytes, size_t alignment) {
   const size_t mapped = (pages + 1) * page_bytes();  // the last page stays closed
   void* const memory = ::mmap(nullptr, mapped, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::bad_alloc();
+  // Elements that are read before they are written change the image.
+  ::mprotect(memory, pages * page_bytes(), PROT_READ | PROT_WRITE);
+  std::memset(memory, 0xa5, pages * page_bytes());
+  if (pages > 0) ::mprotect(memory, pages * page_bytes(), PROT_NONE);
   const std::lock_guard lock(mutex_);
   const auto added = blocks_.emplace(static_cast<std::byte*>(memory), Block{bytes, mapped, Access::none}).first;
   if (in_launch_) {
@@ -140,13 +144,13 @@ void WalledMemory::check_kernel(std::string_view name, std::span<const std::byte
     const bool may_be_address = word >> 32 != 0 && word >> 47 == 0;
     if (!may_be_address || is_known(reinterpret_cast<const std::byte*>(word))) continue;  // NOLINT
     if (!is_mapped(word)) continue;
-    violations_.push_back("kernel '" + std::string(name) + "' has the address of other memory in byte " +
+    violations_.push_back("kernel '" + std::string(name) + "' holds an address outside the backend's memory at byte " +
                           std::to_string(at) + " of " + std::to_string(kernel.size()) +
                           "; give it a view of an Array on the backend's memory");
   }
 }
 
-bool WalledMemory::heal(const std::byte* address) {
+bool WalledMemory::open_after_violation(const std::byte* address) {
   const std::lock_guard lock(mutex_);
   const auto block = find(address);
   if (block == blocks_.end() || address >= block->first + block->second.mapped - page_bytes()) return false;
@@ -162,8 +166,8 @@ bool WalledMemory::heal(const std::byte* address) {
 
 void WalledMemory::on_fault(int signal, siginfo_t* info, void*) {
   WalledMemory* const memory = g_memory;
-  if (memory && memory->heal(static_cast<const std::byte*>(info->si_addr))) return print_calls();
-  if (memory) ::sigaction(signal, &memory->earlier_, nullptr);  // the access fails again, and ends the process
+  if (memory && memory->open_after_violation(static_cast<const std::byte*>(info->si_addr))) return print_calls();
+  if (memory) ::sigaction(signal, &memory->previous_action_, nullptr);  // the access fails again, and ends the process
 }
 
 std::vector<std::string> WalledMemory::violations() const {

@@ -1,6 +1,6 @@
-// Memory for tests of who accesses what. Its blocks are closed to the host, like a device's memory, except
+// Memory for tests that record forbidden accesses. Its blocks are closed to the host, like a device's memory, except
 // - during launches, when kernels access them; code that a backend times like a kernel counts as one;
-// - from Array::read() or write() on, until the end of the next launch: spans have no end that could be noticed.
+// - from Array::read() or write() on, until the end of the next launch: the end of a span's use cannot be detected.
 // Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory.
 #pragma once
 
@@ -31,7 +31,7 @@ class WalledMemory final : public Memory {
   void open_for_reading(const void* block) override;
   void open_for_writing(void* block) override;
 
-  /// Opens and closes all blocks. Call at the begin and end of a launch, which `name` identifies.
+  /// Open and close all blocks. Call them at the beginning and end of the launch `name`.
   void begin_launch(std::string_view name);
   void end_launch();
 
@@ -57,7 +57,7 @@ class WalledMemory final : public Memory {
   static void on_fault(int signal, siginfo_t* info, void* context);
   /// Opens the block of an address after an access that was not permitted. Returns false if the address is in no block
   /// or behind its end.
-  bool heal(const std::byte* address);
+  bool open_after_violation(const std::byte* address);
   Blocks::iterator find(const std::byte* address);
   void open(const std::byte* address, Access access);
   static void protect(const Blocks::value_type& block, Access access);
@@ -69,7 +69,7 @@ class WalledMemory final : public Memory {
   bool in_launch_ = true;
   std::string last_launch_ = "none";
   std::vector<std::string> violations_;
-  struct sigaction earlier_ {};
+  struct sigaction previous_action_ {};
 };
 
 }  // namespace relume::testing

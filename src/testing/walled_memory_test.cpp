@@ -62,7 +62,7 @@ TEST_F(WalledMemoryTest, RecordsKernelsThatAccessOtherMemory) {
   const std::vector<uint32_t> other(4, 2);
   add(view_of(other));
   ASSERT_EQ(memory_.violations().size(), 1u);
-  EXPECT_NE(memory_.violations()[0].find("kernel 'add' has the address of other memory in byte 8 of 40"),
+  EXPECT_NE(memory_.violations()[0].find("kernel 'add' holds an address outside the backend's memory at byte 8 of 40"),
             std::string::npos)
       << memory_.violations()[0];
   memory_.permit(other.data());

@@ -81,7 +81,7 @@ struct Samples {
 
 class IrradianceTest : public WayTest {
  protected:
-  /// For one even lamp: with 1,024, samples may deviate by twice their mean.
+  /// For one uniform lamp. 1,024 samples suffice for a standard deviation of twice the mean.
   static constexpr Samples kOneLamp{2048, 1024};
 
   /// Expects the white patch of an irradiance_meter() to have this irradiance from direct light, in W/m², within 0.2 %
@@ -96,7 +96,7 @@ class IrradianceTest : public WayTest {
     expect_near(e, expected, 0.002);
   }
   void expect_irradiance(Scene scene, const Rgb& expected, int spp = 2048) const {
-    constexpr int kMostIfWide = 2560;  // samples may deviate by more than they do in any scene
+    constexpr int kMostIfWide = 2560;  // enough for the largest deviation in any scene
     expect_irradiance(std::move(scene), expected, Samples{spp, std::min(spp, kMostIfWide)});
   }
 
@@ -106,7 +106,7 @@ class IrradianceTest : public WayTest {
  private:
   static int samples(const Samples& spp) {
     if (GetParam().noise >= 8) return spp.wide;
-    // Twice the tolerance needs a quarter of independent samples.
+    // Twice the tolerance needs a quarter of the samples if they are independent. Half leaves a margin for correlation.
     return GetParam().noise >= 2 && spp.sharp > 4096 ? spp.sharp / 2 : spp.sharp;
   }
 };

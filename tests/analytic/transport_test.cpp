@@ -33,7 +33,7 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo, and nothing t
     add(scene, flat_shaded(icosphere(1, 3)), matte("sphere", Rgb(albedo)));
     set_constant_environment(scene, {1, 2, 3});
     add_camera(scene, {.name = "", .fov_y_rad = 0.3f}, {0, 0, 4}, {0, 0, -1});
-    // Roulette after one bounce is tested by ClosedFurnace.
+    // ClosedFurnace tests roulette after one bounce.
     for (const auto& [max_bounces, roulette] : {std::pair(1, false), {8, false}, {8, true}}) {
       RenderSettings s = settings(max_bounces);
       s.path.russian_roulette = roulette;

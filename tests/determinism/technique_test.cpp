@@ -76,7 +76,7 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
   }
 };
 
-/// ResumedEqualsUninterrupted compares one thread and two.
+/// Compares five threads with one; ResumedEqualsUninterrupted compares two with one.
 TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
   const auto frames = [&](int threads) {
     Session rendered = session(threads);

@@ -275,20 +275,22 @@ void expect_smooth_edges(CacheChoice cache, const Scene& scene, const Image& tru
   EXPECT_LT(mse(mean_frame(smooth, 64), truth), 0.004 * rough_error);
 }
 
+std::string name_of(CacheChoice cache) {
+  const char* names[] = {"none", "psf", "apsf", "apg", "apsf_apg"};
+  return names[static_cast<int>(cache)];
+}
+
 /// All caches share the reference, which takes most of the time.
 TEST(CachesAndLamps, EdgesAreSmooth) {
   const Scene scene = rotated_lamp();
   const Image truth = render(scene, settings_of(CacheChoice::none, HistoryChoice::accumulate, 48, 48), 2048);
   for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg}) {
-    SCOPED_TRACE(static_cast<int>(cache));
+    SCOPED_TRACE(name_of(cache));
     expect_smooth_edges(cache, scene, truth);
   }
 }
 
-std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {
-  const char* names[] = {"none", "psf", "apsf", "apg", "apsf_apg"};
-  return names[static_cast<int>(instance.param)];
-}
+std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) { return name_of(instance.param); }
 INSTANTIATE_TEST_SUITE_P(All, Caches,
                          ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg,
                                            CacheChoice::apsf_apg),

@@ -22,7 +22,7 @@ class Experiments(ProgramTest):
         return listed
 
 
-class Every(Experiments):
+class AllExperiments(Experiments):
     """Each test runs a third of the experiments, so that the tests can run in parallel."""
 
     def run_part(self, part):
@@ -75,8 +75,8 @@ class Options(Experiments):
         self.assertEqual(result["machine"]["Threads"], "1 at most")
         self.assertFalse(result["scenes"])
         self.assertGreater(len(result["tables"]), 0)
-        stays = self.succeed(*command, "--continue").stderr
-        self.assertIn("psf-frametime is in out already\n", stays)
+        messages = self.succeed(*command, "--continue").stderr
+        self.assertIn("psf-frametime is in out already\n", messages)
         result["program"] = "another"
         file.write_text(json.dumps(result))
         self.assertIn("measured by another build of relume", self.succeed(*command, "--continue").stderr)
@@ -95,10 +95,10 @@ class Options(Experiments):
         for name in names:
             if not (out / f"{name}.json").exists():  # not published
                 (out / f"{name}.json").write_text(json.dumps(dict(json.loads(files[0].read_text()), name=name)))
-        stays = self.succeed("experiment", "run", "--all", "--continue", "-o", "out").stderr
+        messages = self.succeed("experiment", "run", "--all", "--continue", "-o", "out").stderr
         tables = (out / "index.md").read_text()
         for name in names:
-            self.assertIn(f"{name} is in out already", stays)
+            self.assertIn(f"{name} is in out already", messages)
             self.assertIn(f"\n## {name}\n", tables)
         for file in files:
             for claim in json.loads(file.read_text())["claims"]:

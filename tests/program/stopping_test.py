@@ -272,7 +272,7 @@ class Stopping(StoppingTest):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
 
 
-class AnswersTest(StoppingTest):
+class InterruptTest(StoppingTest):
     def wait_for_handler(self, process, seconds=60):
         """Waits until the process handles SIGINT, which would end it earlier."""
         end = time.monotonic() + seconds
@@ -315,7 +315,7 @@ class AnswersTest(StoppingTest):
         self.fail(f"slow, or does not say what it finishes: {answers}")
 
 
-class AnswersOfRenders(AnswersTest):
+class InterruptedRenders(InterruptTest):
     def test_interrupts_are_answered_while_a_scene_is_loaded_built_prepared_and_rendered(self):
         large = (0, 0.2, 1, 2)  # loading and building take a second or two
         small = (0, 0.2, 0.8)
@@ -326,7 +326,7 @@ class AnswersOfRenders(AnswersTest):
                                         has_long_steps=scene[0] in ("city", "cover"))
 
 
-class AnswersOfOthers(AnswersTest):
+class InterruptedCommands(InterruptTest):
     def test_interrupts_of_other_commands_are_answered(self):
         self.succeed("render", "warehouse", "-o", "r.exr", *SMALL, "--spp", "1")
         lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]

@@ -72,13 +72,13 @@ testing::Histogram histogram_of(const Guide& guide, const SurfacePoint& sp, cons
 }
 
 TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
-  // Both ways to sample quadtrees have the same density, which is integrated once. The fraction differs from its
-  // complement, so that exchanging them shows.
+  // Both samplers have one density, integrated once. A fraction other than 0.5 reveals an exchange of BSDF and
+  // quadtree.
   constexpr float kBsdfFraction = 0.4f;
   const Guide plain(kBsdfFraction, false);
   const Guide stratified(kBsdfFraction, true);
-  // Edges of leaves would take most of the time. An error of a fraction of a sample per part of a bin is far below the
-  // noise of its 156 samples.
+  // Integrating leaf edges exactly would dominate the run time. An error of a fraction of a sample per part of a bin is
+  // far below the noise of its 156 samples.
   constexpr int kDepth = 7;
   constexpr int kLeast = 2;
   constexpr double kTolerance = 0.1 / kMixtureSamples;

@@ -219,7 +219,7 @@ TEST(Octree, LeavesLinkToThePreviousTree) {
   EXPECT_GT(joined, 10);
 }
 
-/// The next tree's nodes by definition: breadth-first, from marks of the nodes.
+/// Reference: builds the next tree's nodes with a queue.
 std::vector<uint32_t> rebuilt(const OctreeTree& tree, const std::vector<uint32_t>& counts, const OctreeThresholds& t) {
   const View<const uint32_t> nodes = tree.view().nodes;
   const auto joined = [&](uint32_t node) {
