@@ -81,17 +81,18 @@ int Backend::threads() const { return state_->count; }
 
 void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
 
-/// Reports the outermost launch to the hook.
-class Backend::Mark {
+/// Reports begin and end of the outermost launch to the hook.
+class Backend::LaunchScope {
  public:
-  Mark(Backend& backend, std::string_view name) : backend_(backend), name_(name) {
-    if (backend_.open_launches_++ == 0) report(LaunchEvent::Kind::begins);
+  LaunchScope(Backend& backend, std::string_view name) : backend_(backend), name_(name) {
+    if (backend_.launch_depth_ == 0) report(LaunchEvent::Kind::begins);
+    ++backend_.launch_depth_;
   }
-  ~Mark() {
-    if (--backend_.open_launches_ == 0) report(LaunchEvent::Kind::ends);
+  ~LaunchScope() {
+    if (--backend_.launch_depth_ == 0) report(LaunchEvent::Kind::ends);
   }
-  Mark(const Mark&) = delete;
-  Mark& operator=(const Mark&) = delete;
+  LaunchScope(const LaunchScope&) = delete;
+  LaunchScope& operator=(const LaunchScope&) = delete;
 
  private:
   void report(LaunchEvent::Kind kind) const {
@@ -104,7 +105,7 @@ class Backend::Mark {
 
 template <typename Function>
 void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
-  const Mark mark(*this, name);
+  const LaunchScope scope(*this, name);
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that runs `function`
   state_->arena.execute([&] {
@@ -124,8 +125,8 @@ void Backend::timed(std::string_view name, const Function& function, bool own_th
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop, uint32_t tile_size) {
-  const uint32_t columns = (width + tile_size - 1) / tile_size;
-  const uint32_t rows = (height + tile_size - 1) / tile_size;
+  const uint32_t columns = width / tile_size + (width % tile_size > 0 ? 1 : 0);
+  const uint32_t rows = height / tile_size + (height % tile_size > 0 ? 1 : 0);
   std::atomic<bool> complete{true};
   timed(name, [&] {
     parallel_tasks(columns * rows, [&](uint32_t index) {
@@ -137,7 +138,7 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
       const FlushDenormals guard;
       const uint32_t x = index % columns * tile_size;
       const uint32_t y = index / columns * tile_size;
-      run_tile(context, {x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
+      run_tile(context, {x, y, x + std::min(tile_size, width - x), y + std::min(tile_size, height - y)});
     });
   });
   return complete.load();

@@ -85,11 +85,11 @@ struct LaunchEvent {
   enum class Kind : uint8_t {
     kernel,  ///< a kernel is about to be launched
     begins,  ///< a kernel, or host code that is timed like one, begins
-    ends,    ///< it has ended, perhaps by an exception
+    ends,    ///< the kernel or host code has ended, or thrown
   };
   Kind kind = Kind::begins;
   std::string_view name;
-  std::span<const std::byte> argument = {};  ///< of Kind::kernel: a copy of the kernel, with zeros between its members
+  std::span<const std::byte> argument = {};  ///< for Kind::kernel: a copy of the kernel with zeroed padding
 };
 
 /// Thread pool of the processor, and the memory that its kernels access.
@@ -103,7 +103,7 @@ class Backend {
 
   int threads() const;
   KernelForm form() const { return form_; }
-  /// The memory for what kernels read and write.
+  /// Source of the memory that kernels access.
   Memory& memory() const { return memory_; }
   const std::vector<LaunchTime>& times() const { return times_; }
 
@@ -116,8 +116,8 @@ class Backend {
   /// no hook.
   void on_tile(std::function<void()> hook) { tile_hook_ = std::move(hook); }
 
-  /// Calls `hook` at each step of each launch, on the thread that launches. Launches inside of launches count as part
-  /// of them. Tests use it to protect memory between launches. Empty: no hook.
+  /// Calls `hook` at each step of each launch, on the launching thread. Nested launches belong to the outermost. Tests
+  /// use it to protect memory between launches. Empty: no hook.
   void on_launch(std::function<void(const LaunchEvent&)> hook) { launch_hook_ = std::move(hook); }
   bool watches_launches() const { return launch_hook_ != nullptr; }
   /// Reports a kernel to the hook.
@@ -137,7 +137,7 @@ class Backend {
   template <typename Function>
   void timed(std::string_view name, const Function& function, bool own_threads = false);
 
-  class Mark;
+  class LaunchScope;
   struct State;
   std::unique_ptr<State> state_;
   KernelForm form_;
@@ -145,7 +145,7 @@ class Backend {
   std::vector<LaunchTime> times_;
   std::function<void()> tile_hook_;
   std::function<void(const LaunchEvent&)> launch_hook_;
-  int open_launches_ = 0;  ///< launches inside of each other
+  int launch_depth_ = 0;  ///< depth of nested launches
 };
 
 /// Host: calls `work(tile)` for the tiles of `window`, on all threads of `backend`. Returns false if `stop` was
@@ -165,7 +165,7 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
-/// Reports `kernel` to the backend's hook, without the undefined bytes between its members.
+/// Reports a copy of `kernel` with zeroed padding to the backend's hook.
 template <PassKernel K>
 [[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
   K argument = kernel;

@@ -39,8 +39,8 @@ void check_size(const RenderSettings& settings) {
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 
-/// Name of launches that answer questions between frames.
-constexpr std::string_view kOutsideFrames = "statistics";
+/// Name of launches between frames. Statistics omit their times.
+constexpr std::string_view kBetweenFrames = "statistics";
 
 /// Sets a flag during its lifetime.
 class FrameMark {
@@ -125,7 +125,7 @@ uint32_t Session::frames_since_change() const {
 }
 
 double Session::kept_samples() const {
-  const uint64_t samples = state_->sum(kOutsideFrames, state_->buffers->view(kSamples));
+  const uint64_t samples = state_->sum(kBetweenFrames, state_->buffers->view(kSamples));
   return static_cast<double>(samples) / static_cast<double>(state_->rendered_pixels());
 }
 
@@ -156,7 +156,7 @@ double Session::estimated_error() const {
                           {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)},
                           state_->settings.crop.empty() ? all : state_->window(),
                           buffers.width()};
-  return relative_error({*state_->backend, kOutsideFrames, state_->scratch}, image);
+  return relative_error({*state_->backend, kBetweenFrames, state_->scratch}, image);
 }
 
 const Statistics& Session::statistics() const {
@@ -164,14 +164,14 @@ const Statistics& Session::statistics() const {
   s.statistics.frames = s.counters.frames;
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
-  s.statistics.nonfinite_samples = s.sum(kOutsideFrames, s.buffers->view(kNonfinite));
+  s.statistics.nonfinite_samples = s.sum(kBetweenFrames, s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes() + s.pool->spare_bytes();
   s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
   for (const LaunchTime& t : s.backend->times()) {
-    if (t.name != kOutsideFrames) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
+    if (t.name != kBetweenFrames) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
   }
   s.statistics.pass_statistics = s.passes.pipeline.statistics();
   return s.statistics;

@@ -14,7 +14,7 @@ struct KeyGroups {
   explicit KeyGroups(Memory& memory = host_memory()) : order(memory), begins(memory) {}
 
   Array<uint32_t> order;   ///< indices, group by group; ascending within a group
-  Array<uint32_t> begins;  ///< first index into `order` of each key, then the number of all
+  Array<uint32_t> begins;  ///< first index into `order` of each key, then the total
 
   size_t memory_bytes() const { return order.memory_bytes() + begins.memory_bytes(); }
 };
@@ -71,7 +71,7 @@ struct KeyTotalsKernel {
   }
 };
 
-/// Writes the indices of each part to their places; one call per part.
+/// Writes the indices of each part, from its offset for each key on; one call per part.
 template <typename Keys>
 struct OrderByKeyKernel {
   Keys keys;
@@ -79,17 +79,17 @@ struct OrderByKeyKernel {
   uint32_t key_count = 0;
   uint32_t part_size = 0;
   View<const uint32_t> begins;
-  View<uint32_t> places;  ///< counts of KeyTotalsKernel
+  View<uint32_t> offsets;  ///< counts of KeyTotalsKernel
   View<uint32_t> order;
 
   RELUME_HD void operator()(uint32_t part, uint32_t) const {
-    uint32_t* const places_here = places.data + size_t{part} * key_count;
-    for (uint32_t key = 0; key < key_count; ++key) places_here[key] += begins[key];
+    uint32_t* const offsets_here = offsets.data + size_t{part} * key_count;
+    for (uint32_t key = 0; key < key_count; ++key) offsets_here[key] += begins[key];
     const size_t begin = size_t{part} * part_size;
     const size_t end = begin + part_size < elements ? begin + part_size : elements;
     for (size_t i = begin; i < end; ++i) {
       const uint32_t key = keys(i);
-      if (key < key_count) order[places_here[key]++] = static_cast<uint32_t>(i);
+      if (key < key_count) order[offsets_here[key]++] = static_cast<uint32_t>(i);
     }
   }
 };

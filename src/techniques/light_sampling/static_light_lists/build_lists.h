@@ -40,7 +40,7 @@ class LightListBuilder {
   bool advance(Backend& backend, const SceneView& scene, const std::stop_token& stop);
 
   const LightGrid& grid() const { return grid_; }
-  /// Writes the lists from the rays so far: first index into `ids` of each cell, then the number of all.
+  /// Writes the lists from the rays traced so far. `first`: offset of each cell's list in `ids`, then the total.
   void write_lists(Backend& backend, Array<uint32_t>& first, Array<LightId>& ids);
   /// The same for host code.
   LightListData lists(Backend& backend);

@@ -70,7 +70,7 @@ void StaticLightListsPass::build_lists(const FrameContext& frame) {
   built_ = false;
 }
 
-void StaticLightListsPass::use(const LightListData& lists) {
+void StaticLightListsPass::assign_lists(const LightListData& lists) {
   grid_ = lists.grid;
   first_.assign(lists.first);
   ids_.assign(lists.ids);
@@ -124,7 +124,7 @@ void StaticLightListsPass::load(std::istream& in) {
   read_value(in, lists.grid.cells);
   read_vector(in, lists.first);
   read_vector(in, lists.ids);
-  use(lists);
+  assign_lists(lists);
   restored_ = is_consistent(lists, listed_);
   built_ = false;
   builder_.reset();

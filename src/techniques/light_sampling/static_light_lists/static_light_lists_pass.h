@@ -43,9 +43,9 @@ class StaticLightListsPass final : public Pass {
 
  private:
   void build_lists(const FrameContext& frame);
-  /// Makes the lists those of kernels.
-  void use(const LightListData& lists);
-  /// A copy of the lists, if complete.
+  /// Copies the lists to the arrays that kernels read.
+  void assign_lists(const LightListData& lists);
+  /// Returns a host copy of the lists, or empty lists while they are incomplete.
   LightListData complete_lists() const;
 
   StaticLightListsSettings settings_;

@@ -14,7 +14,7 @@ namespace {
 /// Maximum total length of lists: positions have 32 bits.
 constexpr uint64_t kMostListed = uint64_t{1} << 31;
 
-/// For kernels that only copy.
+/// Number of regions per tile of kernels that only copy.
 constexpr uint32_t kRegionsPerTile = 1024;
 
 }  // namespace
@@ -42,46 +42,49 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.old_lights = lights_.view();
   merge.light_count = lights.size;
   merge.memory = options.memory;
-  scratch.places.reset(regions, kUninitialized);
-  const uint64_t longest =
-      exclusive_scan({backend, "vlc.merge", scratch.primitives}, MergeBounds{merge}, scratch.places.mutable_view());
+  scratch.offsets.reset(regions, kUninitialized);
+  const uint64_t max_listed =
+      exclusive_scan({backend, "vlc.merge", scratch.primitives}, MergeBounds{merge}, scratch.offsets.mutable_view());
   scratch.lists.reset(regions, kUninitialized);
-  scratch.lights.reset(longest, kUninitialized);
-  fill(backend, "vlc.merge", scratch.lights.mutable_view(), 0u);  // gaps between lists are saved, too
-  merge.places = scratch.places.view();
+  scratch.lights.reset(max_listed, kUninitialized);
+  fill(backend, "vlc.merge", scratch.lights.mutable_view(), 0u);  // checkpoints include the gaps between lists
+  merge.offsets = scratch.offsets.view();
   merge.lights = scratch.lights.mutable_view();
   merge.lists = scratch.lists.mutable_view();
   launch(backend, "vlc.merge", merge, regions, 1);
 
-  lists_.swap(scratch.lists);
-  lights_.swap(scratch.lights);
   fill_buckets(backend, tree, lights, options, scratch);
   dropped_ = scratch.dropped.read();
+  // Nothing allocates from here on: all arrays change together, or none.
+  lists_.swap(scratch.lists);
+  lights_.swap(scratch.lights);
+  buckets_.swap(scratch.buckets);
+  entries_.swap(scratch.entries);
+  bucket_weights_.swap(scratch.bucket_weights);
 }
 
 void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                                const CacheBuildOptions& options, CacheScratch& scratch) {
-  const auto regions = static_cast<uint32_t>(lists_.size());
+  const auto regions = static_cast<uint32_t>(scratch.lists.size());
   const uint32_t size = options.bucket_size;
   scratch.buckets.reset(regions, kUninitialized);
   const View<LightBuckets> buckets = scratch.buckets.mutable_view();
-  const CountBucketsKernel count{lists_.view(), lights_.view(), buckets_.view(), size, options.hysteresis, buckets};
+  const CountBucketsKernel count{scratch.lists.view(), scratch.lights.view(), buckets_.view(), size, options.hysteresis, buckets};
   launch(backend, "vlc.buckets", count, regions, 1);
-  scratch.places.reset(regions, kUninitialized);
-  const uint64_t all = exclusive_scan({backend, "vlc.buckets", scratch.primitives},
-                                      BucketCounts{scratch.buckets.view()}, scratch.places.mutable_view());
-  launch(backend, "vlc.buckets", PlaceBucketsKernel{scratch.places.view(), size, buckets}, regions, 1, {},
+  scratch.offsets.reset(regions, kUninitialized);
+  const uint64_t bucket_count = exclusive_scan({backend, "vlc.buckets", scratch.primitives},
+                                               BucketCounts{scratch.buckets.view()}, scratch.offsets.mutable_view());
+  launch(backend, "vlc.buckets", SetBucketOffsetsKernel{scratch.offsets.view(), size, buckets}, regions, 1, {},
          kRegionsPerTile);
-  entries_.reset(all * size, kUninitialized);
-  bucket_weights_.reset(all, kUninitialized);
-  const FillBucketsKernel fill_in{lists_.view(), lights_.view(),          scratch.buckets.view(),
-                                  size,          entries_.mutable_view(), scratch.dropped.mutable_view()};
+  scratch.entries.reset(bucket_count * size, kUninitialized);
+  scratch.bucket_weights.reset(bucket_count, kUninitialized);
+  const FillBucketsKernel fill_in{scratch.lists.view(), scratch.lights.view(),          scratch.buckets.view(),
+                                  size,          scratch.entries.mutable_view(), scratch.dropped.mutable_view()};
   launch(backend, "vlc.buckets", fill_in, regions, 1);
   const BucketWeightsKernel weigh{
-      tree.view(), tree.links().parents.view(), scratch.buckets.view(),        entries_.view(), lights,
-      size,        options.even_buckets,        bucket_weights_.mutable_view()};
+      tree.view(), tree.links().parents.view(), scratch.buckets.view(),        scratch.entries.view(), lights,
+      size,        options.even_buckets,        scratch.bucket_weights.mutable_view()};
   launch(backend, "vlc.buckets", weigh, regions, 1);
-  buckets_.swap(scratch.buckets);
 }
 
 void LightCaches::populate(Backend& backend, const OctreeTree& next, CacheScratch& scratch) {
@@ -95,10 +98,12 @@ void LightCaches::populate(Backend& backend, const OctreeTree& next, CacheScratc
   lists_.swap(scratch.lists);
 }
 
-size_t LightCaches::region_bytes() const { return buckets_.memory_bytes() + lists_.memory_bytes(); }
+size_t LightCaches::region_bytes() const {
+  return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList);
+}
 
 size_t LightCaches::entry_bytes() const {
-  return entries_.memory_bytes() + lights_.memory_bytes() + bucket_weights_.memory_bytes();
+  return entries_.size() * sizeof(uint32_t) + lights_.size() * sizeof(uint32_t) + bucket_weights_.size() * sizeof(float);
 }
 
 bool LightCaches::consistent(uint32_t bucket_size, uint32_t light_count) const {

@@ -39,24 +39,29 @@ struct CacheScratch {
   explicit CacheScratch(Memory& memory = host_memory())
       : seen(memory),
         seen_counts(memory),
-        places(memory),
+        offsets(memory),
         lights(memory),
         lists(memory),
         buckets(memory),
+        entries(memory),
+        bucket_weights(memory),
         dropped(memory) {}
 
   Array<uint32_t> seen;         ///< distinct lights, parallel to SampleGroupsView::order
   Array<uint32_t> seen_counts;  ///< by leaf slot
-  Array<uint32_t> places;       ///< first list element or bucket, by leaf slot
-  Array<uint32_t> lights;       ///< next elements of lists
-  Array<LightList> lists;       ///< next lists, by leaf slot
-  Array<LightBuckets> buckets;  ///< next buckets, by leaf slot
+  Array<uint32_t> offsets;      ///< offset of the first list element, later of the first bucket, by leaf slot
+  Array<uint32_t> lights;       ///< list elements of the next caches
+  Array<LightList> lists;       ///< lists of the next caches, by leaf slot
+  Array<LightBuckets> buckets;  ///< buckets of the next caches, by leaf slot
+  Array<uint32_t> entries;      ///< of the next caches
+  Array<float> bucket_weights;  ///< of the next caches
   KernelValue<uint64_t> dropped;
   PrimitiveScratch primitives;
 
   size_t memory_bytes() const {
-    return seen.memory_bytes() + seen_counts.memory_bytes() + places.memory_bytes() + lights.memory_bytes() +
-           lists.memory_bytes() + buckets.memory_bytes() + primitives.memory_bytes();
+    return seen.memory_bytes() + seen_counts.memory_bytes() + offsets.memory_bytes() + lights.memory_bytes() +
+           lists.memory_bytes() + buckets.memory_bytes() + entries.memory_bytes() + bucket_weights.memory_bytes() +
+           primitives.memory_bytes();
   }
 };
 
@@ -90,8 +95,9 @@ class LightCaches {
   View<const uint32_t> entries() const { return entries_.view(); }
   /// Probability of each bucket. Those of a region begin at index (first entry / bucket size) and sum to one.
   View<const float> bucket_weights() const { return bucket_weights_.view(); }
-  /// For the host: the buckets of all regions, and lights of a region as CachedLight, sorted by id.
+  /// Buckets of all regions, for host code.
   std::span<const LightBuckets> read_buckets() const { return buckets_.read(); }
+  /// Lights of a region as CachedLight, sorted by id, for host code.
   View<const uint32_t> list(uint32_t region) const {
     const LightList list = lists_.read()[region];
     return {lights_.read().data() + list.first, list.count};
@@ -101,7 +107,10 @@ class LightCaches {
   /// Bytes of the data by leaf slot, and of lists, entries and weights.
   size_t region_bytes() const;
   size_t entry_bytes() const;
-  size_t memory_bytes() const { return region_bytes() + entry_bytes(); }
+  size_t memory_bytes() const {
+    return buckets_.memory_bytes() + lists_.memory_bytes() + entries_.memory_bytes() + lights_.memory_bytes() +
+           bucket_weights_.memory_bytes();
+  }
 
   /// Whether ids are below `light_count`, and probabilities sum to one without empty buckets. Detects damaged
   /// checkpoints.
@@ -111,7 +120,7 @@ class LightCaches {
   void load(std::istream& in);
 
  private:
-  /// Sorts the new lists into buckets and computes the weights.
+  /// Sorts the new lists, in `scratch`, into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                     const CacheBuildOptions& options, CacheScratch& scratch);
 
@@ -145,7 +154,7 @@ struct MergeLightsKernel {
   View<const uint32_t> old_lights;
   uint32_t light_count = 0;
   uint32_t memory = 0;
-  View<const uint32_t> places;  ///< by region: first index in `lights`
+  View<const uint32_t> offsets;  ///< by region: first index in `lights`
   View<uint32_t> lights;
   View<LightList> lists;
 
@@ -169,12 +178,12 @@ struct BucketCounts {
 };
 
 /// Sets the first entry of each region.
-struct PlaceBucketsKernel {
-  View<const uint32_t> places;  ///< number of buckets of earlier regions, by region
+struct SetBucketOffsetsKernel {
+  View<const uint32_t> offsets;  ///< number of buckets of earlier regions, by region
   uint32_t bucket_size = 32;
   View<LightBuckets> buckets;
 
-  RELUME_HD void operator()(uint32_t region, uint32_t) const { buckets[region].first = places[region] * bucket_size; }
+  RELUME_HD void operator()(uint32_t region, uint32_t) const { buckets[region].first = offsets[region] * bucket_size; }
 };
 
 /// Copies the cache of each region's origin.

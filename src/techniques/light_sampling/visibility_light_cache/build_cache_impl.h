@@ -132,9 +132,9 @@ RELUME_HD inline void MergeLightsKernel::operator()(uint32_t region, uint32_t) c
     for (uint32_t k = 0; k < lists_here; ++k) {
       if (head[k] != end[k] && *head[k] == least) ++head[k];
     }
-    if (age <= memory && least < light_count) lights[places[region] + written++] = CachedLight::pack(least, age);
+    if (age <= memory && least < light_count) lights[offsets[region] + written++] = CachedLight::pack(least, age);
   }
-  lists[region] = {places[region], written};
+  lists[region] = {offsets[region], written};
 }
 
 RELUME_HD inline void CountBucketsKernel::operator()(uint32_t region, uint32_t) const {

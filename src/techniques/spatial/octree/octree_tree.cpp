@@ -88,7 +88,7 @@ void OctreeTree::load(std::istream& in) {
     return in.setstate(std::ios::failbit);
   }
   augment(*this, {}, [this](const auto& kernel, uint32_t count) {
-    nodes_.read();  // on the host, which needs access to what the kernels access
+    nodes_.read();  // opens the arrays, because the kernels run on the host here
     links_.parents.write();
     links_.neighbours.write();
     links_.previous.write();
@@ -127,19 +127,19 @@ void OctreeTree::mark(Backend& backend, View<const uint32_t> counts, const Octre
   const uint32_t room = limits.max_nodes - std::min(limits.max_nodes, node_count());
   const OctreeSplits splits{scratch.split.view()};
   if (reduce<Sum<uint64_t>>(at, splits, node_count()) <= room) return;
-  scratch.places.reset(nodes_.size(), kUninitialized);
-  exclusive_scan(at, splits, scratch.places.mutable_view());
-  const OctreeLimitSplitsKernel limit{scratch.places.view(), room, scratch.split.mutable_view()};
+  scratch.offsets.reset(nodes_.size(), kUninitialized);
+  exclusive_scan(at, splits, scratch.offsets.mutable_view());
+  const OctreeLimitSplitsKernel limit{scratch.offsets.view(), room, scratch.split.mutable_view()};
   launch(backend, at.name, limit, node_count(), 1, {}, kNodesPerTile);
 }
 
 void OctreeTree::rebuild(Backend& backend, OctreeScratch& scratch, Array<uint32_t>& next) const {
   const PrimitiveLaunch at{backend, "octree.rebuild", scratch.primitives};
   const OctreeChanges changes{nodes_.view(), scratch.split.view(), scratch.collapse.view()};
-  scratch.places.reset(nodes_.size(), kUninitialized);
-  const uint64_t inner = exclusive_scan(at, changes, scratch.places.mutable_view());
+  scratch.offsets.reset(nodes_.size(), kUninitialized);
+  const uint64_t inner = exclusive_scan(at, changes, scratch.offsets.mutable_view());
   next.reset(1 + inner, kUninitialized);
-  const OctreeRebuildKernel kernel{changes, scratch.places.view(), next.mutable_view()};
+  const OctreeRebuildKernel kernel{changes, scratch.offsets.view(), next.mutable_view()};
   launch(backend, at.name, kernel, node_count(), 1, {}, kNodesPerTile);
 }
 

@@ -18,20 +18,20 @@ struct OctreeThresholds {
   uint32_t collapse = 2048;
   uint32_t split = 4096;
   uint32_t max_depth = 16;
-  uint32_t max_nodes = kMaxOctreeNodes;  ///< leaves whose nodes would exceed it are not split
+  uint32_t max_nodes = kMaxOctreeNodes;  ///< limit on nodes; leaves are not split beyond it
 };
 
 /// Temporary memory for OctreeTree::adapted(), which callers keep between frames.
 struct OctreeScratch {
-  explicit OctreeScratch(Memory& memory = host_memory()) : split(memory), collapse(memory), places(memory) {}
+  explicit OctreeScratch(Memory& memory = host_memory()) : split(memory), collapse(memory), offsets(memory) {}
 
   Array<uint8_t> split;     ///< by node
   Array<uint8_t> collapse;  ///< by node
-  Array<uint32_t> places;   ///< by node
+  Array<uint32_t> offsets;  ///< by node: number of splits, later of inner children, in earlier nodes
   PrimitiveScratch primitives;
 
   size_t memory_bytes() const {
-    return split.memory_bytes() + collapse.memory_bytes() + places.memory_bytes() + primitives.memory_bytes();
+    return split.memory_bytes() + collapse.memory_bytes() + offsets.memory_bytes() + primitives.memory_bytes();
   }
 };
 
@@ -85,10 +85,10 @@ class OctreeTree {
   /// Computes the links. `run`: runs a kernel for a number of elements × 1.
   template <typename Run>
   void augment(const OctreeTree& previous, View<const uint32_t> counts, const Run& run);
-  /// Marks what changes, in `scratch`.
+  /// Marks leaves to split and nodes to join, in `scratch`.
   void mark(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds,
             OctreeScratch& scratch) const;
-  /// The nodes of the next tree.
+  /// Writes the nodes of the next tree to `next`.
   void rebuild(Backend& backend, OctreeScratch& scratch, Array<uint32_t>& next) const;
 
   Vec3 corner_{0};
@@ -153,21 +153,21 @@ struct OctreeSplits {
 
 /// Keeps the first `room` leaves to split, in the order of their numbers.
 struct OctreeLimitSplitsKernel {
-  View<const uint32_t> places;  ///< number of leaves to split in earlier nodes, by node
+  View<const uint32_t> offsets;  ///< number of leaves to split in earlier nodes, by node
   uint32_t room = 0;
   View<uint8_t> split;
 
   RELUME_HD void operator()(uint32_t node, uint32_t) const {
     uint32_t kept = 0;
-    uint32_t place = places[node];
+    uint32_t offset = offsets[node];
     for (uint32_t child = 0; child < 8; ++child) {
-      if (((split[node] >> child) & 1u) && place++ < room) kept |= 1u << child;
+      if (((split[node] >> child) & 1u) && offset++ < room) kept |= 1u << child;
     }
     split[node] = static_cast<uint8_t>(kept);
   }
 };
 
-/// The next tree's form of a node that stays.
+/// The children of a remaining node in the next tree.
 struct OctreeChanges {
   View<const uint32_t> nodes;
   View<const uint8_t> split;
@@ -193,7 +193,7 @@ struct OctreeChanges {
 /// of a depth keep their order, so the children of a node follow those of all earlier nodes.
 struct OctreeRebuildKernel {
   OctreeChanges changes;
-  View<const uint32_t> places;  ///< number of inner children of all earlier nodes
+  View<const uint32_t> offsets;  ///< number of inner children of all earlier nodes
   View<uint32_t> next;
 
   RELUME_HD void operator()(uint32_t node, uint32_t) const {
@@ -201,18 +201,18 @@ struct OctreeRebuildKernel {
     if (changes.collapse[node] != 0) return;
     const uint32_t word = changes.nodes[node];
     const uint32_t mask = changes.leaf_mask(node);
-    uint32_t place = 1 + places[node];
+    uint32_t offset = 1 + offsets[node];
     for (uint32_t child = 0; child < 8; ++child) {
       if ((mask >> child) & 1u) continue;
       const bool was_leaf = (word >> child) & 1u;
-      next[place++] = was_leaf ? make_octree_node(0, 0xffu) : word_of(octree_inner_child(word, child));
+      next[offset++] = was_leaf ? make_octree_node(0, 0xffu) : word_of(octree_inner_child(word, child));
     }
   }
 
  private:
   RELUME_HD uint32_t word_of(uint32_t node) const {
     const uint32_t mask = changes.leaf_mask(node);
-    return make_octree_node(mask == 0xffu ? 0u : 1 + places[node], mask);
+    return make_octree_node(mask == 0xffu ? 0u : 1 + offsets[node], mask);
   }
 };
 

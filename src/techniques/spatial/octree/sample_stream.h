@@ -39,7 +39,7 @@ inline constexpr uint32_t kVisibleLight = 0x80000000u;
 struct SampleGroupsView {
   View<const VertexSample> samples;
   View<const uint32_t> order;    ///< addresses, region by region
-  View<const uint32_t> offsets;  ///< first index into `order`, by leaf slot; then the number of all
+  View<const uint32_t> offsets;  ///< first index into `order`, by leaf slot; then the total
   View<const uint32_t> counts;   ///< number of records, by leaf slot
 
   RELUME_HD const VertexSample& sample(uint32_t region, uint32_t i) const {

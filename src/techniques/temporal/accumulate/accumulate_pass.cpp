@@ -106,7 +106,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
 
 double relative_error(const PrimitiveLaunch& at, const ImageErrors& image) {
   const ImageErrorSums sums = reduce<AddImageErrors>(at, image, image.pixels());
-  if (sums.few > 0) return std::numeric_limits<double>::infinity();
+  if (sums.undersampled > 0) return std::numeric_limits<double>::infinity();
   if (sums.luminance <= 0) return 0;
   return std::sqrt(sums.variance / image.pixels()) / (sums.luminance / image.pixels());
 }

@@ -18,16 +18,16 @@ struct SplatImageBuffers {
 
 /// Sums over pixels.
 struct ImageErrorSums {
-  double variance = 0;   ///< of the pixels' means
-  double luminance = 0;  ///< of the pixels' means
-  uint32_t few = 0;      ///< 1 if a pixel has fewer than two samples
+  double variance = 0;        ///< of the pixels' means
+  double luminance = 0;       ///< of the pixels' means
+  uint32_t undersampled = 0;  ///< 1 if any pixel has fewer than two samples
 };
 
 struct AddImageErrors {
   using Value = ImageErrorSums;
   RELUME_HD static constexpr Value identity() { return {}; }
   RELUME_HD static constexpr Value combine(const Value& a, const Value& b) {
-    return {a.variance + b.variance, a.luminance + b.luminance, a.few | b.few};
+    return {a.variance + b.variance, a.luminance + b.luminance, a.undersampled | b.undersampled};
   }
 };
 
