@@ -86,7 +86,7 @@ class AccelStructure {
   /// Valid until the structure is destroyed, also after updates.
   virtual AccelView view() const = 0;
 
-  /// Lets rays be traced by host code until the next launch.
+  /// Makes the structure readable by host code, which may trace rays until the next launch.
   virtual void open_for_host() const {}
 
   /// Bytes allocated for the structure.

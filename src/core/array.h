@@ -35,7 +35,7 @@ class Memory {
 /// The memory of the processor. The host may always access it. Lives as long as the process.
 Memory& host_memory();
 
-/// Requests elements without a value: the host or a kernel writes them before anything reads them.
+/// Tag for uninitialised elements. The host or a kernel writes them before the first read.
 struct Uninitialized {};
 inline constexpr Uninitialized kUninitialized;
 
@@ -44,15 +44,15 @@ namespace detail {
 [[noreturn]] void fail_array_size(size_t elements);
 }  // namespace detail
 
-/// Owns elements that kernels access. Views and spans of it are valid until its size changes or it is destroyed; spans
-/// also end with the next launch. Functions that take a number of elements throw std::length_error above kMaxSize, and
-/// std::bad_alloc without memory.
+/// Owns elements that kernels access.
+/// Views are valid until the size changes or the array is destroyed; spans only until the next launch.
+/// Throws std::length_error above kMaxSize elements, std::bad_alloc if allocation fails.
 template <typename T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>, "kernels access plain data only");
 
  public:
-  /// Views count elements with 32 bits.
+  /// Limit of the 32-bit element count of views.
   static constexpr size_t kMaxSize = std::numeric_limits<uint32_t>::max();
 
   /// An empty array, which takes its elements from `memory`. The memory must outlive it.
@@ -64,7 +64,7 @@ class Array {
     if (this != &other) assign(other.read());
     return *this;
   }
-  /// Moves hand over the elements and their memory. `other` is then empty.
+  /// Transfers the elements and their memory. `other` is then empty.
   Array(Array&& other) noexcept
       : memory_(other.memory_),
         data_(std::exchange(other.data_, nullptr)),
@@ -113,19 +113,20 @@ class Array {
   void reset(size_t count, Uninitialized) {
     if (count > capacity_) {
       check(count);
+      T* const block = allocate(count);
       release();
-      data_ = allocate(count);
+      data_ = block;
       capacity_ = count;
     }
     size_ = count;
   }
-  /// Keeps the first elements; new ones are T{}. Repeated growth allocates rarely.
+  /// Sets the size. Keeps the first elements; new ones are T{}. Growth doubles the capacity.
   void resize(size_t count) {
     const size_t old = size_;
     resize(count, kUninitialized);
     construct(old);
   }
-  /// Keeps the first elements; new ones have no value.
+  /// The same, with uninitialised new elements.
   void resize(size_t count, Uninitialized) {
     if (count > capacity_) grow(count);
     size_ = count;

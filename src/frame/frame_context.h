@@ -87,8 +87,8 @@ class FrameContext : public FrameState {
     return buffers_.previous(key);
   }
 
-  /// A buffer for a pass that reads it after its frame, on the host; nullptr if this frame lacks it. Valid as long as
-  /// the pass. Checks as read().
+  /// Returns a buffer that the pass may read on the host after the frame; nullptr if the frame lacks it. Valid as long
+  /// as the pass. Checks access like read().
   template <typename T>
   const Buffer* buffer(const BufferKey<T>& key) const {
     if (access_) access_->check_read(key);

@@ -91,7 +91,7 @@ class Pass {
   virtual void load(std::istream&) {}
 };
 
-/// Constructs a pass. `memory` is its last argument if it owns data for kernels.
+/// Constructs a P. Appends `memory` to the arguments if its constructor accepts it.
 template <typename P, typename... Arguments>
 std::unique_ptr<P> make_pass(Memory& memory, Arguments&&... arguments) {
   if constexpr (std::is_constructible_v<P, Arguments..., Memory&>) {

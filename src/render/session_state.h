@@ -54,7 +54,7 @@ inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Mem
 }
 
 struct Session::State {
-  /// Kernels access `memory`.
+  /// `memory`: for all data that kernels access; it must outlive the state.
   State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory = host_memory())
       : settings(s),
         hash(relume::scene_hash(source)),

@@ -91,7 +91,7 @@ class CompiledScene {
   SceneBounds bounds() const { return view_.lights.bounds; }
 
  private:
-  /// Lets host code read all that the view refers to until the next launch.
+  /// Makes all arrays of the view readable by host code until the next launch.
   void open_for_host() const;
 
   struct MeshInstance {

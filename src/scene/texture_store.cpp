@@ -108,7 +108,8 @@ TextureView build(const Texture& texture, Array<TexelBytes>& texels) {
     view.level_count = level + 1;
     if (view.level_width(level) == 1 && view.level_height(level) == 1) break;
   }
-  texels.reset(static_cast<size_t>(count) * texel_size(texture.format) / sizeof(TexelBytes));  // blocks of 16 texels
+  // Texels come in blocks of 16, so the division is exact.
+  texels.reset(static_cast<size_t>(count) * texel_size(texture.format) / sizeof(TexelBytes));
   auto* const target = reinterpret_cast<std::byte*>(texels.write().data());
   view.texels = target;
   copy_base(texture, target);

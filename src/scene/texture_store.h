@@ -11,7 +11,7 @@
 
 namespace relume {
 
-/// Bytes of texels, the unit of their arrays: textures may have more bytes than an array has elements.
+/// 16 bytes of texels. Textures may have more bytes than an array may have elements.
 struct alignas(16) TexelBytes {
   std::byte bytes[16];
 };

@@ -58,7 +58,7 @@ struct PopulateQuadtreesKernel {
   }
 };
 
-/// Counts the regions that have the same origin.
+/// Counts the regions of each origin.
 struct CountSuccessorsKernel {
   View<const uint32_t> previous;  ///< origin by region
   View<uint32_t> successors;      ///< by origin; zero before

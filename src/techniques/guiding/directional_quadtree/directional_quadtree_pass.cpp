@@ -78,9 +78,8 @@ void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, boo
   next_trees_.reset(bit_count(), regions.width);
   const PopulateQuadtreesKernel kernel{previous, keep ? trees_.view() : QuadtreeArray{}, next_trees_.view()};
   frame.launch("cdq.populate", kernel, regions);
-  std::swap(trees_, next_trees_);
   if (!remembers || !keep) weights_.clear();
-  if (!remembers) return;
+  if (!remembers) return std::swap(trees_, next_trees_);
   successors_.reset(weights_.size(), kUninitialized);
   next_weights_.reset(regions.width, kUninitialized);
   if (!weights_.empty()) {
@@ -89,6 +88,7 @@ void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, boo
   }
   const InheritWeightsKernel inherit{previous, successors_.view(), weights_.view(), next_weights_.mutable_view()};
   frame.launch("cdq.populate", inherit, regions);
+  std::swap(trees_, next_trees_);
   weights_.swap(next_weights_);
 }
 
@@ -100,7 +100,7 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
   };
   const auto read = [this] {
     std::vector<Leaf> leaves;
-    Quadtrees copy = trees_;  // because their view can write
+    Quadtrees copy = trees_;  // write() needs a mutable object
     const QuadtreeArray trees = copy.write();
     for (uint32_t region = 0; region < copy.size(); ++region) {
       if (!octree_.tree().is_leaf(region)) continue;

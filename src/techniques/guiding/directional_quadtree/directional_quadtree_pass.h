@@ -27,7 +27,7 @@ class Quadtrees {
   /// The trees for host code.
   QuadtreeArray write() { return {mutable_view_of(words_.write()), bit_count_}; }
   Memory& memory() const { return words_.memory(); }
-  /// Makes room for trees, which have no value.
+  /// Allocates uninitialised trees.
   void reset(uint32_t bit_count, uint32_t regions) {
     bit_count_ = bit_count;
     words_.reset(size_t{regions} * (bit_count / 32), kUninitialized);
@@ -90,11 +90,11 @@ class DirectionalQuadtreePass final : public Pass {
   const OctreePass& octree_;
   DirectionSampler directions_;
   Quadtrees trees_;
-  Quadtrees next_trees_;  ///< memory for the next octree's
+  Quadtrees next_trees_;  ///< buffer for the next octree, swapped with trees_
   Snapshot<Quadtrees> snapshot_;
   Array<QuadtreeWeights> weights_;       ///< weights by leaf slot; empty if none outlast a frame
-  Array<QuadtreeWeights> next_weights_;  ///< memory for the next octree's
-  Array<uint32_t> successors_;           ///< number of the next octree's regions that stem from a region
+  Array<QuadtreeWeights> next_weights_;  ///< buffer for the next octree, swapped with weights_
+  Array<uint32_t> successors_;           ///< number of next regions, by origin
   KernelValue<uint64_t> moved_;          ///< number of migrations in the last frame
 };
 
