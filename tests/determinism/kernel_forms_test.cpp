@@ -94,8 +94,8 @@ std::string case_name(const ::testing::TestParamInfo<FormsCase>& info) { return 
 
 // Refraction, and animated instances, with one structure each.
 INSTANTIATE_TEST_SUITE_P(Some, KernelForms,
-                         ::testing::Values(FormsCase{find_builtin_scene("cornell-glass"), AccelChoice::embree},
-                                           FormsCase{find_builtin_scene("turntable"), AccelChoice::bvh}),
+                         ::testing::Values(FormsCase{find_builtin_scene("cornell-glass"), AccelChoice::bvh},
+                                           FormsCase{find_builtin_scene("turntable"), AccelChoice::embree}),
                          case_name);
 INSTANTIATE_TEST_SUITE_P(SlowAll, KernelForms, ::testing::ValuesIn(all_cases()), case_name);
 

@@ -186,34 +186,41 @@ void permit_constants(testing::WalledMemory& memory, const SceneView& scene) {
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory.
 TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
-  constexpr int kShown = 7;
+#if !__has_builtin(__builtin_clear_padding)
+  GTEST_SKIP() << "the compiler cannot clear padding, which may look like an address";
+#endif
+  constexpr int kShown = 5;
   const std::filesystem::path file = checkpoint_file("walled_" + std::string(GetParam().name));
-  testing::WalledMemory memory;
-  const RenderSettings settings = settings_of(GetParam(), 2);
-  {
-    Session walled = make_session(build("turntable"), settings, memory);
-    on_launch(walled, [&](const LaunchEvent& event) {
-      switch (event.kind) {
-        case LaunchEvent::Kind::kernel:
-          permit_constants(memory, compiled_scene(walled).view());
-          return memory.check_kernel(event.name, event.argument);
-        case LaunchEvent::Kind::begins: return memory.begin_launch(event.name);
-        case LaunchEvent::Kind::ends: return memory.end_launch();
-      }
-    });
-    memory.end_launch();
-    render(walled, 0, kShown);
-    walled.statistics();
-    for (const RecordTable& table : walled.record_tables()) walled.records(table.name);
-    walled.save_checkpoint(file);
-    walled.load_checkpoint(file);
-    render(walled, kShown, kShown + 2);
-    Session plain = session(2);
-    render(plain, 0, kShown + 2);
-    EXPECT_EQ(bits_of(walled), bits_of(plain));
+  for (const bool scalar : {false, true}) {
+    testing::WalledMemory memory;
+    RenderSettings settings = settings_of(GetParam(), 2);
+    settings.scalar_kernels = scalar;
+    settings.accel = scalar ? AccelChoice::bvh : AccelChoice::embree;  // the forms of a device, and those of the host
+    {
+      Session walled = make_session(build("turntable"), settings, memory);
+      on_launch(walled, [&](const LaunchEvent& event) {
+        switch (event.kind) {
+          case LaunchEvent::Kind::kernel:
+            permit_constants(memory, compiled_scene(walled).view());
+            return memory.check_kernel(event.name, event.argument);
+          case LaunchEvent::Kind::begins: return memory.begin_launch(event.name);
+          case LaunchEvent::Kind::ends: return memory.end_launch();
+        }
+      });
+      memory.end_launch();
+      render(walled, 0, kShown);
+      walled.statistics();
+      for (const RecordTable& table : walled.record_tables()) walled.records(table.name);
+      walled.save_checkpoint(file);
+      walled.load_checkpoint(file);
+      render(walled, kShown, kShown + 2);
+      Session plain(build("turntable"), settings);
+      render(plain, 0, kShown + 2);
+      EXPECT_EQ(bits_of(walled), bits_of(plain));
+    }
+    for (const std::string& violation : memory.violations()) ADD_FAILURE() << violation;
   }
   std::filesystem::remove(file);
-  for (const std::string& violation : memory.violations()) ADD_FAILURE() << violation;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(technique_checks().determinism),

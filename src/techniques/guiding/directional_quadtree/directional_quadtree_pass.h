@@ -35,6 +35,8 @@ class Quadtrees {
   uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
   uint32_t bit_count() const { return bit_count_; }
   size_t memory_bytes() const { return words_.memory_bytes(); }
+  /// Bytes of the trees, without spare memory.
+  size_t data_bytes() const { return words_.size() * sizeof(words_.read()[0]); }
   void save(std::ostream& out) const { write_array(out, words_); }
   /// Sets the stream's failbit and clears the trees unless all are quadtrees of bit_count() bits.
   void load(std::istream& in);
@@ -68,7 +70,7 @@ class DirectionalQuadtreePass final : public Pass {
   }
   std::vector<PassStatistic> statistics() const override {
     return {{"migrations", static_cast<double>(moved_.read())},
-            {"quadtree-bytes", static_cast<double>(trees_.memory_bytes())},
+            {"quadtree-bytes", static_cast<double>(trees_.data_bytes())},
             {"memory-bytes", static_cast<double>(weights_.size() * sizeof(QuadtreeWeights))}};
   }
   std::vector<PassRecords> records() const override;

@@ -69,7 +69,8 @@ void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<co
   const uint32_t size = options.bucket_size;
   scratch.buckets.reset(regions, kUninitialized);
   const View<LightBuckets> buckets = scratch.buckets.mutable_view();
-  const CountBucketsKernel count{scratch.lists.view(), scratch.lights.view(), buckets_.view(), size, options.hysteresis, buckets};
+  const CountBucketsKernel count{
+      scratch.lists.view(), scratch.lights.view(), buckets_.view(), size, options.hysteresis, buckets};
   launch(backend, "vlc.buckets", count, regions, 1);
   scratch.offsets.reset(regions, kUninitialized);
   const uint64_t bucket_count = exclusive_scan({backend, "vlc.buckets", scratch.primitives},
@@ -78,12 +79,18 @@ void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<co
          kRegionsPerTile);
   scratch.entries.reset(bucket_count * size, kUninitialized);
   scratch.bucket_weights.reset(bucket_count, kUninitialized);
-  const FillBucketsKernel fill_in{scratch.lists.view(), scratch.lights.view(),          scratch.buckets.view(),
-                                  size,          scratch.entries.mutable_view(), scratch.dropped.mutable_view()};
+  const FillBucketsKernel fill_in{scratch.lists.view(),           scratch.lights.view(),
+                                  scratch.buckets.view(),         size,
+                                  scratch.entries.mutable_view(), scratch.dropped.mutable_view()};
   launch(backend, "vlc.buckets", fill_in, regions, 1);
-  const BucketWeightsKernel weigh{
-      tree.view(), tree.links().parents.view(), scratch.buckets.view(),        scratch.entries.view(), lights,
-      size,        options.even_buckets,        scratch.bucket_weights.mutable_view()};
+  const BucketWeightsKernel weigh{tree.view(),
+                                  tree.links().parents.view(),
+                                  scratch.buckets.view(),
+                                  scratch.entries.view(),
+                                  lights,
+                                  size,
+                                  options.even_buckets,
+                                  scratch.bucket_weights.mutable_view()};
   launch(backend, "vlc.buckets", weigh, regions, 1);
 }
 
@@ -103,7 +110,8 @@ size_t LightCaches::region_bytes() const {
 }
 
 size_t LightCaches::entry_bytes() const {
-  return entries_.size() * sizeof(uint32_t) + lights_.size() * sizeof(uint32_t) + bucket_weights_.size() * sizeof(float);
+  return entries_.size() * sizeof(uint32_t) + lights_.size() * sizeof(uint32_t) +
+         bucket_weights_.size() * sizeof(float);
 }
 
 bool LightCaches::consistent(uint32_t bucket_size, uint32_t light_count) const {
