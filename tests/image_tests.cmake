@@ -3,7 +3,7 @@
 # tests fill the cores at the end.
 function(relume_add_image_tests name)
   add_executable(${name}_tests ${ARGN})
-  target_link_libraries(${name}_tests PRIVATE test_support relume_flags GTest::gtest_main)
+  target_link_libraries(${name}_tests PRIVATE test_support relume_testing relume_flags GTest::gtest_main)
   relume_use_test_headers(${name}_tests)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -*Slow*:*Shared*
     PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT} COST 5)

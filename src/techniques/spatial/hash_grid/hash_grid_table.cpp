@@ -21,31 +21,8 @@ constexpr uint32_t kAnywhere = kNoCell;
 
 uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintenanceRow - 1) / kMaintenanceRow); }
 
-template <typename T>
-void put(std::span<std::byte>& bytes, const T& value) {
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  bytes = bytes.subspan(sizeof(T));
-}
-
-template <typename T>
-T take(std::span<const std::byte>& bytes) {
-  T value;
-  std::memcpy(&value, bytes.data(), sizeof(T));
-  bytes = bytes.subspan(sizeof(T));
-  return value;
-}
-
 /// Maximum number of cells between frames: seven eighths of the slots, so that probing ends.
 uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slots} * 7 / 8); }
-
-/// A checkpoint has the number of slots, counters and all cells.
-constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 4 * sizeof(uint64_t);
-constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
-
-struct SavedCell {
-  CellAddress address;
-  CellHistory history;
-};
 
 /// Number of distinct keys of waiting samples. None of them is in the table.
 uint64_t distinct_keys(std::span<const WaitingSample> samples, const CellKeys& keys) {
@@ -54,22 +31,6 @@ uint64_t distinct_keys(std::span<const WaitingSample> samples, const CellKeys& k
     fingerprints[i] = keys.address(samples[i].point, samples[i].coarser).fingerprint;
   std::sort(fingerprints.begin(), fingerprints.end());
   return static_cast<uint64_t>(std::unique(fingerprints.begin(), fingerprints.end()) - fingerprints.begin());
-}
-
-/// The cells after the header of a checkpoint; empty if any is invalid.
-std::vector<SavedCell> read_cells(std::span<const std::byte> bytes) {
-  std::vector<SavedCell> cells(bytes.size() / kSavedCellBytes);
-  for (SavedCell& cell : cells) {
-    cell.address.fingerprint = take<uint64_t>(bytes);
-    cell.address.bucket_hash = take<uint32_t>(bytes);
-    cell.history = take<CellHistory>(bytes);
-    if (cell.address.fingerprint == 0 || !is_finite(cell.history.moments.count)) return {};
-  }
-  std::vector<uint64_t> fingerprints;
-  for (const SavedCell& cell : cells) fingerprints.push_back(cell.address.fingerprint);
-  std::sort(fingerprints.begin(), fingerprints.end());
-  const bool unique = std::adjacent_find(fingerprints.begin(), fingerprints.end()) == fingerprints.end();
-  return unique ? cells : std::vector<SavedCell>{};
 }
 
 }  // namespace
@@ -109,25 +70,27 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
   return static_cast<uint32_t>(std::min(std::max(live * kSlotsPerCell, uint64_t{kMinSlots}), uint64_t{limit_}));
 }
 
-void HashGrid::allocate(uint32_t slots) {
-  Memory& memory = fingerprints_.memory();
-  Array<uint64_t> fingerprints(memory);
-  Array<uint32_t> bucket_hashes(memory);
-  Array<uint32_t> parents(memory);
-  Array<CellSums> sums(memory);
-  Array<CellHistory> histories(memory);
-  fingerprints.reset(slots);
-  bucket_hashes.reset(slots);
-  parents.assign(slots, kNoCell);
-  sums.reset(slots);
-  histories.reset(slots);
-  // Nothing allocates from here on: all tables change together, or none.
-  fingerprints_.swap(fingerprints);
-  bucket_hashes_.swap(bucket_hashes);
-  parents_.swap(parents);
-  sums_.swap(sums);
-  histories_.swap(histories);
+HashGrid::Slots::Slots(uint32_t count, Memory& memory)
+    : fingerprints(memory), bucket_hashes(memory), parents(memory), sums(memory), histories(memory) {
+  fingerprints.reset(count);
+  bucket_hashes.reset(count);
+  parents.assign(count, kNoCell);
+  sums.reset(count);
+  histories.reset(count);
+}
+
+void HashGrid::exchange(Slots& slots) {
+  fingerprints_.swap(slots.fingerprints);
+  bucket_hashes_.swap(slots.bucket_hashes);
+  parents_.swap(slots.parents);
+  sums_.swap(slots.sums);
+  histories_.swap(slots.histories);
   tally_.write().longest = 0;
+}
+
+void HashGrid::allocate(uint32_t count) {
+  Slots slots(count, fingerprints_.memory());
+  exchange(slots);
 }
 
 HashGridView HashGrid::view(const CameraView& camera) {
@@ -277,25 +240,21 @@ void HashGrid::clear() {
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
-  const Array<uint64_t> fingerprints = std::move(fingerprints_);
-  const Array<uint32_t> bucket_hashes = std::move(bucket_hashes_);
-  const Array<uint32_t> parents = std::move(parents_);
-  const Array<CellSums> sums = std::move(sums_);
-  const Array<CellHistory> histories = std::move(histories_);
-  allocate(slots);
+  Slots old(slots, fingerprints_.memory());
+  exchange(old);
   const HashGridView target = placing_view(kAnywhere);
-  const uint32_t rows = rows_of(fingerprints.size());
+  const uint32_t rows = rows_of(old.fingerprints.size());
   uint32_t* const longest = &tally_.mutable_view().data->longest;
-  const MoveCellsKernel cells{fingerprints.view(),
-                              bucket_hashes.view(),
-                              sums.view(),
-                              histories.view(),
+  const MoveCellsKernel cells{old.fingerprints.view(),
+                              old.bucket_hashes.view(),
+                              old.sums.view(),
+                              old.histories.view(),
                               target,
                               histories_.mutable_view(),
                               longest};
   launch(backend, "cells", cells, kMaintenanceRow, rows);
   if (counters().inherited_cells > 0) {
-    const MoveParentsKernel links{fingerprints.view(), bucket_hashes.view(), parents.view(), target};
+    const MoveParentsKernel links{old.fingerprints.view(), old.bucket_hashes.view(), old.parents.view(), target};
     launch(backend, "cells", links, kMaintenanceRow, rows);
   }
   tally_.write().census.taken = census().live;
@@ -343,70 +302,6 @@ HashGridStatistics HashGrid::statistics() const {
   s.rebuilds = rebuilds_;
   s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample);
   return s;
-}
-
-std::vector<std::byte> HashGrid::save() const {
-  const std::span<const uint64_t> fingerprints = fingerprints_.read();
-  const std::span<const uint32_t> bucket_hashes = bucket_hashes_.read();
-  const std::span<const CellHistory> histories = histories_.read();
-  // Cells without a history were inserted by an abandoned frame or evicted.
-  const auto is_saved = [&](size_t i) {
-    return fingerprints[i] != 0 && !(has_abandoned_keys_ && histories[i].empty());
-  };
-  size_t cells = 0;
-  for (size_t i = 0; i < fingerprints.size(); ++i) cells += is_saved(i) ? 1 : 0;
-  std::vector<std::byte> bytes(kSavedHeaderBytes + cells * kSavedCellBytes);
-  std::span<std::byte> rest = bytes;
-  put(rest, static_cast<uint32_t>(fingerprints.size()));
-  put(rest, expected_cells_);
-  put(rest, counters());
-  put(rest, evicted_);
-  put(rest, discarded_);
-  put(rest, inherited_);
-  for (size_t i = 0; i < fingerprints.size(); ++i) {
-    if (!is_saved(i)) continue;
-    put(rest, fingerprints[i]);
-    put(rest, bucket_hashes[i]);
-    put(rest, histories[i]);
-  }
-  return bytes;
-}
-
-bool HashGrid::load(std::span<const std::byte> bytes) {
-  if (bytes.size() < kSavedHeaderBytes || (bytes.size() - kSavedHeaderBytes) % kSavedCellBytes != 0) return false;
-  const size_t count = (bytes.size() - kSavedHeaderBytes) / kSavedCellBytes;
-  const auto slots = take<uint32_t>(bytes);
-  const auto expected_cells = take<uint64_t>(bytes);
-  if (slots == 0 || slots > uint32_t{kMostSlots} || count > slots || expected_cells > uint64_t{kMostSlots})
-    return false;
-  const auto counters = take<HashGridCounters>(bytes);
-  const auto evicted = take<uint64_t>(bytes);
-  const auto discarded = take<uint64_t>(bytes);
-  const auto inherited = take<uint64_t>(bytes);
-  const std::vector<SavedCell> cells = read_cells(bytes);
-  if (cells.size() != count) return false;
-  expected_cells_ = expected_cells;
-  first_slots_ = wanted_slots(expected_cells_);
-  clear();
-  allocate(std::max(std::min(slots, limit_), static_cast<uint32_t>(std::min(2 * count, size_t{kMostSlots}))));
-  evicted_ = evicted;
-  discarded_ = discarded;
-  inherited_ = inherited;
-  HashGridTally& tally = tally_.write();
-  tally.counters = counters;
-  const HashGridView v = placing_view(kAnywhere);
-  fingerprints_.write();  // find_or_insert() accesses them on the host
-  bucket_hashes_.write();
-  const std::span<CellHistory> histories = histories_.write();
-  for (const SavedCell& cell : cells) {
-    const uint32_t slot = v.find_or_insert(cell.address);
-    histories[slot] = cell.history;
-    tally.longest = std::max(tally.longest, v.displacement(cell.address, slot));
-    ++tally.census.taken;
-    tally.census.live += cell.history.empty() ? 0u : 1u;
-  }
-  tally.counters.made = 0;
-  return true;
 }
 
 }  // namespace relume

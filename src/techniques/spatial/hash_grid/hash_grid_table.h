@@ -104,7 +104,20 @@ class HashGrid {
   bool load(std::span<const std::byte> bytes);
 
  private:
-  void allocate(uint32_t slots);
+  /// Arrays with an element per slot. The constructor makes empty slots.
+  struct Slots {
+    Slots(uint32_t count, Memory& memory);
+
+    Array<uint64_t> fingerprints;
+    Array<uint32_t> bucket_hashes;
+    Array<uint32_t> parents;
+    Array<CellSums> sums;
+    Array<CellHistory> histories;
+  };
+  /// Exchanges the slots with others. Nothing is allocated, so no exception separates the arrays.
+  void exchange(Slots& slots);
+  /// Replaces the slots by empty ones.
+  void allocate(uint32_t count);
   const HashGridCounters& counters() const { return tally_.read().counters; }
   const HashGridCensus& census() const { return tally_.read().census; }
   void settle(Backend& backend);
