@@ -92,6 +92,10 @@ bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
   return query.tfar < 0.0f;
 }
 
+/// A ray that ends before it begins. Without AVX-512, Embree 3 checks the numbers of all lanes of a packet, also of
+/// those that are not valid.
+const Ray kInactive{Vec3(0), Vec3(0, 0, 1), -1.0f};
+
 template <typename Packet>
 void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigned flags) {
   packet.org_x[i] = ray.origin.x;
@@ -117,9 +121,9 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
   RTCRayHit16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
-    const int k = i < count ? i : 0;
-    fill_packet(query.ray, i, rays[k], ray_ids[k], flags);
+    const bool active = i < count && is_traceable(rays[i]);
+    valid[i] = active ? -1 : 0;
+    fill_packet(query.ray, i, active ? rays[i] : kInactive, active ? ray_ids[i] : 0, flags);
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -170,12 +174,12 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
   RTCRay16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
-    const int k = i < count ? i : 0;
-    fill_packet(query, i, rays[k], ray_ids[k], 0);
+    const bool active = i < count && is_traceable(rays[i]);
+    valid[i] = active ? -1 : 0;
+    fill_packet(query, i, active ? rays[i] : kInactive, active ? ray_ids[i] : 0, 0);
   }
   embree::occluded16(valid, as_scene(accel), query, nullptr);
-  for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
+  for (int i = 0; i < count; ++i) result[i] = valid[i] != 0 && query.tfar[i] < 0.0f;
 }
 
 }  // namespace relume
