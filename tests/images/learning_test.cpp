@@ -253,7 +253,7 @@ TEST_P(LearningInMotion, LastImageKeepsTheMean) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("turntable", "warehouse"), scene_name);
-// Four times the frames: 79 s of a suite of twenty minutes.
+// Four times the frames take more than a minute.
 INSTANTIATE_TEST_SUITE_P(SlowBuiltin, LearningInMotion, ::testing::Values("slit"), scene_name);
 
 }  // namespace
