@@ -70,8 +70,10 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
   return static_cast<uint32_t>(std::min(std::max(live * kSlotsPerCell, uint64_t{kMinSlots}), uint64_t{limit_}));
 }
 
-HashGrid::Slots::Slots(uint32_t count, Memory& memory)
-    : fingerprints(memory), bucket_hashes(memory), parents(memory), sums(memory), histories(memory) {
+HashGrid::Slots::Slots(Memory& memory)
+    : fingerprints(memory), bucket_hashes(memory), parents(memory), sums(memory), histories(memory) {}
+
+void HashGrid::Slots::reset(uint32_t count) {
   fingerprints.reset(count);
   bucket_hashes.reset(count);
   parents.assign(count, kNoCell);
@@ -89,7 +91,9 @@ void HashGrid::exchange(Slots& slots) {
 }
 
 void HashGrid::allocate(uint32_t count) {
-  Slots slots(count, fingerprints_.memory());
+  Slots slots(fingerprints_.memory());
+  if (count <= fingerprints_.capacity()) exchange(slots);  // reuses their memory, and so allocates nothing
+  slots.reset(count);
   exchange(slots);
 }
 
@@ -240,7 +244,8 @@ void HashGrid::clear() {
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
-  Slots old(slots, fingerprints_.memory());
+  Slots old(fingerprints_.memory());
+  old.reset(slots);
   exchange(old);
   const HashGridView target = placing_view(kAnywhere);
   const uint32_t rows = rows_of(old.fingerprints.size());

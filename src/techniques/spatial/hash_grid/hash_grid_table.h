@@ -104,9 +104,11 @@ class HashGrid {
   bool load(std::span<const std::byte> bytes);
 
  private:
-  /// Arrays with an element per slot. The constructor makes empty slots.
+  /// Arrays with an element per slot.
   struct Slots {
-    Slots(uint32_t count, Memory& memory);
+    explicit Slots(Memory& memory);
+    /// Makes `count` empty slots.
+    void reset(uint32_t count);
 
     Array<uint64_t> fingerprints;
     Array<uint32_t> bucket_hashes;
