@@ -200,16 +200,12 @@ Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
 }
 
-bool reads_m2_rgb(const RenderSettings& settings) {
-  return settings.allocation == AllocationChoice::adaptive && settings.adaptive.method == AdaptiveMethod::paper;
-}
-
 uint32_t pixel_count(const RenderSettings& settings) {
   return static_cast<uint32_t>(settings.width) * static_cast<uint32_t>(settings.height);
 }
 
 void add_history(Builder& builder, const RenderSettings& settings) {
-  const AccumulatedParts parts{.m2_rgb = reads_m2_rgb(settings),
+  const AccumulatedParts parts{.m2_rgb = settings.allocation == AllocationChoice::adaptive,
                                .splat_image = needs_splat_image(settings),
                                .specular = history_splits(settings)};
   if (settings.history == HistoryChoice::reproject) {

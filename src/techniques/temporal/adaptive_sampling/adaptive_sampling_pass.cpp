@@ -34,24 +34,21 @@ bool SampleCountPass::run(const FrameContext& frame) {
 }
 
 PassDeclaration AdaptiveSamplingPass::declaration() const {
-  PassDeclaration declaration{
-      .name = "allocate",
-      .stage = Stage::allocate,
-      .owns = {{.id = kAllocation, .help = "number of samples in this frame", .display = BufferDisplay::value},
-               {.id = kSamplingProbability,
-                .help = "probability of a further sample; 0 while it is unknown",
-                .persistent = true,
-                .reset = invalidated_by_,
-                .follows_surface = true,
-                .display = BufferDisplay::value},
-               {.id = kSamplingNoise,
-                .help = "standard deviation of the samples, as estimated by adaptive.method",
-                .persistent = true,
-                .display = BufferDisplay::value}},
-      .reads = {kMean, kMoments.m2, kSamples},
-      .reads_if_any = moment_ids(kInherited)};
-  declaration.reads_if_any.push_back(kMoments.m2_rgb);
-  return declaration;
+  return {.name = "allocate",
+          .stage = Stage::allocate,
+          .owns = {{.id = kAllocation, .help = "number of samples in this frame", .display = BufferDisplay::value},
+                   {.id = kSamplingProbability,
+                    .help = "probability of a further sample; 0 while it is unknown",
+                    .persistent = true,
+                    .reset = invalidated_by_,
+                    .follows_surface = true,
+                    .display = BufferDisplay::value},
+                   {.id = kSamplingNoise,
+                    .help = "standard deviation of the samples, as estimated by adaptive.method",
+                    .persistent = true,
+                    .display = BufferDisplay::value}},
+          .reads = {kMean, kMoments.m2, kMoments.m2_rgb, kSamples},
+          .reads_if_any = moment_ids(kInherited)};
 }
 
 bool AdaptiveSamplingPass::run(const FrameContext& frame) {

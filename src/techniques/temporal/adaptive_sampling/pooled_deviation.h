@@ -13,7 +13,7 @@ inline constexpr uint32_t kPoolRadius = 2;
 
 /// Statistics of the samples of one or several pixels.
 struct alignas(16) PooledMoments {
-  float squares = 0;    ///< Σ (Y − mean Y of the pixel)² of the samples' luminance Y
+  float squares = 0;    ///< Σ over the samples of their squared distance from the pixel's mean, averaged over RGB
   float freedom = 0;    ///< Σ (samples − 1)
   float luminance = 0;  ///< Σ luminance of the pixels' means
   float pixels = 0;
@@ -43,10 +43,10 @@ struct OwnStatisticsKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const uint32_t n = history.samples[pixel];
-    moments[pixel] =
-        n < 2 ? PooledMoments{}
-              : PooledMoments{history.m2[pixel], static_cast<float>(n - 1), luminance(history.mean[pixel]), 1.0f};
+    const PixelMoments own = history[pixel];
+    moments[pixel] = own.samples < 2 ? PooledMoments{}
+                                     : PooledMoments{own.m2_rgb / 3.0f, static_cast<float>(own.samples - 1),
+                                                     luminance(own.mean), 1.0f};
   }
 };
 

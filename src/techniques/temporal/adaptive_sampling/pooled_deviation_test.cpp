@@ -12,7 +12,7 @@ namespace {
 /// Pixels with four samples of standard deviation 1, and their pools.
 struct Pool {
   Pool(uint32_t w, uint32_t h)
-      : width(w), height(h), history(w * h, {Rgb(0.5f), 3, 0, 4}), moments(w * h), rows(w * h), deviation(w * h) {}
+      : width(w), height(h), history(w * h, {Rgb(0.5f), 3, 9, 4}), moments(w * h), rows(w * h), deviation(w * h) {}
 
   const std::vector<float>& estimate(bool display = false, float exposure = 1) {
     each_pixel(OwnStatisticsKernel{history.view(), mutable_view_of(moments), width});
@@ -44,7 +44,7 @@ TEST(PooledDeviation, ExcludesThePixelItself) {
   Pool pool(9, 9);
   const std::vector<float> before = pool.estimate();
   const uint32_t own = 4 * 9 + 4;
-  pool.history.m2[own] = 3e6f;
+  pool.history.m2_rgb[own] = 9e6f;
   pool.history.samples[own] = 400;
   pool.history.mean[own] = Rgb(1e4f);
   const std::vector<float> after = pool.estimate();
@@ -54,13 +54,20 @@ TEST(PooledDeviation, ExcludesThePixelItself) {
 }
 
 TEST(PooledDeviation, WeighsPixelsByTheirSamples) {
-  // Three pixels: the neighbours have 2 and 5 samples, with sums of squares of 8 and 2.
+  // Three pixels: the neighbours have 2 and 5 samples, with sums of squares of 8 and 2 per channel.
   Pool pool(3, 1);
   pool.history.samples = {2, 0, 5};
-  pool.history.m2 = {8, 0, 2};
+  pool.history.m2_rgb = {24, 0, 6};
   EXPECT_FLOAT_EQ(pool.estimate()[1], std::sqrt(10.0f / 5.0f));
   pool.history.samples = {1, 0, 0};
   EXPECT_EQ(pool.estimate()[1], 0.0f);
+}
+
+TEST(PooledDeviation, ChannelsCountEqually) {
+  // Blue noise of standard deviation √3 has a luminance of little noise, but the mean squared error of grey noise.
+  Pool pool(9, 9);
+  pool.history.m2.assign(81, 0.0156f);
+  for (const float d : pool.estimate()) EXPECT_FLOAT_EQ(d, 1.0f);
 }
 
 TEST(PooledDeviation, CanUseDisplayValues) {
