@@ -231,5 +231,28 @@ TEST(Math, IntegersSaturate) {
   EXPECT_EQ(math::round_to_int(std::numeric_limits<float>::quiet_NaN()), 0);
 }
 
+TEST(Math, TruncatesToUnsignedIntegers) {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(math::truncate_to_uint(0.99999994f), 0u);
+  EXPECT_EQ(math::truncate_to_uint(63.5f), 63u);
+  EXPECT_EQ(math::truncate_to_uint(4294967040.0f), 4294967040u);
+  EXPECT_EQ(math::truncate_to_uint(4294967296.0f), std::numeric_limits<uint32_t>::max());
+  EXPECT_EQ(math::truncate_to_uint(kInfinite), std::numeric_limits<uint32_t>::max());
+  for (const float x : {-0.0f, -0.5f, -1.0f, -3e9f, -kInfinite, std::numeric_limits<float>::quiet_NaN()})
+    EXPECT_EQ(math::truncate_to_uint(x), 0u) << x;
+}
+
+TEST(Math, TruncatesToLongIntegers) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  constexpr int64_t kLeast = std::numeric_limits<int64_t>::min();
+  constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
+  EXPECT_EQ(math::truncate_to_int64(-2.9), -2);
+  EXPECT_EQ(math::truncate_to_int64(4503599627370497.0), 4503599627370497);
+  EXPECT_EQ(math::truncate_to_int64(-9223372036854774784.0), -9223372036854774784);
+  for (const double x : {9223372036854775808.0, 1e300, kInfinite}) EXPECT_EQ(math::truncate_to_int64(x), kMost) << x;
+  for (const double x : {-9223372036854775808.0, -1e300, -kInfinite, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(math::truncate_to_int64(x), kLeast) << x;
+}
+
 }  // namespace
 }  // namespace relume

@@ -6,6 +6,7 @@
 
 #include "core/frame.h"
 #include "core/hash.h"
+#include "core/math.h"
 #include "scene/surface_point.h"
 #include "techniques/spatial/hash_grid/change.h"
 
@@ -87,11 +88,12 @@ struct CellKeys {
             coarsening};
   }
 
-  /// Quantises components to steps of 1/count. Axis-aligned directions are in the middle of their bins.
+  /// Quantises components to steps of 1/count. Axis-aligned directions are in the middle of their bins. Components
+  /// outside [-1, 1] and NaN have defined bins, too.
   RELUME_HD static uint32_t bins(const Vec3& d, int count) {
     if (count <= 0) return 0;
     const float steps = static_cast<float>(count);
-    const auto bin = [&](float x) { return static_cast<uint32_t>((x + 1.0f) * steps + 0.5f); };
+    const auto bin = [&](float x) { return math::truncate_to_uint((x + 1.0f) * steps + 0.5f); };
     return 1u + bin(d.x) + 64u * (bin(d.y) + 64u * bin(d.z));
   }
 
@@ -101,9 +103,12 @@ struct CellKeys {
     return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser);
   }
 
-  /// Address of the cell at `position` with the other inputs of `p`.
+  /// Address of the cell at `position` with the other inputs of `p`. Cells beyond ±2^63 coincide with the last one.
   RELUME_HD CellAddress address_at(const glm::dvec3& position, const CellPoint& p, int level, int coarser) const {
-    return address_of(glm::i64vec3(glm::floor(grid_position(position, level))), p, level, coarser);
+    const glm::dvec3 cell = glm::floor(grid_position(position, level));
+    const glm::i64vec3 whole(math::truncate_to_int64(cell.x), math::truncate_to_int64(cell.y),
+                             math::truncate_to_int64(cell.z));
+    return address_of(whole, p, level, coarser);
   }
 
   /// Centre of the cell at `level` that contains `p`, metres.

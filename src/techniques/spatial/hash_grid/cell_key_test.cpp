@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 
 #include "testing/random.h"
@@ -164,6 +165,22 @@ TEST(CellKey, ResolvesCellsFarFromTheOrigin) {
   k.camera = Vec3(1e6f, 0, 1e6f);
   const CellAddress here = k.address(at(k.camera + Vec3(0, 0, 1)));
   EXPECT_FALSE(same(here, k.address(at(k.camera + Vec3(1, 0, 1)))));
+}
+
+TEST(CellKey, IsDefinedForAllNumbers) {
+  const CellKeys k = keys();
+  constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kMost = std::numeric_limits<float>::max();
+  EXPECT_EQ(CellKeys::bins(Vec3(kNotANumber), 2), CellKeys::bins(Vec3(-kInfinity), 2));
+  EXPECT_EQ(CellKeys::bins(Vec3(-5), 2), CellKeys::bins(Vec3(-1), 2));
+  EXPECT_EQ(CellKeys::bins(Vec3(kInfinity), 2), CellKeys::bins(Vec3(kMost), 2));
+  // With the finest cells, numbers of cells exceed 64 bits.
+  const CellPoint p = at(Vec3(0));
+  const auto address = [&](double x) { return k.address_at(glm::dvec3(x), p, kMinCellLevel, 0); };
+  EXPECT_TRUE(same(address(1e12), address(static_cast<double>(kMost))));
+  EXPECT_TRUE(same(address(-1e12), address(-static_cast<double>(kInfinity))));
+  EXPECT_TRUE(same(address(-1e12), address(static_cast<double>(kNotANumber))));
+  EXPECT_FALSE(same(address(-1e12), address(1e12)));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Votes and moves of buffers, without a scene.
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,9 @@ TEST(DepthTest, PixelsOfLargeImagesHaveExactIndices) {
   EXPECT_EQ(pixel_at(camera, {1234.5f, 4319.5f}), 4319u * 7680u + 1234u);
   EXPECT_EQ(pixel_at(camera, {1235.5f, 4319.5f}), 4319u * 7680u + 1235u);
   EXPECT_EQ(pixel_at(camera, camera.resolution), 7680u * 4320u - 1u);
+  EXPECT_EQ(pixel_at(camera, Vec2(kInfinity)), 7680u * 4320u - 1u);
+  EXPECT_EQ(pixel_at(camera, {1234.5f, -3e9f}), 1234u);
+  EXPECT_EQ(pixel_at(camera, {std::numeric_limits<float>::quiet_NaN(), -kInfinity}), 0u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "core/math.h"
 #include "techniques/temporal/reprojection/look_back.h"
 #include "techniques/temporal/reprojection/reject_reason.h"
 #include "techniques/temporal/reprojection/stored_sample.h"
@@ -30,11 +31,11 @@ RELUME_HD inline RejectReason reason_of(uint64_t vote) {
   return vote == kNoVote ? RejectReason::empty : static_cast<RejectReason>(static_cast<uint32_t>(vote));
 }
 
-/// Index of the pixel that contains raster position `raster`.
+/// Index of the pixel that contains raster position `raster`, or of the nearest one. NaN counts as 0.
 RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& raster) {
   const UVec2 size(camera.resolution);
-  const uint32_t x = relume::min(static_cast<uint32_t>(raster.x), size.x - 1);
-  const uint32_t y = relume::min(static_cast<uint32_t>(raster.y), size.y - 1);
+  const uint32_t x = relume::min(math::truncate_to_uint(raster.x), size.x - 1);
+  const uint32_t y = relume::min(math::truncate_to_uint(raster.y), size.y - 1);
   return y * size.x + x;
 }
 
