@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <istream>
+#include <limits>
 #include <ostream>
 #include <span>
 #include <type_traits>
@@ -42,34 +43,45 @@ template <typename T>
 void write_array(std::ostream& out, const Array<T>& array) {
   detail::write_elements<T>(out, array.read());
 }
-/// A stream that ends early, or declares more than 64 GiB, sets its failbit and leaves the vector empty.
+namespace detail {
+/// Reads a number of elements, of which the rest of the stream has at least that many. Otherwise sets failbit and
+/// returns 0. A false size thus allocates no memory.
+template <typename T>
+uint64_t read_count(std::istream& in, uint64_t most) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  uint64_t count = 0;
+  read_value(in, count);
+  const std::streamoff here = in.tellg();
+  in.seekg(0, std::ios::end);
+  const std::streamoff end = in.tellg();
+  in.seekg(here);
+  if (in && count <= most && count <= static_cast<uint64_t>(end - here) / sizeof(T)) return count;
+  in.setstate(std::ios::failbit);
+  return 0;
+}
+
+template <typename T>
+void read_elements(std::istream& in, std::span<T> elements) {
+  in.read(reinterpret_cast<char*>(elements.data()), static_cast<std::streamsize>(elements.size_bytes()));
+}
+}  // namespace detail
+
+/// Reads what write_vector() wrote. A stream that ends early sets its failbit and leaves the vector empty. The stream
+/// must be seekable.
 template <typename T>
 void read_vector(std::istream& in, std::vector<T>& v) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 36;
-  uint64_t size = 0;
-  read_value(in, size);
-  v.clear();
-  if (!in || size > kMaxBytes / sizeof(T)) {
-    in.setstate(std::ios::failbit);
-    return;
-  }
-  // Reads in pieces, so that a false size does not allocate more memory than the stream can fill.
-  constexpr uint64_t kPiece = uint64_t{1} << 20;
-  while (v.size() < size && in) {
-    const uint64_t count = size - v.size() < kPiece ? size - v.size() : kPiece;
-    const size_t old = v.size();
-    v.resize(old + count);
-    in.read(reinterpret_cast<char*>(v.data() + old), static_cast<std::streamsize>(count * sizeof(T)));
-  }
+  v = std::vector<T>(detail::read_count<T>(in, std::numeric_limits<uint64_t>::max()));
+  detail::read_elements<T>(in, v);
   if (!in) v.clear();
 }
-/// The same for an array.
+/// The same for an array, which takes the elements without a copy. A stream that declares more than Array<T>::kMaxSize
+/// elements sets its failbit, too.
 template <typename T>
 void read_array(std::istream& in, Array<T>& array) {
-  std::vector<T> elements;
-  read_vector(in, elements);
-  array.assign(elements);
+  array = Array<T>(array.memory());  // gives back the old elements' memory first
+  array.reset(detail::read_count<T>(in, Array<T>::kMaxSize), kUninitialized);
+  detail::read_elements(in, array.write());
+  if (!in) array.clear();
 }
 
 }  // namespace relume

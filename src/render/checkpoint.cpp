@@ -5,6 +5,7 @@
 #include <fstream>
 #include <span>
 #include <sstream>
+#include <stdexcept>
 #include <streambuf>
 #include <vector>
 
@@ -211,7 +212,11 @@ Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHead
     std::vector<std::byte> now = reader.get_bytes(buffer->bytes().size());
     loaded.push_back({buffer, std::move(now), reader.get_bytes(buffer->previous_bytes().size())});
   }
-  pipeline.load(in);
+  try {
+    pipeline.load(in);
+  } catch (const std::length_error&) {  // numbers of elements that no array can hold
+    reader.damaged();
+  }
   if (!in || reader.get_text() != kEndOfFile) reader.damaged();
   for (const LoadedBuffer& l : loaded) {
     std::memcpy(l.target->bytes().data(), l.now.data(), l.now.size());
