@@ -1,10 +1,11 @@
-// Sets and copies arrays in launches.
+// Sets, copies and resizes arrays in launches.
 #pragma once
 
 #include <algorithm>
 #include <stop_token>
 #include <string_view>
 
+#include "core/array.h"
 #include "core/hd.h"
 #include "core/view.h"
 #include "frame/launch.h"
@@ -43,6 +44,29 @@ bool fill(Backend& backend, std::string_view name, View<T> elements, const T& va
 template <typename T>
 bool copy(Backend& backend, std::string_view name, View<const T> from, View<T> to, const std::stop_token& stop = {}) {
   return launch(backend, name, CopyElementsKernel<T>{from, to}, from.size, 1, stop, kFillTile);
+}
+
+/// Replaces the content of `to` by that of `from`. Changes nothing if memory is missing.
+template <typename T>
+void copy(Backend& backend, std::string_view name, const Array<T>& from, Array<T>& to) {
+  to.reset(from.size(), kUninitialized);
+  copy(backend, name, from.view(), to.mutable_view());
+}
+
+/// Array::resize() in a launch: keeps the first elements and sets new ones to T{}.
+template <typename T>
+void resize(Backend& backend, std::string_view name, Array<T>& array, size_t size) {
+  const size_t old = std::min(array.size(), size);
+  array.resize(size, kUninitialized);
+  const View<T> elements = array.mutable_view();
+  fill(backend, name, View<T>{elements.data + old, elements.size - static_cast<uint32_t>(old)}, T{});
+}
+
+/// Array::reset() in a launch: replaces the content by `size` elements `value`.
+template <typename T>
+void reset(Backend& backend, std::string_view name, Array<T>& array, size_t size, const T& value = {}) {
+  array.reset(size, kUninitialized);
+  fill(backend, name, array.mutable_view(), value);
 }
 
 }  // namespace relume
