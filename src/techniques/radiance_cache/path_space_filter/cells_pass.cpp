@@ -32,10 +32,11 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 
 bool CellsPass::run(const FrameContext& frame) {
   const HashGridBounds bounds = bounds_for(frame.pixels(), depths_, physical_memory_bytes());
-  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds, memory_);
+  if (!ready_)
+    grid_ = HashGrid(frame.backend, settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
   ready_ = true;
   grid_.configure(settings_.grid, bounds);
-  if (includes(frame.changes, Change::settings)) grid_.clear();
+  if (includes(frame.changes, Change::settings)) grid_.clear(frame.backend);
   grid_.adjust_size(frame.backend);  // the limit may have changed
   watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;

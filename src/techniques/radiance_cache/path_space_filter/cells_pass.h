@@ -25,8 +25,8 @@ inline constexpr BufferKey<float> kCellTermination{"cell-termination"};
 class CellsPass final : public Pass {
  public:
   /// `depths`: number of path vertices with separate cells, for the size of the table.
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory = host_memory())
-      : settings_(settings), depths_(depths), memory_(memory), grid_(memory) {}
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory)
+      : settings_(settings), depths_(depths), grid_(memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
@@ -51,7 +51,6 @@ class CellsPass final : public Pass {
  private:
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
-  Memory& memory_;
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
   uint32_t watched_before_ = 0;  ///< the same before this frame

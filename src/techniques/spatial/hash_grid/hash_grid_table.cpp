@@ -1,11 +1,10 @@
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 
 #include <algorithm>
-#include <cstring>
-#include <tuple>
 #include <utility>
 
 #include "frame/primitives/fill.h"
+#include "techniques/spatial/hash_grid/discard.h"
 
 namespace relume {
 namespace {
@@ -24,13 +23,9 @@ uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintena
 /// Maximum number of cells between frames: seven eighths of the slots, so that probing ends.
 uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slots} * 7 / 8); }
 
-/// Number of distinct keys of waiting samples. None of them is in the table.
-uint64_t distinct_keys(std::span<const WaitingSample> samples, const CellKeys& keys) {
-  std::vector<uint64_t> fingerprints(samples.size());
-  for (size_t i = 0; i < samples.size(); ++i)
-    fingerprints[i] = keys.address(samples[i].point, samples[i].coarser).fingerprint;
-  std::sort(fingerprints.begin(), fingerprints.end());
-  return static_cast<uint64_t>(std::unique(fingerprints.begin(), fingerprints.end()) - fingerprints.begin());
+/// Array::reset() in launches.
+auto in_launches(Backend& backend) {
+  return [&backend](auto& array, uint32_t count, const auto& value) { reset(backend, "cells", array, count, value); };
 }
 
 }  // namespace
@@ -44,6 +39,18 @@ HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_byte
 
 HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds,
                    Memory& memory)
+    : HashGrid(Unallocated(), settings, expected_cells, bounds, memory) {
+  allocate(first_slots_);
+}
+
+HashGrid::HashGrid(Backend& backend, const HashGridSettings& settings, uint64_t expected_cells,
+                   const HashGridBounds& bounds)
+    : HashGrid(Unallocated(), settings, expected_cells, bounds, backend.memory()) {
+  allocate(first_slots_, in_launches(backend));
+}
+
+HashGrid::HashGrid(Unallocated, const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds,
+                   Memory& memory)
     : expected_cells_(std::min(expected_cells, uint64_t{kMostSlots})),
       fingerprints_(memory),
       bucket_hashes_(memory),
@@ -54,7 +61,6 @@ HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, co
       overflow_(memory),
       tally_(memory) {
   configure(settings, bounds);
-  allocate(first_slots_);
 }
 
 void HashGrid::configure(const HashGridSettings& settings, const HashGridBounds& bounds) {
@@ -73,12 +79,13 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
 HashGrid::Slots::Slots(Memory& memory)
     : fingerprints(memory), bucket_hashes(memory), parents(memory), sums(memory), histories(memory) {}
 
-void HashGrid::Slots::reset(uint32_t count) {
-  fingerprints.reset(count);
-  bucket_hashes.reset(count);
-  parents.assign(count, kNoCell);
-  sums.reset(count);
-  histories.reset(count);
+template <typename Reset>
+void HashGrid::Slots::reset(uint32_t count, const Reset& reset_array) {
+  reset_array(fingerprints, count, uint64_t{0});
+  reset_array(bucket_hashes, count, 0u);
+  reset_array(parents, count, kNoCell);
+  reset_array(sums, count, CellSums{});
+  reset_array(histories, count, CellHistory{});
 }
 
 void HashGrid::exchange(Slots& slots) {
@@ -90,11 +97,16 @@ void HashGrid::exchange(Slots& slots) {
   tally_.write().longest = 0;
 }
 
-void HashGrid::allocate(uint32_t count) {
+template <typename Reset>
+void HashGrid::allocate(uint32_t count, const Reset& reset_array) {
   Slots slots(fingerprints_.memory());
   if (count <= fingerprints_.capacity()) exchange(slots);  // reuses their memory, and so allocates nothing
-  slots.reset(count);
+  slots.reset(count, reset_array);
   exchange(slots);
+}
+
+void HashGrid::allocate(uint32_t count) {
+  allocate(count, [](auto& array, uint32_t size, const auto& value) { array.assign(size, value); });
 }
 
 HashGridView HashGrid::view(const CameraView& camera) {
@@ -144,7 +156,8 @@ void HashGrid::settle(Backend& backend) {
   const auto waiting = static_cast<uint32_t>(std::min<size_t>(tally_.read().overflow_count, overflow_.size()));
   const View<const WaitingSample> samples{overflow_.view().data, waiting};
   uint64_t keys = census().taken + counters().made;
-  if (waiting > 0) backend.run("cells", [&] { keys += distinct_keys(overflow_.read().first(waiting), keys_); });
+  // None of the waiting keys is in the table.
+  if (waiting > 0) keys += distinct_keys(backend, "cells", samples, keys_, fingerprints_.memory());
   const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
   const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
   if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
@@ -168,7 +181,7 @@ void HashGrid::advance(Backend& backend, bool watched) {
     inherited_ += counters().inherited_cells;
     tally_.write().counters.inherited_cells = 0;
   }
-  regions_.reset(watched && settings_.change_detection > 0 ? kRegions : 0);
+  reset(backend, "cells", regions_, watched && settings_.change_detection > 0 ? kRegions : 0);
   if (!regions_.empty()) {
     const MeasureChangesKernel measure{view(), regions_.mutable_view()};
     launch(backend, "cells", measure, kMaintenanceRow, rows_of(fingerprints_.size()));
@@ -203,8 +216,7 @@ void HashGrid::drop_frame(Backend& backend) {
 void HashGrid::adjust_size(Backend& backend) {
   if (abandoned_) drop_frame(backend);
   const uint64_t slots = fingerprints_.size();
-  if (census().live > capacity_of(limit_))
-    backend.run("cells", [&] { discard_oldest(census().live - capacity_of(limit_)); });
+  if (census().live > capacity_of(limit_)) discard_oldest(backend, census().live - capacity_of(limit_));
   const HashGridCensus& census = tally_.read().census;
   // Emptied cells keep their slots until a rebuild, because probing stops at gaps.
   const uint32_t wanted = wanted_slots(census.live);
@@ -216,26 +228,26 @@ void HashGrid::adjust_size(Backend& backend) {
   renumbered_ = false;
 }
 
-void HashGrid::discard_oldest(uint64_t count) {
-  const std::span<const uint64_t> fingerprints = fingerprints_.read();
-  const std::span<const uint32_t> bucket_hashes = bucket_hashes_.read();
-  const std::span<CellHistory> histories = histories_.write();
-  std::vector<uint32_t> cells;
-  for (uint32_t i = 0; i < histories.size(); ++i)
-    if (!histories[i].empty()) cells.push_back(i);
-  // A total order, so the choice does not depend on slots.
-  const auto rank = [&](uint32_t i) {
-    return std::tuple(histories[i].age, -histories[i].moments.count, fingerprints[i], bucket_hashes[i]);
-  };
-  const auto first = cells.end() - static_cast<std::ptrdiff_t>(count);
-  std::nth_element(cells.begin(), first, cells.end(), [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
-  for (auto i = first; i != cells.end(); ++i) histories[*i] = {};
+void HashGrid::discard_oldest(Backend& backend, uint64_t count) {
+  const RankedCells cells{fingerprints_.view(), bucket_hashes_.view(), histories_.view()};
+  const CellRank least = least_discarded(backend, "cells", cells, count, fingerprints_.memory());
+  launch(backend, "cells", DiscardCellsKernel{cells, least, histories_.mutable_view()}, cells.histories.size, 1, {},
+         kFillTile);
   tally_.write().census.live -= count;
   discarded_ += count;
 }
 
+void HashGrid::clear(Backend& backend) {
+  allocate(first_slots_, in_launches(backend));
+  forget_cells();
+}
+
 void HashGrid::clear() {
   allocate(first_slots_);
+  forget_cells();
+}
+
+void HashGrid::forget_cells() {
   tally_.write().census = {};
   tally_.write().overflow_count = 0;
   tally_.write().counters.made = 0;
@@ -245,7 +257,7 @@ void HashGrid::clear() {
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
   Slots old(fingerprints_.memory());
-  old.reset(slots);
+  old.reset(slots, in_launches(backend));
   exchange(old);
   const HashGridView target = placing_view(kAnywhere);
   const uint32_t rows = rows_of(old.fingerprints.size());

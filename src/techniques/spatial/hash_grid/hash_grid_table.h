@@ -65,6 +65,10 @@ class HashGrid {
   HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds = {},
            Memory& memory = host_memory());
 
+  /// The same on the backend's memory, cleared in launches.
+  HashGrid(Backend& backend, const HashGridSettings& settings, uint64_t expected_cells,
+           const HashGridBounds& bounds = {});
+
   /// An empty table of the smallest size.
   explicit HashGrid(Memory& memory = host_memory()) : HashGrid(HashGridSettings{}, 0, {}, memory) {}
 
@@ -89,7 +93,8 @@ class HashGrid {
   }
   /// Call when a frame ends before advance(). The next adjust_size() discards its samples.
   void abandon_frame();
-  /// Removes all cells.
+  /// Removes all cells, in launches or on the host.
+  void clear(Backend& backend);
   void clear();
 
   HashGridStatistics statistics() const;
@@ -104,11 +109,16 @@ class HashGrid {
   bool load(std::span<const std::byte> bytes);
 
  private:
+  struct Unallocated {};
+  HashGrid(Unallocated, const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds,
+           Memory& memory);
+
   /// Arrays with an element per slot.
   struct Slots {
     explicit Slots(Memory& memory);
-    /// Makes `count` empty slots.
-    void reset(uint32_t count);
+    /// Makes `count` empty slots. `reset_array(array, count, value)`: as Array::reset(), with values.
+    template <typename Reset>
+    void reset(uint32_t count, const Reset& reset_array);
 
     Array<uint64_t> fingerprints;
     Array<uint32_t> bucket_hashes;
@@ -119,12 +129,16 @@ class HashGrid {
   /// Exchanges the slots with others. Nothing is allocated, so no exception separates the arrays.
   void exchange(Slots& slots);
   /// Replaces the slots by empty ones.
+  template <typename Reset>
+  void allocate(uint32_t count, const Reset& reset_array);
   void allocate(uint32_t count);
+  /// Resets the numbers of a table without cells.
+  void forget_cells();
   const HashGridCounters& counters() const { return tally_.read().counters; }
   const HashGridCensus& census() const { return tally_.read().census; }
   void settle(Backend& backend);
   void rebuild(Backend& backend, uint32_t slots);
-  void discard_oldest(uint64_t count);
+  void discard_oldest(Backend& backend, uint64_t count);
   void drop_frame(Backend& backend);
   uint32_t wanted_slots(uint64_t live) const;
   HashGridView view();
