@@ -72,7 +72,7 @@ inline LightExtent extent_of(const Light& light, double watts) {
 }
 
 /// Central point of a finite light.
-inline Vec3 position_of(const Light& light) {
+RELUME_HD inline Vec3 position_of(const Light& light) {
   switch (light.kind) {
     case LightKind::triangle: return light.triangle.position(light.triangle.centre());
     case LightKind::point: return light.point.position;

@@ -25,6 +25,25 @@ struct alignas(32) CompactLight {
 };
 static_assert(sizeof(CompactLight) == kLanes * sizeof(float));
 
+/// Compact form of a finite light.
+RELUME_HD inline CompactLight compact_form(const LightsView& view, const Light& light) {
+  CompactLight compact;
+  if (light.kind != LightKind::triangle) {
+    compact.emission = CompactLight::kPunctual;
+    return compact;
+  }
+  const TriangleLight& t = light.triangle;
+  compact.centre = t.position(t.centre());
+  compact.twice_area = 2.0f * t.area * t.normal;
+  float radius2 = length_squared(t.v0 - compact.centre);
+  radius2 = max(radius2, length_squared(t.v0 + t.e1 - compact.centre));
+  radius2 = max(radius2, length_squared(t.v0 + t.e2 - compact.centre));
+  compact.radius = t.two_sided ? -std::sqrt(radius2) : std::sqrt(radius2);
+  const Rgb mean = t.textured < 0 ? Rgb(1) : view.textured.triangles[static_cast<uint32_t>(t.textured)].mean_emission;
+  compact.emission = luminance(t.radiance * mean);
+  return compact;
+}
+
 /// Compact forms of the finite lights of `view`, by id.
 std::vector<CompactLight> compact_lights(const LightsView& view);
 

@@ -1,6 +1,7 @@
 // Discrete distributions sampled in constant time by Walker's alias method.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,7 +38,37 @@ struct AliasTable {
   RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }
 };
 
-/// Entries for weights ≥ 0 ([Vose91]); none if their sum is zero or not finite.
+/// Computes entries for the weights ≥ 0 in `pmf` of each entry ([Vose91]). Returns false if the weights' sum is zero or
+/// not finite; the entries are then invalid. `shares`, `stack`: temporary memory, an element per entry.
+RELUME_HD inline bool fill_alias_table(View<AliasEntry> entries, View<double> shares, View<uint32_t> stack) {
+  const uint32_t n = entries.size;
+  double sum = 0;
+  for (uint32_t i = 0; i < n; ++i) sum += static_cast<double>(entries.data[i].pmf);
+  if (!(sum > 0 && sum <= std::numeric_limits<double>::max())) return false;
+  // One stack grows from the front and one from the back. Together they have at most n elements.
+  uint32_t small = 0;
+  uint32_t large = 0;
+  for (uint32_t i = 0; i < n; ++i) {
+    const double pmf = static_cast<double>(entries.data[i].pmf) / sum;
+    shares.data[i] = pmf * static_cast<double>(n);
+    entries.data[i] = {1.0f, i, static_cast<float>(pmf)};
+    stack.data[shares.data[i] < 1.0 ? small++ : n - ++large] = i;
+  }
+  while (small > 0 && large > 0) {
+    const uint32_t poor = stack.data[--small];
+    const uint32_t rich = stack.data[n - large];
+    entries.data[poor].keep = static_cast<float>(shares.data[poor]);
+    entries.data[poor].alias = rich;
+    shares.data[rich] -= 1.0 - shares.data[poor];
+    if (shares.data[rich] < 1.0) {
+      --large;
+      stack.data[small++] = rich;
+    }
+  }
+  return true;
+}
+
+/// Entries for weights ≥ 0; none if their sum is zero or not finite.
 std::vector<AliasEntry> build_alias_table(std::span<const float> weights);
 
 }  // namespace relume

@@ -102,7 +102,7 @@ class Poisoned {
     const std::vector<LightSummary> summaries = light_summaries(lights);
     // Each region has random light samples.
     SampleStream stream;
-    stream.resize(tree_.leaf_slots(), 1);
+    stream.resize(backend_, tree_.leaf_slots(), 1);
     for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) {
       const auto light = static_cast<uint32_t>(random_.next() * 1.5f * static_cast<float>(lights.first_infinite));
       const bool seen = light < lights.first_infinite;
@@ -112,7 +112,8 @@ class Poisoned {
     CacheBuildOptions options;
     options.bucket_size = 1;
     caches_.build(backend_, tree_, stream.groups(), view_of(summaries), options);
-    exploration_.build(lights, summaries, scene_.view().camera.position, {}, 4);
+    exploration_.examine(backend_, view_of(summaries));
+    exploration_.build(backend_, view_of(summaries), lights.bounds.radius, scene_.view().camera.position, {}, 4);
     infinite_ = build_infinite_lights(lights, LightsAtInfinity::worth_sampling);
     compact_ = compact_lights(lights);
     cache_.regions = caches_.buckets();

@@ -12,7 +12,7 @@ namespace relume {
 
 class LightSelectionPass final : public Pass {
  public:
-  LightSelectionPass(const LightSelectionSettings& settings, LightSelectorKind kind, Memory& memory = host_memory())
+  LightSelectionPass(const LightSelectionSettings& settings, LightSelectorKind kind, Memory& memory)
       : settings_(settings), power_(memory) {
     selector_.kind = kind;
   }

@@ -89,7 +89,10 @@ struct Selectors {
     c.entries = view_of(entries);
     c.bucket_weights = view_of(bucket_weights);
     c.bucket_size = 8;
-    explored.build(lights, light_summaries(lights), Vec3(0), {}, 3);
+    const std::vector<LightSummary> summaries = light_summaries(lights);
+    Backend backend(1);
+    explored.examine(backend, view_of(summaries));
+    explored.build(backend, view_of(summaries), lights.bounds.radius, Vec3(0), {}, 3);
     c.all = explored.grid();
     c.infinite = make_infinite_lights(lights, view_of(infinite), true);
     c.ltc = ltc_table();

@@ -11,8 +11,7 @@ namespace relume {
 /// Rebuilds the tree when lights have changed.
 class LightTreePass final : public Pass {
  public:
-  explicit LightTreePass(const LightSelectionSettings& settings, Memory& memory = host_memory())
-      : settings_(settings), tree_(memory) {
+  LightTreePass(const LightSelectionSettings& settings, Memory& memory) : settings_(settings), tree_(memory) {
     selector_.kind = LightSelectorKind::light_tree;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/stream_io.h"
+#include "techniques/light_sampling/light_selection/compact_lights.h"
 
 namespace relume {
 namespace {
@@ -46,8 +47,8 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
     for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
     all_.assign(build_alias_table(weights));
     infinite_.assign(build_infinite_lights(lights, selection_.infinity()));
-    compact_.assign(compact_lights(lights));
   });
+  write_compact_lights(frame.backend, "static-lists.lights", lights, compact_);
   StaticLightLists& view = selector_.lists;
   view.grid = grid_;
   view.first = first_.view();

@@ -16,7 +16,7 @@ namespace relume {
 class StaticLightListsPass final : public Pass {
  public:
   StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection,
-                       Memory& memory = host_memory())
+                       Memory& memory)
       : settings_(settings),
         selection_(selection),
         first_(memory),

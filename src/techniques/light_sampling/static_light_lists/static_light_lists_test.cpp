@@ -115,7 +115,7 @@ TEST(StaticLightListsPass, OtherLightsRemainIfPowersOverflow) {
   const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 4, .height = 4});
   const StaticLightListsSettings settings;
   const LightSelectionSettings selection;
-  StaticLightListsPass pass(settings, selection);
+  StaticLightListsPass pass(settings, selection, host_memory());
   BufferTable buffers(4, 4);
   Backend backend(1);
   pass.run(FrameContext(scene.view(), buffers, backend, {}));
@@ -129,7 +129,7 @@ TEST(StaticLightListsPass, KeepsItsListsWithAnyFrameSeed) {
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const StaticLightListsSettings settings{.rays = 128};
   const LightSelectionSettings selection;
-  StaticLightListsPass pass(settings, selection);
+  StaticLightListsPass pass(settings, selection, host_memory());
   BufferTable buffers(4, 4);
   Backend backend(2);
   const auto lists_in_frame = [&](uint32_t seed) {
@@ -139,7 +139,7 @@ TEST(StaticLightListsPass, KeepsItsListsWithAnyFrameSeed) {
   };
   const std::vector<LightId> first = lists_in_frame(1);
   EXPECT_EQ(first, lists_in_frame(2));
-  StaticLightListsPass another(settings, selection);
+  StaticLightListsPass another(settings, selection, host_memory());
   another.run(FrameContext(scene.view(), buffers, backend, {.index = {.seed = 2}, .changes = Change::camera}));
   const View<const LightId> ids = another.selector().lists.ids;
   EXPECT_NE(first, std::vector<LightId>(ids.data, ids.data + ids.size));
@@ -149,7 +149,7 @@ TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const StaticLightListsSettings settings{.rays = 128};
   const LightSelectionSettings selection;
-  StaticLightListsPass pass(settings, selection);
+  StaticLightListsPass pass(settings, selection, host_memory());
   BufferTable buffers(4, 4);
   Backend backend(2);
   const auto run = [&](StaticLightListsPass& p, std::stop_token hurry) {
@@ -159,7 +159,7 @@ TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
   const auto checkpoint = [&] {
     std::stringstream file;
     pass.save(file);
-    StaticLightListsPass restored(settings, selection);
+    StaticLightListsPass restored(settings, selection, host_memory());
     restored.load(file);
     EXPECT_TRUE(file);
     run(restored, {});
@@ -192,7 +192,7 @@ TEST(StaticLightListsPass, RejectsInvalidCheckpoints) {
     write_value(file, data.grid.cells);
     write_vector(file, data.first);
     write_vector(file, data.ids);
-    StaticLightListsPass pass(settings, selection);
+    StaticLightListsPass pass(settings, selection, host_memory());
     pass.load(file);
     return static_cast<bool>(file);
   };

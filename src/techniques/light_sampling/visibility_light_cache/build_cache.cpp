@@ -105,6 +105,18 @@ void LightCaches::populate(Backend& backend, const OctreeTree& next, CacheScratc
   lists_.swap(scratch.lists);
 }
 
+LightCaches LightCaches::copy(Backend& backend) const {
+  LightCaches result(buckets_.memory());
+  const auto copy_to = [&](const auto& from, auto& to) { relume::copy(backend, "vlc.copy", from, to); };
+  copy_to(buckets_, result.buckets_);
+  copy_to(lists_, result.lists_);
+  copy_to(entries_, result.entries_);
+  copy_to(bucket_weights_, result.bucket_weights_);
+  copy_to(lights_, result.lights_);
+  result.dropped_ = dropped_;
+  return result;
+}
+
 size_t LightCaches::region_bytes() const {
   return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList);
 }

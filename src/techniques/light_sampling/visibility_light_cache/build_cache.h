@@ -88,6 +88,7 @@ class LightCaches {
     populate(backend, next, scratch);
   }
 
+  LightCaches copy(Backend& backend) const;
   /// Removes all caches.
   void clear();
 

@@ -3,52 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/hash.h"
-#include "core/parallel.h"
-
 namespace relume {
 namespace {
 
-/// Weights for an alias table; `near(light)` is the weight by distance.
-template <typename Near>
-std::vector<float> blend(const std::vector<LightSummary>& lights, const ExplorationWeights& weights, const Near& near) {
-  std::vector<float> distributions[3];
-  for (std::vector<float>& distribution : distributions) distribution.assign(lights.size(), 0.0f);
-  for (size_t i = 0; i < lights.size(); ++i) {
-    if (!(lights[i].watts > 0.0f)) continue;
-    distributions[0][i] = lights[i].watts;
-    distributions[1][i] = lights[i].changed ? 1.0f : 0.0f;
-    distributions[2][i] = near(lights[i]);
-  }
-  const float shares[3] = {weights.energy, weights.change, weights.distance};
-  std::vector<float> blended(lights.size(), 0.0f);
-  for (int d = 0; d < 3; ++d) {
-    double sum = 0;
-    for (const float w : distributions[d]) sum += static_cast<double>(w);
-    if (!(sum > 0)) continue;
-    for (size_t i = 0; i < lights.size(); ++i)
-      blended[i] += shares[d] * static_cast<float>(static_cast<double>(distributions[d][i]) / sum);
-  }
-  return blended;
-}
+/// Least squared distance to the camera: 1 % of the scene's radius.
+float nearest_to_camera(float scene_radius) { return sqr(0.01f * scene_radius); }
 
-/// By distance to the camera, at least 1 % of the scene's radius.
-std::vector<AliasEntry> one_table(const std::vector<LightSummary>& lights, float scene_radius, const Vec3& camera,
-                                  const ExplorationWeights& weights) {
-  const float nearest2 = sqr(0.01f * scene_radius);
-  return build_alias_table(blend(lights, weights, [&](const LightSummary& light) {
-    return 1.0f / std::max(length_squared(light.position - camera), nearest2);
-  }));
-}
-
-uint64_t fingerprint_of(const std::vector<LightSummary>& lights, const ExplorationWeights& weights, uint32_t cells) {
-  uint64_t h = cells + 1;
+/// Hash of all inputs of the tables. `camera` and `scene_radius` determine a single table only.
+uint64_t fingerprint_of(const LightsDigest& lights, const ExplorationWeights& weights, const UVec3& cells,
+                        const Vec3& camera, float scene_radius) {
+  uint64_t h = lights.hash + cells.x + (uint64_t{cells.y} << 20) + (uint64_t{cells.z} << 40);
   const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
   for (const float w : {weights.energy, weights.change, weights.distance}) add(w);
-  for (const LightSummary& light : lights) {
-    for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
-    add(light.watts);
-    add(light.changed ? 1.0f : 0.0f);
+  if (cells == UVec3(1)) {
+    for (const float x : {camera.x, camera.y, camera.z, scene_radius}) add(x);
   }
   return h == 0 ? 1 : h;
 }
@@ -77,48 +45,68 @@ std::vector<LightSummary> light_summaries(const LightsView& lights) {
 
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights) {
-  return one_table(light_summaries(lights), lights.bounds.radius, camera, weights);
+  const std::vector<LightSummary> summaries = light_summaries(lights);
+  std::vector<AliasEntry> entries(summaries.size());
+  std::vector<double> shares(summaries.size());
+  std::vector<uint32_t> stack(summaries.size());
+  uint32_t filled = 0;
+  ExplorationTablesKernel kernel;
+  kernel.lights = view_of(summaries);
+  kernel.weights = weights;
+  kernel.by_camera = true;
+  kernel.camera = camera;
+  kernel.nearest2 = nearest_to_camera(lights.bounds.radius);
+  kernel.entries = mutable_view_of(entries);
+  kernel.shares = mutable_view_of(shares);
+  kernel.stack = mutable_view_of(stack);
+  kernel.filled = {&filled, 1};
+  kernel(0, 0);
+  if (filled == 0) entries.clear();
+  return entries;
 }
 
-void ExplorationTables::build(const LightsView& lights, const std::vector<LightSummary>& list, const Vec3& camera,
-                              const ExplorationWeights& weights, uint32_t cells) {
-  Vec3 low(kInfinity);
-  Vec3 high(-kInfinity);
-  for (const LightSummary& light : list) {
-    low = glm::min(low, light.position);
-    high = glm::max(high, light.position);
-  }
+void ExplorationTables::examine(Backend& backend, View<const LightSummary> summaries) {
+  digest_ = reduce<CombineDigests>({backend, "vlc.exploration", scratch_}, LightDigests{summaries}, summaries.size);
+}
+
+void ExplorationTables::build(Backend& backend, View<const LightSummary> summaries, float scene_radius,
+                              const Vec3& camera, const ExplorationWeights& weights, uint32_t cells) {
   constexpr uint32_t kMostEntries = 1u << 18;
-  const bool emits =
-      std::any_of(list.begin(), list.end(), [](const LightSummary& light) { return light.watts > 0.0f; });
-  const bool apart = emits && max_component(high - low) > 0.0f;
-  const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
-  const uint32_t count = dims.x * dims.y * dims.z;
-  if (count == 1) {
-    entries_.assign(one_table(list, lights.bounds.radius, camera, weights));
-    cells_ = UVec3(1);
-    fingerprint_ = 0;
-    return;
-  }
-  const uint64_t fingerprint = fingerprint_of(list, weights, cells);
+  const Vec3 extent = digest_.high - digest_.low;
+  const bool apart = digest_.emitting != 0 && max_component(extent) > 0.0f;
+  const UVec3 dims = apart ? grid_of(extent, cells, kMostEntries / summaries.size) : UVec3(1);
+  const uint64_t fingerprint = fingerprint_of(digest_, weights, dims, camera, scene_radius);
   if (fingerprint == fingerprint_) return;
-  fingerprint_ = fingerprint;
+  const uint32_t count = dims.x * dims.y * dims.z;
+  ExplorationTablesKernel kernel;
+  kernel.lights = summaries;
+  kernel.weights = weights;
+  kernel.by_camera = count == 1;
+  kernel.camera = camera;
+  kernel.nearest2 = nearest_to_camera(scene_radius);
+  kernel.cells = dims;
+  if (count > 1) {
+    kernel.low = digest_.low;
+    kernel.edge = extent / Vec3(dims);
+    // The distance is at least half the diagonal of the cell.
+    kernel.nearest2 = 0.25f * length_squared(kernel.edge);
+  }
+  fingerprint_ = 0;  // until the tables are complete: allocation may fail
+  const size_t size = size_t{count} * summaries.size;
+  entries_.reset(size, kUninitialized);
+  shares_.reset(size, kUninitialized);
+  stack_.reset(size, kUninitialized);
+  filled_.reset(count, kUninitialized);
+  kernel.entries = entries_.mutable_view();
+  kernel.shares = shares_.mutable_view();
+  kernel.stack = stack_.mutable_view();
+  kernel.filled = filled_.mutable_view();
+  launch(backend, "vlc.exploration", kernel, count, 1, {}, 1);
+  if (count == 1 && filled_.read()[0] == 0) entries_.clear();
   cells_ = dims;
-  corner_ = low;
-  const Vec3 edge = (high - low) / Vec3(dims);
-  for (int axis = 0; axis < 3; ++axis) scale_[axis] = edge[axis] > 0.0f ? 1.0f / edge[axis] : 0.0f;
-  // The distance is at least half the diagonal of the cell.
-  const float nearest2 = 0.25f * length_squared(edge);
-  entries_.reset(size_t{count} * list.size());
-  const std::span<AliasEntry> entries = entries_.write();
-  parallel_for(count, [&](uint32_t cell) {
-    const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
-    const Vec3 middle = low + edge * (at + Vec3(0.5f));
-    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightSummary& light) {
-      return light.watts / std::max(length_squared(light.position - middle), nearest2);
-    }));
-    std::copy(table.begin(), table.end(), entries.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));
-  });
+  corner_ = kernel.low;
+  for (int axis = 0; axis < 3; ++axis) scale_[axis] = kernel.edge[axis] > 0.0f ? 1.0f / kernel.edge[axis] : 0.0f;
+  fingerprint_ = fingerprint;
 }
 
 ExplorationGrid ExplorationTables::grid() const { return {entries_.view(), corner_, scale_, cells_}; }

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/array.h"
+#include "core/hash.h"
+#include "frame/primitives/reduce.h"
 #include "lights/light.h"
 #include "sampling/alias_table.h"
 
@@ -20,6 +22,48 @@ struct LightSummary {
 
 /// Properties of all finite lights, by id.
 std::vector<LightSummary> light_summaries(const LightsView& lights);
+
+/// Writes the properties of each finite light.
+struct LightSummariesKernel {
+  LightsView lights;
+  View<LightSummary> summaries;
+
+  RELUME_HD void operator()(uint32_t i, uint32_t) const {
+    const Light& light = lights.lights[i];
+    summaries[i] = {position_of(light), selection_weight(lights, i), light.changed};
+  }
+};
+
+/// Properties of all lights together.
+struct LightsDigest {
+  Vec3 low{kInfinity};  ///< bounds of the positions
+  Vec3 high{-kInfinity};
+  uint32_t emitting = 0;  ///< 1 if any light emits
+  uint64_t hash = 0;      ///< of all summaries
+};
+
+/// The digest of one light, as the input of a reduction.
+struct LightDigests {
+  View<const LightSummary> summaries;
+
+  RELUME_HD LightsDigest operator()(size_t i) const {
+    const LightSummary& light = summaries.data[i];
+    uint64_t h = i;
+    const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
+    for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
+    add(light.watts);
+    add(light.changed ? 1.0f : 0.0f);
+    return {light.position, light.position, light.watts > 0.0f ? 1u : 0u, h};
+  }
+};
+
+struct CombineDigests {
+  using Value = LightsDigest;
+  RELUME_HD static LightsDigest identity() { return {}; }
+  RELUME_HD static LightsDigest combine(const LightsDigest& a, const LightsDigest& b) {
+    return {glm::min(a.low, b.low), glm::max(a.high, b.high), a.emitting | b.emitting, a.hash + b.hash};
+  }
+};
 
 /// Relative weights of the three distributions in the mixture.
 struct ExplorationWeights {
@@ -56,21 +100,91 @@ struct ExplorationGrid {
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights);
 
+/// Builds the table of each cell; one call per cell. A distribution without lights is dropped.
+struct ExplorationTablesKernel {
+  View<const LightSummary> lights;
+  ExplorationWeights weights;
+  bool by_camera = false;  ///< one table by distance to `camera`; otherwise by power over squared distance
+  Vec3 camera{0};
+  Vec3 low{0};   ///< low corner of the grid, metres
+  Vec3 edge{0};  ///< of a cell, metres
+  UVec3 cells{1};
+  float nearest2 = 0;  ///< least squared distance, m²
+  View<AliasEntry> entries;
+  View<double> shares;  ///< temporary, parallel to `entries`
+  View<uint32_t> stack;
+  View<uint32_t> filled;  ///< by cell: 0 if the sum of the weights is zero or not finite. The entries are then zero.
+
+  RELUME_HD void operator()(uint32_t cell, uint32_t) const {
+    const uint32_t first = cell * lights.size;
+    const View<AliasEntry> table{entries.data + first, lights.size};
+    blend(cell, table);
+    const bool valid = fill_alias_table(table, {shares.data + first, lights.size}, {stack.data + first, lights.size});
+    filled[cell] = valid ? 1 : 0;
+    for (uint32_t i = 0; !valid && i < table.size; ++i) table[i] = {0.0f, 0, 0.0f};
+  }
+
+ private:
+  /// Weight of a light that emits by distance to the camera, or to the middle of a cell.
+  RELUME_HD float nearness(const LightSummary& light, const Vec3& middle) const {
+    return by_camera ? 1.0f / relume::max(length_squared(light.position - camera), nearest2)
+                     : light.watts / relume::max(length_squared(light.position - middle), nearest2);
+  }
+
+  /// Writes the weights of the mixture to `table`.
+  RELUME_HD void blend(uint32_t cell, View<AliasEntry> table) const {
+    const Vec3 at(static_cast<float>(cell % cells.x), static_cast<float>(cell / cells.x % cells.y),
+                  static_cast<float>(cell / (cells.x * cells.y)));
+    const Vec3 middle = low + edge * (at + Vec3(0.5f));
+    double sums[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < lights.size; ++i) {
+      const LightSummary& light = lights[i];
+      if (!(light.watts > 0.0f)) continue;
+      table[i].keep = nearness(light, middle);
+      sums[0] += static_cast<double>(light.watts);
+      sums[1] += light.changed ? 1.0 : 0.0;
+      sums[2] += static_cast<double>(table[i].keep);
+    }
+    const float parts[3] = {weights.energy, weights.change, weights.distance};
+    for (uint32_t i = 0; i < lights.size; ++i) {
+      float weight = 0;
+      if (lights[i].watts > 0.0f) {
+        const float guesses[3] = {lights[i].watts, lights[i].changed ? 1.0f : 0.0f, table[i].keep};
+        for (int d = 0; d < 3; ++d) {
+          if (sums[d] > 0) weight += parts[d] * static_cast<float>(static_cast<double>(guesses[d]) / sums[d]);
+        }
+      }
+      table[i].pmf = weight;
+    }
+  }
+};
+
 /// Owns the tables of a grid over the box of the finite lights.
 class ExplorationTables {
  public:
-  explicit ExplorationTables(Memory& memory = host_memory()) : entries_(memory) {}
+  explicit ExplorationTables(Memory& memory = host_memory())
+      : entries_(memory), shares_(memory), stack_(memory), filled_(memory) {}
 
-  /// `summaries`: light_summaries(lights). `cells`: along the longest side, reduced for very many lights; 1: a single
-  /// table by distance to the camera, as in the paper. The tables of several cells are rebuilt only when a light
-  /// changes.
-  void build(const LightsView& lights, const std::vector<LightSummary>& summaries, const Vec3& camera,
+  /// Call when lights may have changed. `summaries`: light_summaries(lights).
+  void examine(Backend& backend, View<const LightSummary> summaries);
+  /// Rebuilds the tables where an input changed, for the lights of the last examine(). `cells`: along the longest side,
+  /// reduced for very many lights; 1: a single table by distance to the camera, as in the paper. `scene_radius`:
+  /// metres.
+  void build(Backend& backend, View<const LightSummary> summaries, float scene_radius, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;
-  size_t memory_bytes() const { return entries_.memory_bytes(); }
+  size_t memory_bytes() const {
+    return entries_.memory_bytes() + shares_.memory_bytes() + stack_.memory_bytes() + filled_.memory_bytes() +
+           scratch_.memory_bytes();
+  }
 
  private:
   Array<AliasEntry> entries_;
+  Array<double> shares_;
+  Array<uint32_t> stack_;
+  Array<uint32_t> filled_;
+  PrimitiveScratch scratch_;
+  LightsDigest digest_;
   Vec3 corner_{0};
   Vec3 scale_{0};
   UVec3 cells_{1};

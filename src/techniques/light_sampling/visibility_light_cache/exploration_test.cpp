@@ -38,8 +38,14 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   view.lights = view_of(lights);
   view.first_infinite = 6;
   view.bounds = {Vec3(0), 50};
+  Backend backend(2);
   ExplorationTables tables;
-  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
+  const auto build = [&](uint32_t cells) {
+    const std::vector<LightSummary> summaries = light_summaries(view);
+    tables.examine(backend, view_of(summaries));
+    tables.build(backend, view_of(summaries), view.bounds.radius, Vec3(0), {}, cells);
+  };
+  build(5);
   EXPECT_EQ(tables.grid().cells, UVec3(5, 1, 1));
   for (const float x : {-7.0f, 3.0f, 22.0f, 41.0f, 99.0f}) {  // outside the grid too
     const AliasTable here = tables.grid().at(Vec3(x, 0, 0));
@@ -53,14 +59,14 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   EXPECT_GT(tables.grid().at(Vec3(39, 0, 0)).pmf(4), 3 * tables.grid().at(Vec3(39, 0, 0)).pmf(0));
   // Changed lights rebuild the tables.
   lights[0].point.intensity = Rgb(0);
-  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
+  build(5);
   EXPECT_EQ(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 0.0f);
   for (Light& light : lights) light.point.intensity = Rgb(0);
-  tables.build(view, light_summaries(view), Vec3(0), {}, 5);
+  build(5);
   EXPECT_TRUE(tables.grid().empty());
   // A single cell uses the paper's table.
   for (Light& light : lights) light.point.intensity = Rgb(1);
-  tables.build(view, light_summaries(view), Vec3(0), {}, 1);
+  build(1);
   EXPECT_EQ(tables.grid().at(Vec3(39, 0, 0)).pmf(2), build_exploration(view, Vec3(0), {})[2].pmf);
 }
 

@@ -19,7 +19,7 @@ struct World {
     view.first_infinite = count;
     all = build_exploration(view, Vec3(0), {});
     compact = compact_lights(view);
-    stream.resize(8 * 4096, 1);
+    stream.resize(backend, 8 * 4096, 1);
     for (uint32_t i = 0; i < 8 * 4096; ++i) stream.samples()[i] = {i % 8, (hash(i) % count) | kVisibleLight, 0, 0};
     stream.group(backend, 8);
     summaries = light_summaries(view);
@@ -72,11 +72,11 @@ void bm_light_cache_build(benchmark::State& state) {
 BENCHMARK(bm_light_cache_build)->ArgName("lights")->Arg(8)->Arg(500)->Unit(benchmark::kMicrosecond);
 
 void bm_sample_stream_group(benchmark::State& state) {
+  Backend backend;
   SampleStream stream;
   const uint32_t pixels = 1 << 20;
-  stream.resize(pixels, 2);
+  stream.resize(backend, pixels, 2);
   for (uint32_t i = 0; i < 2 * pixels; ++i) stream.samples()[i].region = (i / 64 * 7919u) % 4096;  // runs, as in images
-  Backend backend;
   for (auto _ : state) stream.group(backend, 4096);
   state.SetItemsProcessed(state.iterations() * 2 * pixels);
 }

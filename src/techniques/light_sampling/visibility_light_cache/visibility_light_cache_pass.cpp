@@ -1,27 +1,43 @@
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "techniques/light_sampling/light_selection/compact_lights.h"
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
 #include "techniques/light_sampling/visibility_light_cache/known_lights.h"
 
 namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
-  std::vector<LightSummary> lights;
-  frame.backend.run("vlc.lights", [&] {
-    lights = light_summaries(frame.scene.lights);
-    summaries_.assign(lights);
-    drop_inconsistent(static_cast<uint32_t>(lights.size()));
-  });
-  snapshot_.begin_frame(frame.begins_epoch, caches_);
+  examine_lights(frame);
+  if (loaded_) drop_inconsistent(frame);
+  snapshot_.begin_frame(frame.backend, frame.begins_epoch, caches_);
   if (!octree_.begins_again()) {
     build_caches(frame);
   } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size)) {
     caches_.clear();
   }
-  frame.backend.run("vlc.exploration", [&] { build_tables(frame, lights); });
+  const LightsView& lights = frame.scene.lights;
+  all_.build(frame.backend, summaries_.view(), lights.bounds.radius, frame.scene.camera.position,
+             {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
+             static_cast<uint32_t>(settings_.exploration_cells));
+  set_selector(lights);
   return true;
+}
+
+void VisibilityLightCachePass::examine_lights(const FrameContext& frame) {
+  const bool rebuilds = includes(frame.changes, kRebuildsLights);
+  // Changed lights are unchanged again one frame later.
+  if (!std::exchange(lights_changed_, rebuilds) && !rebuilds && built_) return;
+  built_ = false;
+  const LightsView& lights = frame.scene.lights;
+  summaries_.reset(lights.first_infinite, kUninitialized);
+  frame.launch("vlc.lights", LightSummariesKernel{lights, summaries_.mutable_view()}, {lights.first_infinite, 1});
+  write_compact_lights(frame.backend, "vlc.lights", lights, compact_);
+  all_.examine(frame.backend, summaries_.view());
+  frame.backend.run("vlc.lights", [&] { infinite_.assign(build_infinite_lights(lights, selection_.infinity())); });
+  built_ = true;
 }
 
 void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
@@ -49,7 +65,7 @@ PassDeclaration KnownLightsPass::declaration() const {
 
 bool KnownLightsPass::run(const FrameContext& frame) {
   const LightCaches& caches = cache_.caches();
-  known_.reset(caches.buckets().size);
+  known_.reset(caches.buckets().size, kUninitialized);
   const CountKnownLightsKernel count{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
                                      known_.mutable_view()};
   frame.launch("vlc-view", count, {caches.buckets().size, 1});
@@ -58,13 +74,7 @@ bool KnownLightsPass::run(const FrameContext& frame) {
   return true;
 }
 
-void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std::vector<LightSummary>& summaries) {
-  const LightsView& lights = frame.scene.lights;
-  all_.build(lights, summaries, frame.scene.camera.position,
-             {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
-             static_cast<uint32_t>(settings_.exploration_cells));
-  infinite_.assign(build_infinite_lights(lights, selection_.infinity()));
-  compact_.assign(compact_lights(lights));
+void VisibilityLightCachePass::set_selector(const LightsView& lights) {
   VisibilityLightCache& view = selector_.cache;
   const LightCaches& sampled = snapshot_.of(caches_);
   view.regions = sampled.buckets();
@@ -138,13 +148,18 @@ void VisibilityLightCachePass::load(std::istream& in) {
   loaded_ = true;
 }
 
-void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
-  if (!loaded_) return;
+void VisibilityLightCachePass::drop_inconsistent(const FrameContext& frame) {
   loaded_ = false;
   const auto bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   selector_.cache.bucket_size = bucket_size;
-  if (caches_.consistent(bucket_size, light_count) && snapshot_.of(caches_).consistent(bucket_size, light_count))
-    return;
+  bool consistent = false;
+  frame.backend.run("vlc.lights", [&] {
+    const auto is_consistent = [&](const LightCaches& caches) {
+      return caches.consistent(bucket_size, frame.scene.lights.first_infinite);
+    };
+    consistent = is_consistent(caches_) && is_consistent(snapshot_.of(caches_));
+  });
+  if (consistent) return;
   caches_.clear();
   snapshot_.reset();
 }

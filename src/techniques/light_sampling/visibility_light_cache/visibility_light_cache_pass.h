@@ -15,7 +15,7 @@ namespace relume {
 class VisibilityLightCachePass final : public Pass {
  public:
   VisibilityLightCachePass(const VisibilityLightCacheSettings& settings, const LightSelectionSettings& selection,
-                           const OctreePass& octree, Memory& memory = host_memory())
+                           const OctreePass& octree, Memory& memory)
       : settings_(settings),
         selection_(selection),
         octree_(octree),
@@ -44,10 +44,12 @@ class VisibilityLightCachePass final : public Pass {
   const LightCaches& caches() const { return caches_; }
 
  private:
+  /// Writes the data of lights if they have changed.
+  void examine_lights(const FrameContext& frame);
   /// Clears the caches that a damaged checkpoint left inconsistent.
-  void drop_inconsistent(uint32_t light_count);
+  void drop_inconsistent(const FrameContext& frame);
   void build_caches(const FrameContext& frame);
-  void build_tables(const FrameContext& frame, const std::vector<LightSummary>& summaries);
+  void set_selector(const LightsView& lights);
 
   VisibilityLightCacheSettings settings_;
   LightSelectionSettings selection_;
@@ -56,7 +58,9 @@ class VisibilityLightCachePass final : public Pass {
   LightCaches caches_;
   CacheScratch scratch_;
   Snapshot<LightCaches> snapshot_;
-  bool loaded_ = false;  ///< whether a loaded checkpoint is still unchecked
+  bool loaded_ = false;          ///< whether a loaded checkpoint is still unchecked
+  bool built_ = false;           ///< whether the data of lights is complete
+  bool lights_changed_ = false;  ///< whether lights have changed since the frame before
   Array<LightSummary> summaries_;
   ExplorationTables all_;
   Array<AliasEntry> infinite_;
@@ -67,7 +71,7 @@ inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};
 
 class KnownLightsPass final : public Pass {
  public:
-  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache, Memory& memory = host_memory())
+  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache, Memory& memory)
       : octree_(octree), cache_(cache), known_(memory) {}
 
   PassDeclaration declaration() const override;

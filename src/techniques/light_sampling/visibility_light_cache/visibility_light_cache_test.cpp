@@ -25,7 +25,7 @@ class Caches : public ::testing::Test {
 
   void build(const CacheBuildOptions& options = {}) {
     SampleStream stream;
-    stream.resize(static_cast<uint32_t>(samples_.size()), 1);
+    stream.resize(backend_, static_cast<uint32_t>(samples_.size()), 1);
     std::copy(samples_.begin(), samples_.end(), stream.samples().begin());
     stream.group(backend_, tree_.leaf_slots());
     caches_.build(backend_, tree_, stream.groups(), view_of(lights_), options);
@@ -94,7 +94,7 @@ TEST_F(Caches, OmitInfiniteAndRemovedLights) {
   build(options);
   EXPECT_EQ(known(0), (std::vector<LightId>{7}));
   SampleStream stream;
-  stream.resize(1, 1);
+  stream.resize(backend_, 1, 1);
   stream.group(backend_, tree_.leaf_slots());
   caches_.build(backend_, tree_, stream.groups(), {lights_.data(), 7}, options);
   EXPECT_TRUE(known(0).empty());
@@ -324,7 +324,7 @@ TEST_F(Caches, DoNotDependOnThreads) {
   const std::vector<uint32_t> entries(caches_.entries().begin(), caches_.entries().end());
   Backend one(1);
   SampleStream stream;
-  stream.resize(static_cast<uint32_t>(samples.size()), 1);
+  stream.resize(one, static_cast<uint32_t>(samples.size()), 1);
   std::copy(samples.begin(), samples.end(), stream.samples().begin());
   stream.group(one, tree_.leaf_slots());
   LightCaches other;

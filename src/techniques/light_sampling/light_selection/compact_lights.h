@@ -1,0 +1,25 @@
+// Computes the compact forms of all finite lights in a launch.
+#pragma once
+
+#include "frame/launch.h"
+#include "lights/light_importance.h"
+
+namespace relume {
+
+struct CompactLightsKernel {
+  LightsView lights;
+  View<CompactLight> compact;  ///< by light
+
+  RELUME_HD void operator()(uint32_t light, uint32_t) const {
+    compact[light] = compact_form(lights, lights.lights[light]);
+  }
+};
+
+/// Replaces `compact` by compact_lights(lights).
+inline void write_compact_lights(Backend& backend, std::string_view name, const LightsView& lights,
+                                 Array<CompactLight>& compact) {
+  compact.reset(lights.first_infinite, kUninitialized);
+  launch(backend, name, CompactLightsKernel{lights, compact.mutable_view()}, lights.first_infinite, 1);
+}
+
+}  // namespace relume
