@@ -1,12 +1,12 @@
 // Densities of path guiding and of the incident light at one point: two octahedral maps, side by side.
 #pragma once
 
+#include "frame/primitives/primitive.h"
+#include "techniques/guiding/direction_view/incident_light.h"
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
 #include "techniques/transport/path/path_pass.h"
 
 namespace relume {
-
-struct IncidentLightKernel;
 
 inline constexpr BufferKey<float> kDirections{"directions"};
 
@@ -17,27 +17,30 @@ inline constexpr BufferKey<float> kDirections{"directions"};
 class DirectionViewPass final : public Pass {
  public:
   DirectionViewPass(const DirectionalQuadtreeSettings& settings, const PathSource& source, const OctreePass& octree,
-                    Memory& memory = host_memory())
-      : settings_(settings), source_(source), octree_(octree), sums_(memory) {}
+                    Memory& memory);
 
   void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return sums_.memory_bytes(); }
+  size_t memory_bytes() const override { return sums_.memory_bytes() + scratch_.memory_bytes(); }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
  private:
-  /// Fills `kernel` for the chosen pixel, on the host. Returns false if the pixel has no hit.
-  bool prepare(const FrameContext& frame, uint32_t pixel, IncidentLightKernel& kernel) const;
-  /// Draws both maps for the point of `kernel`, on the host.
-  void draw(const FrameContext& frame, const IncidentLightKernel& kernel) const;
+  /// Finds the point at the chosen pixel. Returns false if the pixel has no hit.
+  bool find_point(const FrameContext& frame, uint32_t pixel);
+  /// Traces a path for each direction.
+  void trace(const FrameContext& frame, uint32_t edge);
+  /// Draws both maps.
+  void draw(const FrameContext& frame, uint32_t edge);
 
   DirectionalQuadtreeSettings settings_;
   PathSource source_;
   const OctreePass& octree_;
-  Array<float> sums_;  ///< sums by texel over the frames since the last change
+  Array<ViewedPoint> point_;  ///< one element, if a view was drawn
+  Array<float> sums_;         ///< sums by texel over the frames since the last change
+  PrimitiveScratch scratch_;
   uint32_t pixel_ = 0;
 };
 

@@ -34,15 +34,22 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   return path.radiance - policy.nee_radiance;
 }
 
+/// The point whose directions are shown.
+struct ViewedPoint {
+  SurfacePoint surface;
+  uint32_t hit = 0;  ///< 0: the pixel has no hit, and `surface` is invalid
+};
+
 /// Adds the incident luminance of one path times |cos θ| to each texel of an octahedral map of edge `edge`.
 struct IncidentLightKernel {
   PathContext context;
-  SurfacePoint point;
+  View<const ViewedPoint> viewed;  ///< one element
   SampleIndex index;
   uint32_t edge = 0;
   View<float> sums;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const SurfacePoint& point = viewed[0].surface;
     Sampler sampler = index.sampler(x, y);
     const Vec2 jitter = sampler.next_2d();
     const Vec2 at = (Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter) / static_cast<float>(edge);

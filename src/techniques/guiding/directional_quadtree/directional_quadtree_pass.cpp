@@ -20,6 +20,12 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
   return true;
 }
 
+Quadtrees Quadtrees::copy(Backend& backend) const {
+  Quadtrees result(bit_count_, 0, memory());
+  relume::copy(backend, "cdq.copy", words_, result.words_);
+  return result;
+}
+
 void Quadtrees::load(std::istream& in) {
   read_array(in, words_);
   const QuadtreeArray trees = write();
@@ -40,7 +46,7 @@ float kept_share(int frames) { return static_cast<float>(frames) / static_cast<f
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   const bool fits = trees_.bit_count() == bit_count() && trees_.size() == octree_.tree().leaf_slots();
   if (octree_.begins_again() && fits) {
-    snapshot_.begin_frame(frame.begins_epoch, trees_);
+    snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
   } else {
     take_in_samples(frame);
   }
@@ -56,14 +62,14 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   moved_.write() = 0;
   // Whether the samples were drawn from other trees than those that they adapt.
   const bool sampled_others = snapshot_.frozen();
-  snapshot_.begin_frame(frame.begins_epoch, trees_);
+  snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
   // The frames of an epoch sample the same trees, so they have the same weight.
   const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
   if (same_size) {
     const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
                                    settings_.spread};
-    if (remembers) weights_.resize(trees_.size());
+    if (remembers && weights_.size() != trees_.size()) resize(frame.backend, "cdq.adapt", weights_, trees_.size());
     const AdaptQuadtreesKernel adapt{
         octree_.groups(),        trees_.view(),        options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
         weights_.mutable_view(), moved_.mutable_view()};

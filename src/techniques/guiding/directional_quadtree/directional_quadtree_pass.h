@@ -32,6 +32,7 @@ class Quadtrees {
     bit_count_ = bit_count;
     words_.reset(size_t{regions} * (bit_count / 32), kUninitialized);
   }
+  Quadtrees copy(Backend& backend) const;
   uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
   uint32_t bit_count() const { return bit_count_; }
   size_t memory_bytes() const { return words_.memory_bytes(); }
@@ -48,8 +49,7 @@ class Quadtrees {
 
 class DirectionalQuadtreePass final : public Pass {
  public:
-  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree,
-                          Memory& memory = host_memory())
+  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree, Memory& memory)
       : settings_(settings),
         octree_(octree),
         trees_(bit_count(), 0, memory),

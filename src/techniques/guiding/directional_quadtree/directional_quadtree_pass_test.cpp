@@ -12,14 +12,14 @@ namespace {
 
 TEST(DirectionalQuadtreePass, RejectsCheckpointsWithInvalidTrees) {
   const OctreeSettings octree_settings;
-  const OctreePass octree(octree_settings, true);
+  const OctreePass octree(octree_settings, true, host_memory());
   const DirectionalQuadtreeSettings settings;  // 128 bits
   const auto loads = [&](const std::vector<uint32_t>& words, size_t weights = 0) {
     std::stringstream file;
     write_vector(file, words);
     write_value(file, uint8_t{0});  // no snapshot
     write_vector(file, std::vector<QuadtreeWeights>(weights));
-    DirectionalQuadtreePass pass(settings, octree);
+    DirectionalQuadtreePass pass(settings, octree, host_memory());
     pass.load(file);
     return static_cast<bool>(file);
   };

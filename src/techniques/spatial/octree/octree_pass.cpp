@@ -42,12 +42,12 @@ OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
 bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
   // Resized before they are grouped, because other passes read the groups until the next frame.
-  stream_.resize(frame.pixels(), vertices);
+  stream_.resize(frame.backend, frame.pixels(), vertices);
   begins_again_ = std::exchange(prepared_, false);
   if (!tree_) {
     frame.backend.run("octree.first", [&] { tree_ = first_tree(frame.scene, memory_); });
   } else {
-    snapshot_.begin_frame(frame.begins_epoch, *tree_);
+    snapshot_.begin_frame(frame.backend, frame.begins_epoch, *tree_);
     // The samples of an abandoned frame are incomplete and are overwritten.
     if (!begins_again_) adapt(frame);
   }

@@ -21,7 +21,7 @@ OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
 class OctreePass final : public Pass {
  public:
   /// `epochs`: several frames may sample the same tree, because a history accumulates them.
-  OctreePass(const OctreeSettings& settings, bool epochs, Memory& memory = host_memory())
+  OctreePass(const OctreeSettings& settings, bool epochs, Memory& memory)
       : settings_(settings), epochs_(epochs), memory_(memory), scratch_(memory), stream_(memory), depths_(memory) {}
 
   void configure(const OctreeSettings& settings) { settings_ = settings; }

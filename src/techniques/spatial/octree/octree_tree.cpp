@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "core/stream_io.h"
+#include "frame/primitives/fill.h"
 #include "frame/primitives/scan.h"
 
 namespace relume {
@@ -60,6 +61,21 @@ uint32_t OctreeTree::leaf_count() const {
   uint32_t count = 0;
   for (const uint32_t node : nodes_.read()) count += static_cast<uint32_t>(std::popcount(octree_leaf_mask(node)));
   return count;
+}
+
+OctreeTree OctreeTree::copy(Backend& backend) const {
+  OctreeTree result(nodes_.memory());
+  result.corner_ = corner_;
+  result.scale_ = scale_;
+  result.depth_ = depth_;
+  const auto copy_to = [&](const Array<uint32_t>& from, Array<uint32_t>& to) {
+    relume::copy(backend, "octree.copy", from, to);
+  };
+  copy_to(nodes_, result.nodes_);
+  copy_to(links_.parents, result.links_.parents);
+  copy_to(links_.neighbours, result.links_.neighbours);
+  copy_to(links_.previous, result.links_.previous);
+  return result;
 }
 
 void OctreeTree::write_leaf_depths(Backend& backend, Array<uint8_t>& depths) const {
@@ -145,7 +161,7 @@ void OctreeTree::rebuild(Backend& backend, OctreeScratch& scratch, Array<uint32_
 
 template <typename Run>
 void OctreeTree::augment(const OctreeTree& previous, View<const uint32_t> counts, const Run& run) {
-  links_.parents.reset(nodes_.size());
+  links_.parents.reset(nodes_.size(), kUninitialized);
   links_.neighbours.reset(size_t{6} * leaf_slots(), kUninitialized);
   links_.previous.reset(leaf_slots(), kUninitialized);
   run(OctreeParentsKernel{nodes_.view(), links_.parents.mutable_view()}, node_count());

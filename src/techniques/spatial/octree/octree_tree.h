@@ -77,6 +77,7 @@ class OctreeTree {
     return adapted(backend, counts, thresholds, scratch);
   }
 
+  OctreeTree copy(Backend& backend) const;
   /// Writes the depth of each leaf by slot; meaningless for unused slots.
   void write_leaf_depths(Backend& backend, Array<uint8_t>& depths) const;
 
@@ -216,13 +217,14 @@ struct OctreeRebuildKernel {
   }
 };
 
-/// Writes the parent of each inner node.
+/// Writes the parent of each inner node, and of the root.
 struct OctreeParentsKernel {
   View<const uint32_t> nodes;
   View<uint32_t> parents;
 
   RELUME_HD void operator()(uint32_t node, uint32_t) const {
     const uint32_t word = nodes[node];
+    if (node == 0) parents[0] = 0;
     for (uint32_t child = 0; child < 8; ++child) {
       if (!((word >> child) & 1u)) parents[octree_inner_child(word, child)] = node;
     }

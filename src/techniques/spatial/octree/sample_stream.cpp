@@ -5,7 +5,10 @@
 
 namespace relume {
 
-void SampleStream::resize(uint32_t pixels, uint32_t vertices) { samples_.resize(size_t{pixels} * vertices); }
+void SampleStream::resize(Backend& backend, uint32_t pixels, uint32_t vertices) {
+  const size_t size = size_t{pixels} * vertices;
+  if (samples_.size() != size) relume::resize(backend, "octree.group", samples_, size);
+}
 
 void SampleStream::group(Backend& backend, uint32_t region_count) {
   const View<const VertexSample> samples = samples_.view();

@@ -69,7 +69,7 @@ class SampleStream {
 
   /// Allocates `vertices` records per pixel. If the number of pixels is unchanged, the first vertices keep their
   /// records.
-  void resize(uint32_t pixels, uint32_t vertices);
+  void resize(Backend& backend, uint32_t pixels, uint32_t vertices);
 
   /// Record of vertex v at pixel p: element v · pixels + p.
   View<VertexSample> samples() { return samples_.mutable_view(); }

@@ -6,20 +6,22 @@
 #include <optional>
 
 #include "core/stream_io.h"
+#include "frame/launch.h"
 
 namespace relume {
 
 /// A structure receives samples in every frame, but the frames of an epoch sample its state in the first of them.
 /// Their samples can then be stratified and stay independent of the structure. Only epochs of several frames copy.
+/// T::copy(backend) copies in launches.
 template <typename T>
 class Snapshot {
  public:
   /// Call in each frame before `learning` receives samples.
-  void begin_frame(bool begins_epoch, const T& learning) {
+  void begin_frame(Backend& backend, bool begins_epoch, const T& learning) {
     if (begins_epoch) {
       copy_.reset();
     } else if (!copy_) {
-      copy_ = learning;
+      copy_ = learning.copy(backend);
     }
   }
   /// The structure to sample; `learning` in the first frame of an epoch.

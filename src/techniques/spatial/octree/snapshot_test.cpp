@@ -10,16 +10,18 @@ namespace {
 /// A structure that counts the frames whose samples it has received.
 struct Counter {
   uint32_t frames = 0;
+  Counter copy(Backend&) const { return *this; }
   size_t memory_bytes() const { return 100; }
   void save(std::ostream& out) const { write_value(out, frames); }
   void load(std::istream& in) { read_value(in, frames); }
 };
 
 TEST(Snapshot, AnEpochSamplesWithTheStateOfItsFirstFrame) {
+  Backend backend(1);
   Snapshot<Counter> snapshot;
   Counter learning;
   const auto frame = [&](bool begins_epoch) {
-    snapshot.begin_frame(begins_epoch, learning);
+    snapshot.begin_frame(backend, begins_epoch, learning);
     ++learning.frames;
     return snapshot.of(learning).frames;
   };
@@ -35,9 +37,10 @@ TEST(Snapshot, AnEpochSamplesWithTheStateOfItsFirstFrame) {
 }
 
 TEST(Snapshot, ContinuesAfterACheckpoint) {
+  Backend backend(1);
   Snapshot<Counter> snapshot;
   Counter learning{7};
-  snapshot.begin_frame(false, learning);
+  snapshot.begin_frame(backend, false, learning);
   std::stringstream file;
   snapshot.save(file);
   Snapshot<Counter> other;
