@@ -387,7 +387,7 @@ void configure(const FramePasses& passes, const RenderSettings& settings) {
 }
 
 std::vector<PassDeclaration> plan(const RenderSettings& settings) {
-  return build_passes(settings).pipeline.declarations();
+  return build_passes(settings, host_memory()).pipeline.declarations();
 }
 
 }  // namespace relume

@@ -40,7 +40,7 @@ struct FramePasses {
 };
 
 /// The passes of plan(). `memory`: for the data that their kernels access; it must outlive them.
-FramePasses build_passes(const RenderSettings& settings, Memory& memory = host_memory());
+FramePasses build_passes(const RenderSettings& settings, Memory& memory);
 
 /// Passes changed settings to the passes, which use them from the next frame on. plan() must be equal for both
 /// settings.

@@ -100,7 +100,7 @@ PassDeclaration BmfrPass::declaration() const {
 }
 
 bool BmfrPass::run(const FrameContext& frame) {
-  noise_.resize(kBlockNoise);
+  noise_.resize(kBlockNoise, kUninitialized);
   const BlockNoiseKernel noise{noise_.mutable_view(), frame.number};
   frame.launch("bmfr-fit", noise, {kBlockPixels, kBlockFeatures - 1});
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};

@@ -13,7 +13,7 @@ namespace relume {
 class BmfrPass final : public Pass {
  public:
   /// `split`: keeps diffuse and specular light apart.
-  BmfrPass(const BmfrSettings& settings, bool split, Memory& memory = host_memory())
+  BmfrPass(const BmfrSettings& settings, bool split, Memory& memory)
       : settings_(settings), split_(split), change_{LightChange(memory), LightChange(memory)}, noise_(memory) {}
 
   void configure(const BmfrSettings& settings) { settings_ = settings; }

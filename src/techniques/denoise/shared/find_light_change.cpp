@@ -8,8 +8,8 @@ View<const float> LightChange::discounts(const FrameContext& frame, const LightH
   if (!includes(frame.changes, Change::geometry | Change::lights)) return {};
   const uint32_t columns = change_blocks(frame.width());
   const uint32_t rows = change_blocks(frame.height());
-  departures_.resize(static_cast<size_t>(columns) * rows);
-  discounts_.resize(departures_.size());
+  departures_.reset(static_cast<size_t>(columns) * rows, kUninitialized);
+  discounts_.reset(departures_.size(), kUninitialized);
   // Blocks are few and expensive, so each task treats a small square of them.
   constexpr uint32_t kTasks = 4;
   const CompareBlocksKernel compare{history, departures_.mutable_view(), frame.width(), frame.height()};

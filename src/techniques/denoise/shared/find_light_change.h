@@ -9,7 +9,7 @@ namespace relume {
 
 class LightChange {
  public:
-  explicit LightChange(Memory& memory = host_memory()) : departures_(memory), discounts_(memory) {}
+  explicit LightChange(Memory& memory) : departures_(memory), discounts_(memory) {}
 
   /// LightHistory::discounts of this frame; empty if no light or object has moved. Valid until the next call.
   View<const float> discounts(const FrameContext& frame, const LightHistory& history);

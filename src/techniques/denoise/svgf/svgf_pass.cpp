@@ -104,9 +104,13 @@ bool SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
 bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   Array<float>& light = light_[place_of(part)];
-  features_.resize(AtrousImage::size(kAtrousPlanes, frame.width(), frame.height()));
-  light.resize(AtrousImage::size(kAtrousChannels, frame.width(), frame.height()));
-  filtered_.resize(light.size());
+  const auto resize = [&](Array<float>& image, uint32_t planes) {
+    const size_t size = AtrousImage::size(planes, frame.width(), frame.height());
+    if (image.size() != size) relume::resize(frame.backend, "svgf-prepare", image, size);
+  };
+  resize(features_, kAtrousPlanes);
+  resize(light, kAtrousChannels);
+  resize(filtered_, kAtrousChannels);
   SvgfPrepareKernel kernel;
   kernel.position = frame.read(buffers.position);
   kernel.normal = frame.read(buffers.normal);

@@ -12,7 +12,7 @@ namespace relume {
 class SvgfPass final : public Pass {
  public:
   /// `split`: keeps diffuse and specular light apart.
-  SvgfPass(const SvgfSettings& settings, bool split, Memory& memory = host_memory())
+  SvgfPass(const SvgfSettings& settings, bool split, Memory& memory)
       : settings_(settings),
         split_(split),
         change_{LightChange(memory), LightChange(memory)},

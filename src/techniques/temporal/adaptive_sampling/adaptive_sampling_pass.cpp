@@ -88,8 +88,8 @@ bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
 }
 
 void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
-  moments_.resize(frame.pixels());
-  rows_.resize(frame.pixels());
+  moments_.reset(frame.pixels(), kUninitialized);
+  rows_.reset(frame.pixels(), kUninitialized);
   const OwnStatisticsKernel own{read_history(frame), moments_.mutable_view(), frame.width()};
   frame.launch("allocate", own);
   const PoolRowsKernel rows{moments_.view(), rows_.mutable_view(), frame.width()};
@@ -127,12 +127,8 @@ RateSums AdaptiveSamplingPass::means_of(const FrameContext& frame, View<const fl
   totals_.reset(frame.height(), kUninitialized);
   const SumRatesKernel kernel{deviation, totals_.mutable_view(), rate, frame.width()};
   frame.launch("allocate", kernel, {frame.height(), 1});
-  RateSums sum;
-  for (const RateSums& row : totals_.read()) {
-    sum.deviation += row.deviation;
-    sum.probability += row.probability;
-    sum.cut += row.cut;
-  }
+  frame.launch("allocate", AddRowsKernel{totals_.view(), sum_.mutable_view()}, {1, 1});
+  const RateSums sum = sum_.read();
   const double pixels = frame.pixels();
   return {sum.deviation / pixels, sum.probability / pixels, sum.cut / pixels};
 }

@@ -20,8 +20,13 @@ inline constexpr BufferKey<float> kSamplingProbability{"sampling-probability"};
 class AdaptiveSamplingPass final : public Pass {
  public:
   /// `invalidated_by`: changes that end the history.
-  AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by, Memory& memory = host_memory())
-      : settings_(settings), invalidated_by_(invalidated_by), moments_(memory), rows_(memory), totals_(memory) {}
+  AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by, Memory& memory)
+      : settings_(settings),
+        invalidated_by_(invalidated_by),
+        moments_(memory),
+        rows_(memory),
+        totals_(memory),
+        sum_(memory) {}
 
   void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -51,6 +56,7 @@ class AdaptiveSamplingPass final : public Pass {
   Array<PooledMoments> moments_;  ///< statistics of single pixels
   Array<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
   Array<RateSums> totals_;        ///< sums over each row of pixels
+  KernelValue<RateSums> sum_;     ///< over all pixels
 };
 
 }  // namespace relume

@@ -120,7 +120,7 @@ struct RateSums {
   double cut = 0;          ///< number of pixels whose probability would exceed 1
 };
 
-/// Sums over each row of pixels, in partial sums that vectorise; one call per row. Callers add the rows in order.
+/// Sums over each row of pixels, in partial sums that vectorise; one call per row.
 struct SumRatesKernel {
   View<const float> deviation;
   View<RateSums> rows;
@@ -150,6 +150,22 @@ struct SumRatesKernel {
       sum.cut += static_cast<double>(cuts[i]);
     }
     rows[y] = sum;
+  }
+};
+
+/// Adds the rows' sums in order; one call.
+struct AddRowsKernel {
+  View<const RateSums> rows;
+  View<RateSums> sum;  ///< one element
+
+  RELUME_HD void operator()(uint32_t, uint32_t) const {
+    RateSums all;
+    for (const RateSums& row : rows) {
+      all.deviation += row.deviation;
+      all.probability += row.probability;
+      all.cut += row.cut;
+    }
+    sum[0] = all;
   }
 };
 

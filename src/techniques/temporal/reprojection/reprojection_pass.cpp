@@ -139,20 +139,21 @@ void ReprojectionPass::move_moments(const FrameContext& frame, View<const uint32
 }
 
 void ReprojectionPass::allocate(const FrameContext& frame) {
-  sources_.resize(frame.pixels());
+  if (sources_.size() != frame.pixels()) resize(frame.backend, "reproject", sources_, frame.pixels());
   const bool forward = settings_.method == ReprojectionMethod::forward;  // backward reprojection uses only `sources_`
   const size_t count = forward ? frame.pixels() : 0;
   const uint32_t capacity = forward ? settings_.capacity() : 0;
-  if (capacity_ == capacity && pixels_.size() == count) return;
-  capacity_ = capacity;
-  stored_.reset(count * capacity_);
-  pixels_.reset(count);
-  stored_before_ = stored_;
-  pixels_before_ = pixels_;
-  votes_.resize(count);
-  owned_.resize(count);
-  limits_.resize(count);
-  limits_before_.resize(count);
+  if (capacity_ != capacity || pixels_.size() != count) {
+    capacity_ = 0;  // until all arrays have their size: allocation may fail
+    for (Array<StoredSample>* stored : {&stored_, &stored_before_})
+      reset(frame.backend, "reproject", *stored, count * capacity);
+    for (Array<StoredPixel>* pixels : {&pixels_, &pixels_before_}) reset(frame.backend, "reproject", *pixels, count);
+    capacity_ = capacity;
+  }
+  if (votes_.size() == count) return;
+  for (Array<uint32_t>* limits : {&limits_, &limits_before_}) reset(frame.backend, "reproject", *limits, count);
+  owned_.reset(count, kUninitialized);
+  votes_.reset(count, kUninitialized);
 }
 
 void ReprojectionPass::drop_unknown(const FrameContext& frame) {
@@ -301,10 +302,6 @@ void ReprojectionPass::load(std::istream& in) {
   pixels_ = pixels_before_;
   loaded_ = true;
   capacity_ = static_cast<uint32_t>(capacity);
-  votes_.resize(pixels_.size());
-  owned_.resize(pixels_.size());
-  limits_.resize(pixels_.size());
-  limits_before_.resize(pixels_.size());
 }
 
 PassDeclaration StoreSamplesPass::declaration() const {

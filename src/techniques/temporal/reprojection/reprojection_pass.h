@@ -20,8 +20,7 @@ class ReprojectionPass final : public Pass {
  public:
   /// `pixel_count`: pixels of the image, which a checkpoint must match. `m2_rgb`: also moves this member of the
   /// moments.
-  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb,
-                   Memory& memory = host_memory());
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb, Memory& memory);
 
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;

@@ -39,7 +39,7 @@ void BdptPass::prepare_lights(const FrameContext& frame) {
     emission_.assign(build_power_lights(frame.scene.lights, infinity));
     connection_.assign(build_power_lights(frame.scene.lights, selection_.infinity()));
   });
-  light_medium_.reset(frame.scene.absorbs ? frame.scene.lights.lights.size : 0);
+  light_medium_.reset(frame.scene.absorbs ? frame.scene.lights.lights.size : 0, kUninitialized);
   const LightMediumKernel medium{frame.scene, light_medium_.mutable_view()};
   launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }

@@ -28,7 +28,7 @@ class BdptPass final : public Pass {
  public:
   /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, bool separate_splats, Memory& memory = host_memory())
+           const PathSource& source, bool separate_splats, Memory& memory)
       : settings_(settings),
         selection_(selection),
         mode_(mode),
