@@ -28,6 +28,9 @@ class Pipeline {
   /// Throws std::logic_error where a pass accesses a buffer that it has not declared.
   bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
+  /// Undoes a frame that run() completed.
+  void abandon() { abandon(passes_.size() - 1); }
+
   /// Shortest epoch of the learning passes; 0: none learns.
   uint32_t longest_epoch() const;
   /// Whether a frame can be stopped after a pass has changed persistent buffers.

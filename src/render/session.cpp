@@ -82,37 +82,30 @@ bool Session::render_frame(std::stop_token stop) {
   const FrameMark mark(s.in_frame);
   const double start_s = now_s();
   s.next_replacement.clear();
-  s.backend->execute([&] { s.commit_edits(); });
+  s.backend->run(kSessionWork, [&] { s.commit_edits(); });
   const bool may_lose_image = stop.stop_possible() && s.changes != Change::none;
-  if (may_lose_image) s.keep_image();
-  s.apply_changes();
+  if (may_lose_image) s.backend->run(kSessionWork, [&] { s.keep_image(); });
   const bool restores = stop.stop_possible() && s.passes.pipeline.stops_late();
   bool complete = false;
-  s.backend->execute([&] {
-    complete = s.buffers->clear_new(stop);
-    if (complete && restores) s.buffers->keep();
-  });
-  const bool kept = complete && restores;
+  bool kept = false;
   s.buffers->swap();
   try {
+    s.backend->run(kSessionWork, [&] {
+      s.apply_changes();
+      complete = s.buffers->clear_new(stop);
+      if (complete && restores) s.buffers->keep();
+    });
+    kept = complete && restores;
     const auto hook = s.pass_hook;  // a hook may replace itself
     complete = complete && s.passes.pipeline.run(s.frame(stop), hook);
+    if (complete) s.end_frame();
   } catch (...) {
     s.undo_frame(kept, may_lose_image);
     // Without copies of the buffers, or after passes that cannot undo their changes, the image is no mean of samples.
     s.edit(Change::settings);
     throw;
   }
-  if (complete) {
-    s.count_frame();
-    s.drop_kept_image();
-    s.replacement = std::move(s.next_replacement);
-    s.scene->end_frame();
-    s.changes = Change::none;
-    s.counters.previous_time_s = s.counters.time_s;
-  } else {
-    s.undo_frame(kept, may_lose_image);
-  }
+  if (!complete) s.undo_frame(kept, may_lose_image);
   s.statistics.render_s += now_s() - start_s;
   return complete;
 }

@@ -53,6 +53,9 @@ inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Mem
                                    memory);
 }
 
+/// Name of a session's own work in timings: it clears, copies and restores buffers, and edits and advances the scene.
+inline constexpr std::string_view kSessionWork = "session";
+
 struct Session::State {
   /// `memory`: for all data that kernels access; it must outlive the state.
   State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory = host_memory())
@@ -158,7 +161,7 @@ struct Session::State {
   /// keep_image()'s copy replaces it.
   void undo_frame(bool kept, bool may_lose_image) {
     buffers->swap();
-    if (kept) backend->execute([&] { buffers->restore(); });
+    if (kept) backend->run(kSessionWork, [&] { buffers->restore(); });
     if (may_lose_image) show_kept_image();
   }
 
@@ -254,15 +257,30 @@ struct Session::State {
     return relume::sum({*backend, name, scratch}, values);
   }
 
-  void count_frame() {
-    const View<const uint32_t> allocation = buffers->view(kAllocation);
-    const uint64_t paths = allocation.empty() ? rendered_pixels() : sum("count", allocation);
+  /// Counts a frame that all passes completed. Throws before it changes anything but the scene; the passes have then
+  /// undone the frame.
+  void end_frame() {
+    uint64_t paths = rendered_pixels();
+    uint64_t rays = 0;
+    try {
+      const View<const uint32_t> allocation = buffers->view(kAllocation);
+      if (!allocation.empty()) paths = sum("count", allocation);
+      rays = sum("count", buffers->view(kRays));
+      backend->run(kSessionWork, [&] { scene->end_frame(); });
+    } catch (...) {
+      passes.pipeline.abandon();
+      throw;
+    }
     uneven_samples = uneven_samples || paths < rendered_pixels();
     counters.paths += paths;
-    counters.rays += sum("count", buffers->view(kRays));
+    counters.rays += rays;
     ++counters.frames;
     ++counters.since_change;
     ++counters.sequence_age;
+    drop_kept_image();
+    replacement = std::move(next_replacement);
+    changes = Change::none;
+    counters.previous_time_s = counters.time_s;
   }
 
   const uint64_t number = next_session_number();

@@ -16,12 +16,12 @@ namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
   open_for_host();
-  was_moved_ = false;
   for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
   keep_previous_positions();
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
   refresh_view();
+  was_moved_ = false;
 }
 
 Change CompiledScene::set_time(float time_s) {
