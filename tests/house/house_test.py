@@ -16,6 +16,7 @@ from unittest import mock
 import check_files
 import check_layers
 import check_places
+import check_program_tests
 import check_prose
 import check_sources
 import check_spelling
@@ -246,6 +247,34 @@ class Places(Repository):
     def test_needs_a_representative(self):
         self.write("src/a/a.h", "int a;\n")
         self.assertIn("choose another representative", self.places(1)[0])
+
+
+class ProgramTests(Repository):
+    def setUp(self):
+        super().setUp()
+        self.write("tests/program/a_test.py", "class Base:\n  def test_x(self): pass\nclass Small(Base):\n  def test_y(self): pass\n")
+
+    def list(self, text):
+        self.write("tests/program/CMakeLists.txt", text)
+
+    def test_each_method_runs_once(self):
+        self.list("relume_add_program_test(a)\n")
+        self.assert_finds(check_program_tests.check)
+        self.list("foreach(part Base Small)\n  relume_add_program_part(${part} a ${part} LABELS slow)\nendforeach()\n")
+        self.assert_finds(check_program_tests.check)
+
+    def test_missing_repeated_and_unknown_tests(self):
+        self.list("# relume_add_program_test(a)\nrelume_add_program_part(b a Small)\nrelume_add_program_part(c a Small.test_y)\n")
+        self.assert_finds(check_program_tests.check, "runs Base.test_x 0 times", "runs Small.test_y 2 times")
+        self.list("relume_add_program_test(a)\nrelume_add_program_part(b a Large)\n")
+        self.assert_finds(check_program_tests.check, "has no test Large")
+
+    def test_a_script_may_have_a_default(self):
+        self.write("tests/program/a_test.py", 'class A:\n  def test_x(self): pass\nclass B:\n  def test_x(self): pass\nmain(defaultTest=sys.argv[1:] or "A")\n')
+        self.list("relume_add_program_test(a)\n")
+        self.assert_finds(check_program_tests.check, "runs B.test_x 0 times")
+        self.list("relume_add_program_test(a)\nadd_test(NAME b\n  COMMAND Python3::Interpreter ${CMAKE_CURRENT_SOURCE_DIR}/a_test.py B)\n")
+        self.assert_finds(check_program_tests.check)
 
 
 if __name__ == "__main__":
