@@ -50,7 +50,7 @@ bool copy(Backend& backend, std::string_view name, View<const T> from, View<T> t
 template <typename T>
 void copy(Backend& backend, std::string_view name, const Array<T>& from, Array<T>& to) {
   to.reset(from.size(), kUninitialized);
-  copy(backend, name, from.view(), to.mutable_view());
+  if (!from.empty()) copy(backend, name, from.view(), to.mutable_view());
 }
 
 /// Array::resize() in a launch: keeps the first elements and sets new ones to T{}.
@@ -58,6 +58,7 @@ template <typename T>
 void resize(Backend& backend, std::string_view name, Array<T>& array, size_t size) {
   const size_t old = std::min(array.size(), size);
   array.resize(size, kUninitialized);
+  if (old == size) return;
   const View<T> elements = array.mutable_view();
   fill(backend, name, View<T>{elements.data + old, elements.size - static_cast<uint32_t>(old)}, T{});
 }
@@ -66,7 +67,7 @@ void resize(Backend& backend, std::string_view name, Array<T>& array, size_t siz
 template <typename T>
 void reset(Backend& backend, std::string_view name, Array<T>& array, size_t size, const T& value = {}) {
   array.reset(size, kUninitialized);
-  fill(backend, name, array.mutable_view(), value);
+  if (size > 0) fill(backend, name, array.mutable_view(), value);
 }
 
 }  // namespace relume

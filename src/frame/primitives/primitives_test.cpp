@@ -269,6 +269,24 @@ TEST(Fill, SetsAndCopiesAllElements) {
   }
 }
 
+TEST(Fill, ChangesTheSizeOfArrays) {
+  for_each_backend([](const PrimitiveLaunch& at) {
+    Array<uint32_t> array = array_of<uint32_t>({1, 2, 3});
+    resize(at.backend, at.name, array, 5);
+    EXPECT_TRUE(std::ranges::equal(array.read(), std::vector<uint32_t>{1, 2, 3, 0, 0}));
+    resize(at.backend, at.name, array, 2);
+    EXPECT_TRUE(std::ranges::equal(array.read(), std::vector<uint32_t>{1, 2}));
+    Array<uint32_t> other;
+    copy(at.backend, at.name, array, other);
+    EXPECT_TRUE(std::ranges::equal(other.read(), array.read()));
+    reset(at.backend, at.name, array, 3, 7u);
+    EXPECT_TRUE(std::ranges::equal(array.read(), std::vector<uint32_t>{7, 7, 7}));
+    reset(at.backend, at.name, array, 0);
+    copy(at.backend, at.name, array, other);
+    EXPECT_TRUE(other.empty());
+  });
+}
+
 TEST(Primitives, Stop) {
   const uint32_t size = 10 * kPrimitiveBlock + 1;
   Array<uint32_t> values = array_of(random_words(size, 100));
