@@ -101,6 +101,27 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   }
 }
 
+TEST(DirectionSampler, StratifiedSamplingHasTheSameDensity) {
+  const Guide plain(0.4f, false);
+  const Guide stratified(0.4f, true);
+  int compared = 0;
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    for (uint32_t i = 0; i < 500; ++i) {
+      Sampler u = numbers(i);
+      const BsdfSample s = stratified.sampler.sample(sp, u);
+      if (!s.valid || s.delta) continue;
+      const BsdfEval e = eval_pdf(sp, s.wi);
+      const float pdf = plain.sampler.pdf(sp, s.wi, e);
+      ASSERT_EQ(stratified.sampler.pdf(sp, s.wi, e), pdf) << c.name;
+      ASSERT_NEAR(s.pdf_w / pdf, 1.0f, 2e-3f) << c.name;
+      ASSERT_EQ(s.guide_pdf_w, plain.sampler.quadtrees.load(0).pdf(s.wi)) << c.name;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 1000);
+}
+
 TEST(DirectionSampler, RouletteUsesTheBsdfDensity) {
   const Guide guide(0.3f, false);
   int refracted = 0;
