@@ -97,6 +97,11 @@ void WalledMemory::open(const std::byte* address, Access access) {
   const std::lock_guard lock(mutex_);
   const auto block = find(address);
   if (block == blocks_.end() || block->second.access >= access) return;
+  if (block->second.bytes > host_limit_) {
+    violations_.push_back("host code opened a block of " + std::to_string(block->second.bytes) +
+                          " bytes after the launch of '" + last_launch_ + "'; process it in a launch");
+    print_calls();
+  }
   block->second.access = access;
   protect(*block, access);
 }
@@ -121,6 +126,11 @@ void WalledMemory::end_launch() {
     protect(block, Access::none);
     block.second.access = Access::none;
   }
+}
+
+void WalledMemory::limit_host_access(size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  host_limit_ = bytes;
 }
 
 void WalledMemory::permit(const void* data, size_t bytes) {

@@ -1,11 +1,13 @@
 // Memory for tests that record forbidden accesses. Its blocks are closed to the host, like a device's memory, except
 // - during launches, when kernels access them; code that a backend times like a kernel counts as one;
 // - from Array::read() or write() on, until the end of the next launch: the end of a span's use cannot be detected.
+// Tests can limit the size of the blocks that read() and write() open.
 // Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory.
 #pragma once
 
 #include <csignal>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <span>
@@ -34,6 +36,11 @@ class WalledMemory final : public Memory {
   /// Open and close all blocks. Call them at the beginning and end of the launch `name`.
   void begin_launch(std::string_view name);
   void end_launch();
+
+  /// Records a violation for each block of more than `bytes` that host code opens between launches. Larger blocks hold
+  /// data of a frame, which launches process. Unlimited at first.
+  void limit_host_access(size_t bytes);
+  void permit_host_access() { limit_host_access(std::numeric_limits<size_t>::max()); }
 
   /// Permits addresses in [data, data + bytes) in kernels: constants, and handles of libraries. Null: nothing.
   void permit(const void* data, size_t bytes = 1);
@@ -67,6 +74,7 @@ class WalledMemory final : public Memory {
   Blocks blocks_;
   std::map<const std::byte*, size_t> permitted_;
   bool in_launch_ = true;
+  size_t host_limit_ = std::numeric_limits<size_t>::max();  ///< largest block that host code may open
   std::string last_launch_ = "none";
   std::vector<std::string> violations_;
   struct sigaction previous_action_ {};

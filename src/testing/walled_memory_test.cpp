@@ -86,6 +86,23 @@ TEST_F(WalledMemoryTest, RecordsHostCodeBetweenLaunches) {
   EXPECT_NE(memory_.violations()[2].find("wrote to"), std::string::npos);
 }
 
+TEST_F(WalledMemoryTest, RecordsLargeBlocksThatHostCodeOpens) {
+  memory_.limit_host_access(16);
+  from_.assign(5, 5);
+  add(from_.view());
+  EXPECT_EQ(sum(to_.read()), 24u) << "a small block";
+  backend_.run("host", [&] { EXPECT_EQ(sum(from_.read()), 25u); });
+  ASSERT_EQ(memory_.violations().size(), 1u) << "assign()";
+  EXPECT_EQ(sum(from_.read()), 25u);
+  ASSERT_EQ(memory_.violations().size(), 2u);
+  EXPECT_EQ(memory_.violations()[1],
+            "host code opened a block of 20 bytes after the launch of 'host'; process it in a launch");
+  memory_.permit_host_access();
+  add(from_.view());
+  EXPECT_EQ(sum(from_.read()), 25u);
+  EXPECT_EQ(memory_.violations().size(), 2u);
+}
+
 TEST_F(WalledMemoryTest, ClosesAfterExceptions) {
   EXPECT_THROW(backend_.run("host", [] { throw std::runtime_error("expected"); }), std::runtime_error);
   EXPECT_EQ(sum({to_.view().data, 4}), 0u);

@@ -43,6 +43,16 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
       session.render_frame();
     }
   }
+  /// The same. Host code between the launches of a frame may only open blocks of up to `bytes` bytes of `memory`.
+  static void render(Session& session, int first, int last, testing::WalledMemory& memory, size_t bytes) {
+    const int of_an_image = GetParam().frames_of_an_image;
+    for (int frame = first; frame < last; ++frame) {
+      if (frame % of_an_image == 0) session.set_time(0.05f * static_cast<float>(frame / of_an_image));
+      memory.limit_host_access(bytes);
+      session.render_frame();
+      memory.permit_host_access();
+    }
+  }
   /// Renders a frame and counts the tiles launched by its passes.
   static size_t count_tiles(Session& session, int frame) {
     std::atomic<size_t> tiles = 0;
@@ -107,6 +117,30 @@ TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNoTrace) {
   }
   EXPECT_GT(at_tiles, 3u);
   EXPECT_GT(after_passes, 3u);
+}
+
+/// Tests that render several seeds in one session rely on this.
+TEST_P(TechniqueDeterminism, RestartEqualsAFreshSession) {
+  RenderSettings settings = settings_of(GetParam(), 2);
+  Session used(build("turntable"), settings);
+  const CameraPose start = used.camera();
+  for (int frame = 0; frame < 9; ++frame) {
+    if (frame == 5) {
+      CameraPose moved = start;
+      moved.to_world[3] += 0.1f * moved.to_world[0];
+      used.set_camera(moved);
+    }
+    used.render_frame();
+  }
+  used.set_camera(start);
+  settings.seed = 5;
+  used.restart(settings.seed);
+  Session fresh(build("turntable"), settings);
+  for (int frame = 0; frame < 5; ++frame) {
+    used.render_frame();
+    fresh.render_frame();
+    ASSERT_EQ(bits_of(used), bits_of(fresh)) << "frame " << frame;
+  }
 }
 
 TEST_P(TechniqueDeterminism, EditsAfterAnAbandonedFrameAreAsWithoutIt) {
@@ -184,12 +218,14 @@ void permit_constants(testing::WalledMemory& memory, const SceneView& scene) {
   memory.permit(blue_noise_tile().data);
 }
 
-/// Renders on memory that is closed to the host between launches, where kernels may access no other memory.
+/// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,
+/// host code reads and writes only a few numbers there: every loop over pixels, cells, regions or samples is a launch.
 TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
 #if !__has_builtin(__builtin_clear_padding)
   GTEST_SKIP() << "the compiler cannot clear padding, which may look like an address";
 #endif
   constexpr int kShown = 5;
+  constexpr size_t kFewNumbers = 4096;  // bytes; half of a number per pixel
   const std::filesystem::path file = checkpoint_file("walled_" + std::string(GetParam().name));
   for (const bool scalar : {false, true}) {
     testing::WalledMemory memory;
@@ -208,12 +244,12 @@ TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
         }
       });
       memory.end_launch();
-      render(walled, 0, kShown);
+      render(walled, 0, kShown, memory, kFewNumbers);
       walled.statistics();
       for (const RecordTable& table : walled.record_tables()) walled.records(table.name);
       walled.save_checkpoint(file);
       walled.load_checkpoint(file);
-      render(walled, kShown, kShown + 2);
+      render(walled, kShown, kShown + 2, memory, kFewNumbers);
       Session plain(build("turntable"), settings);
       render(plain, 0, kShown + 2);
       EXPECT_EQ(bits_of(walled), bits_of(plain));
