@@ -15,8 +15,9 @@ namespace {
 std::vector<uint32_t> copy(View<const uint32_t> v) { return {v.begin(), v.end()}; }
 
 SampleStream random_stream(uint32_t pixels, uint32_t regions) {
+  Backend backend(2);
   SampleStream stream;
-  stream.resize(pixels, 2);
+  stream.resize(backend, pixels, 2);
   testing::Random random(3);
   for (VertexSample& s : stream.samples()) {
     // Low regions have most of the samples; three in ten records are empty.
@@ -61,23 +62,23 @@ TEST(SampleStream, DoesNotDependOnThreads) {
 }
 
 TEST(SampleStream, KeepsSamplesOfFirstVertices) {
+  Backend backend(2);
   SampleStream stream;
-  stream.resize(3, 1);
+  stream.resize(backend, 3, 1);
   for (VertexSample& sample : stream.samples()) sample.region = 1;
-  stream.resize(3, 2);
+  stream.resize(backend, 3, 2);
   ASSERT_EQ(stream.samples().size, 6u);
   for (uint32_t i = 0; i < 6; ++i) EXPECT_EQ(stream.samples()[i].region, i < 3 ? 1u : kNoRegion);
-  stream.resize(3, 1);
-  Backend backend(2);
+  stream.resize(backend, 3, 1);
   stream.group(backend, 2);
   EXPECT_EQ(stream.groups().counts[1], 3u);
 }
 
 TEST(SampleStream, OmitsRegionsOutOfRange) {
-  SampleStream stream;
-  stream.resize(3, 1);
-  stream.samples()[1].region = 7;
   Backend backend(1);
+  SampleStream stream;
+  stream.resize(backend, 3, 1);
+  stream.samples()[1].region = 7;
   stream.group(backend, 7);  // region 7 is out of range
   EXPECT_EQ(stream.groups().order.size, 0u);
   stream.group(backend, 8);

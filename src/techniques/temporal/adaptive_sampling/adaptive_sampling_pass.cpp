@@ -88,8 +88,9 @@ bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
 }
 
 void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
-  moments_.reset(frame.pixels(), kUninitialized);
-  rows_.reset(frame.pixels(), kUninitialized);
+  // Zero outside of the rendered pixels, where pools reach.
+  for (Array<PooledMoments>* moments : {&moments_, &rows_})
+    if (moments->size() != frame.pixels()) resize(frame.backend, "allocate", *moments, frame.pixels());
   const OwnStatisticsKernel own{read_history(frame), moments_.mutable_view(), frame.width()};
   frame.launch("allocate", own);
   const PoolRowsKernel rows{moments_.view(), rows_.mutable_view(), frame.width()};
