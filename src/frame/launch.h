@@ -8,6 +8,8 @@
 // instead:
 //
 //   void operator()(const Tile& tile) const;
+//
+// Elements that need a group of threads are group kernels (frame/group.h).
 #pragma once
 
 #include <concepts>
@@ -24,6 +26,7 @@
 
 #include "core/array.h"
 #include "core/hd.h"
+#include "frame/group.h"
 
 namespace relume {
 
@@ -43,17 +46,20 @@ concept TileKernel = requires(const K& k, const Tile& tile) {
   k(tile);
 };
 
-/// Kernels that can be launched: plain data of at most 4 KiB, the limit of a kernel argument.
+/// Kernels with one thread per element.
 template <typename K>
-concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_v<K> && sizeof(K) <= 4096 &&
-                     requires(const K& k, uint32_t x, uint32_t y) {
+concept PassKernel = KernelArgument<K> && requires(const K& k, uint32_t x, uint32_t y) {
   { k(x, y) } -> std::same_as<void>;
 };
 
+/// Kernels that can be launched.
+template <typename K>
+concept LaunchedKernel = PassKernel<K> || GroupKernel<K>;
+
 /// Which form a backend runs of kernels that have two. Both give the same bits.
 enum class KernelForm : uint8_t {
-  tile,    ///< one call per tile: several elements in vector registers or ray packets
-  scalar,  ///< one call per element, as on a device
+  tile,    ///< the forms for the host: several elements in vector registers or ray packets
+  scalar,  ///< the forms for a device
 };
 
 /// Total time of the launches with one name.
@@ -166,7 +172,7 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
 }
 
 /// Reports a copy of `kernel` with zeroed padding to the backend's hook.
-template <PassKernel K>
+template <LaunchedKernel K>
 [[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
   K argument = kernel;
 #if __has_builtin(__builtin_clear_padding)
@@ -177,7 +183,7 @@ template <PassKernel K>
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
 /// missing. `tile_size`: as for launch_tiles().
-template <PassKernel K>
+template <LaunchedKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   if (backend.watches_launches()) report_kernel(backend, name, kernel);
@@ -186,14 +192,20 @@ bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile
       if (backend.form() == KernelForm::tile) return kernel(tile);
     }
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-      for (uint32_t x = tile.x0; x < tile.x1; ++x) kernel(x, y);
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
+        if constexpr (GroupKernel<K>) {
+          run_group(kernel, x, y, backend.form() == KernelForm::tile);
+        } else {
+          kernel(x, y);
+        }
+      }
     }
   };
   return launch_tiles(backend, name, run, window, stop, tile_size);
 }
 
 /// Runs `kernel` over a width × height grid.
-template <PassKernel K>
+template <LaunchedKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   return launch(backend, name, kernel, Tile{0, 0, width, height}, stop, tile_size);

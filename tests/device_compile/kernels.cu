@@ -1,5 +1,5 @@
-// Compiles all headers with kernels, and every pass kernel, for the device. Each technique and the primitives list
-// their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique and the primitives
+// list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
 #include "accel/bvh/traverse.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"
@@ -10,6 +10,7 @@
 #include "core/ray.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "frame/group.h"
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
 #include "scene/deformation.h"
@@ -22,6 +23,13 @@ __global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
   const uint32_t x = blockIdx.x * blockDim.x + threadIdx.x;
   const uint32_t y = blockIdx.y * blockDim.y + threadIdx.y;
   if (x < width && y < height) kernel(x, y);
+}
+
+/// Runs a group kernel: one block of threads per element.
+template <typename Kernel>
+__global__ void __launch_bounds__(Kernel::kThreads) run_group(Kernel kernel) {
+  __shared__ typename Kernel::Shared shared;
+  kernel(ThreadGroup<Kernel::kThreads>{}, shared, blockIdx.x, blockIdx.y);
 }
 
 /// Calls the functions that src/core provides for kernels.
@@ -66,6 +74,9 @@ struct BvhKernel {
 
 /// Compiles a kernel of the given type.
 #define RELUME_KERNEL(...) template __global__ void relume::device::run(__VA_ARGS__, uint32_t, uint32_t)
+
+/// The same for a group kernel.
+#define RELUME_GROUP_KERNEL(...) template __global__ void relume::device::run_group(__VA_ARGS__)
 
 RELUME_KERNEL(relume::device::CoreKernel);
 RELUME_KERNEL(relume::device::BvhKernel);

@@ -3,6 +3,8 @@
 #include <cstdint>
 
 #define __global__ __attribute__((used))
+#define __shared__ static
+#define __launch_bounds__(threads)
 namespace {
 struct Index {
   uint32_t x = 0;

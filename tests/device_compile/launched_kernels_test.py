@@ -25,7 +25,8 @@ def symbols_of(nm, file):
 def main():
     nm, library, kernels = sys.argv[1:]
     launched = template_arguments(symbols_of(nm, library), "relume::launch")
-    compiled = template_arguments(symbols_of(nm, kernels), "relume::device::run")
+    symbols = symbols_of(nm, kernels)
+    compiled = template_arguments(symbols, "relume::device::run") | template_arguments(symbols, "relume::device::run_group")
     if len(launched) < 40 or not compiled:
         sys.exit(f"{library} launches {len(launched)} kernels and {kernels} has {len(compiled)}: their symbols are missing")
     missing = sorted(launched - compiled)
