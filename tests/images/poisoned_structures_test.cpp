@@ -42,7 +42,7 @@ Quadtrees random_quadtrees(uint32_t regions, testing::Random& random) {
   for (uint32_t region = 0; region < regions; ++region) {
     DirectionalQuadtree tree = uniform_quadtree(kBits);
     for (int i = 0; i < 16; ++i) {
-      QuadtreeWeights weights;
+      QuadtreeWeights weights{};
       for (uint32_t bit = 0; bit < kBits; ++bit) weights.add(bit, random.next());
       const MigrationChoice choice = choose_migration(tree, weights, {.stability = 1e6f});
       if (choice.found) migrate(tree, weights, choice.inner, choice.leaf, 0.25f);

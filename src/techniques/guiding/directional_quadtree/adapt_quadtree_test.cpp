@@ -35,7 +35,7 @@ std::vector<DirectionSample> observe(const DirectionalQuadtree& tree, int count,
 template <typename Samples>
 uint32_t adapt_afresh(DirectionalQuadtree& tree, const Samples& samples, uint32_t count,
                       const QuadtreeAdaption& options) {
-  QuadtreeWeights forgotten;
+  QuadtreeWeights forgotten{};
   return adapt(tree, forgotten, samples, count, options);
 }
 
@@ -120,7 +120,7 @@ double adapted_moment(const QuadtreeAdaption& options, float rim, uint32_t count
     return 0.5f * (0.25f * kInvPi + tree.pdf(w));
   };
   DirectionalQuadtree tree = uniform_quadtree(128);
-  QuadtreeWeights w;
+  QuadtreeWeights w{};
   testing::Random random(3);
   double sum = 0;
   for (uint32_t frame = 0; frame < 600; ++frame) {
@@ -162,9 +162,9 @@ TEST(AdaptQuadtree, SpreadReachesNeighboursThatAreNotFiner) {
     const DirectionalQuadtree tree = random_tree(128, seed);
     testing::Random random(seed);
     const QuadtreeCell from = tree.find(random.next_2d());
-    QuadtreeWeights now;
+    QuadtreeWeights now{};
     now.add(from.bit, 8.0f);
-    QuadtreeWeights w;
+    QuadtreeWeights w{};
     add_spread(tree, w, now, 0.5f);
     double around = 0;
     for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
@@ -180,16 +180,16 @@ TEST(AdaptQuadtree, SpreadReachesNeighboursThatAreNotFiner) {
   // If all leaves around have the same size, each of the eight receives its part.
   const DirectionalQuadtree even = uniform_quadtree(128);
   const QuadtreeCell from = even.find(Vec2(0.8f, 0.8f));
-  QuadtreeWeights now;
+  QuadtreeWeights now{};
   now.add(from.bit, 8.0f);
-  QuadtreeWeights w;
+  QuadtreeWeights w{};
   add_spread(even, w, now, 1);
   int parts = 0;
   for (uint32_t bit = 0; bit < even.bit_count; ++bit) parts += bit != from.bit && w.found[bit] > 0.0f ? 1 : 0;
   EXPECT_EQ(parts, 8);
   // Beyond the border of the square, the neighbour is the one on the sphere.
-  QuadtreeWeights beyond;
-  QuadtreeWeights at_border;
+  QuadtreeWeights beyond{};
+  QuadtreeWeights at_border{};
   at_border.add(even.find(Vec2(0.99f, 0.7f)).bit, 8.0f);
   add_spread(even, beyond, at_border, 1);
   EXPECT_GT(beyond.found[even.find(Vec2(0.99f, 0.3f)).bit], 0.0f);
@@ -215,7 +215,7 @@ TEST(AdaptQuadtree, NeverJoinsNodesSplitInTheSameCall) {
         return w.x > 0.999f ? 1e4f : w.x < 0 ? 1.0f : 0.0f;
       });
       const auto before = inner_nodes(tree);
-      QuadtreeWeights w;
+      QuadtreeWeights w{};
       const uint32_t moved =
           adapt(tree, w, [&](uint32_t i) { return samples[i]; }, 400, {.migrations = 8, .kept = kept, .spread = 1});
       uint32_t split = 0;
@@ -230,7 +230,7 @@ TEST(AdaptQuadtree, NeverJoinsNodesSplitInTheSameCall) {
 TEST(AdaptQuadtree, OneRememberedBrightSampleAttractsNoLeaves) {
   DirectionalQuadtree tree = uniform_quadtree(128);
   const DirectionSample bright{0x40008000u, 1000.0f};
-  QuadtreeWeights w;
+  QuadtreeWeights w{};
   EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 1, {.kept = 0.9f}), 0u);
   for (int frame = 0; frame < 20; ++frame)
     EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 0, {.kept = 0.9f}), 0u);
@@ -240,7 +240,7 @@ TEST(AdaptQuadtree, OneRememberedBrightSampleAttractsNoLeaves) {
     const Vec2 place((static_cast<float>(i % 8) + 0.9f) / 8, (static_cast<float>(i / 8) + 0.4f) / 8);
     const DirectionSample single{pack_square(place), 1000.0f};
     DirectionalQuadtree even = uniform_quadtree(128);
-    QuadtreeWeights fresh;
+    QuadtreeWeights fresh{};
     EXPECT_EQ(adapt(even, fresh, [&](uint32_t) { return single; }, 1, {.kept = 0.9f, .spread = 1}), 0u);
   }
 }

@@ -2,13 +2,17 @@
 #pragma once
 
 #include "core/fixed_point.h"
-#include "techniques/guiding/directional_quadtree/adapt_quadtree.h"
+#include "frame/group.h"
+#include "techniques/guiding/directional_quadtree/adapt_quadtree_group.h"
 #include "techniques/spatial/octree/sample_stream.h"
 
 namespace relume {
 
-/// Adapts the quadtree of each region to the region's samples; one call per region.
+/// Adapts the quadtree of each region to the region's samples; one group per region.
 struct AdaptQuadtreesKernel {
+  static constexpr uint32_t kThreads = 128;
+  using Shared = GroupAdaption;
+
   SampleGroupsView samples;
   QuadtreeArray trees;
   QuadtreeAdaption options;
@@ -16,24 +20,48 @@ struct AdaptQuadtreesKernel {
   View<QuadtreeWeights> weights;  ///< weights of the last frame by region; empty: no memory
   View<uint64_t> moved;           ///< number of migrations, one element
 
-  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+  template <typename Group>
+  RELUME_HD void operator()(const Group& group, Shared& shared, uint32_t region, uint32_t) const {
+    const uint32_t count = samples.counts[region];
+    if (count == 0) return;
+    const bool remembers = weights.size > 0;
+    group.each(QuadtreeWeights::kBits, [&](uint32_t bit) {
+      shared.weights.set(bit, 0);
+      if (remembers) shared.weights.copy(bit, weights[region], bit);
+    });
+    DirectionalQuadtree tree = trees.load(region);
+    const DirectionalQuadtree before = tree;
+    const uint32_t migrations = shared.adapt(
+        group, tree, [&](uint32_t i) { return sample(before, region, i); }, count, options);
+    if (remembers)
+      group.each(QuadtreeWeights::kBits, [&](uint32_t bit) { weights[region].copy(bit, shared.weights, bit); });
+    if (migrations > 0) group.each(1, [&](uint32_t) { store(region, tree, migrations); });
+  }
+
+  void on_host(uint32_t region, uint32_t) const {
     const uint32_t count = samples.counts[region];
     if (count == 0) return;
     DirectionalQuadtree tree = trees.load(region);
     const DirectionalQuadtree before = tree;
-    const auto sample = [&](uint32_t i) {
-      const VertexSample& s = samples.sample(region, i);
-      return DirectionSample{s.direction, s.value * value_scale(before, s)};
-    };
-    QuadtreeWeights of_this_frame;
+    QuadtreeWeights of_this_frame{};
     QuadtreeWeights& w = weights.size > 0 ? weights[region] : of_this_frame;
-    const uint32_t migrations = adapt(tree, w, sample, count, options);
-    if (migrations == 0) return;
+    const uint32_t migrations = adapt(
+        tree, w, [&](uint32_t i) { return sample(before, region, i); }, count, options);
+    if (migrations > 0) store(region, tree, migrations);
+  }
+
+ private:
+  RELUME_HD void store(uint32_t region, const DirectionalQuadtree& tree, uint32_t migrations) const {
     trees.store(region, tree);
     atomic_add(&moved[0], uint64_t{migrations});
   }
 
- private:
+  /// Sample i of a region with the tree `before`.
+  RELUME_HD DirectionSample sample(const DirectionalQuadtree& before, uint32_t region, uint32_t i) const {
+    const VertexSample& s = samples.sample(region, i);
+    return {s.direction, s.value * value_scale(before, s)};
+  }
+
   /// Factor of a sample's value. It multiplies the square by the ratio of the two mixture densities. In expectation,
   /// the sums of squares are then those of samples from `tree`.
   RELUME_HD float value_scale(const DirectionalQuadtree& tree, const VertexSample& s) const {

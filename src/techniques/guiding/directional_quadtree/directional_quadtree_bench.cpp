@@ -24,7 +24,7 @@ Adapted adapted_tree(uint32_t bit_count) {
       const float radiance = glm::dot(w, sun) > 0.995f ? 1000.0f : 0.1f;
       a.samples.push_back({pack_square(square_from_direction(w)), radiance / a.tree.pdf(w)});
     }
-    QuadtreeWeights w;
+    QuadtreeWeights w{};
     adapt(a.tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, {});
   }
   return a;
@@ -61,7 +61,7 @@ void bm_quadtree_adapt(benchmark::State& state) {
                                  .spread = lasting ? 1.0f : 0.0f};
   for (auto _ : state) {
     DirectionalQuadtree tree = a.tree;
-    QuadtreeWeights w;
+    QuadtreeWeights w{};
     adapt(
         tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, options);
     benchmark::DoNotOptimize(tree);

@@ -201,7 +201,7 @@ TEST(Quadtree, IsDistinguishedFromOtherBits) {
     testing::Random random(bits);
     for (int i = 0; i < 200; ++i) {  // trees after adaptation
       const uint32_t place = pack_square(random.next_2d());
-      QuadtreeWeights weights;
+      QuadtreeWeights weights{};
       adapt(tree, weights, [&](uint32_t) { return DirectionSample{place, 1.0f}; }, 1, {0.1f, 4});
       ASSERT_TRUE(is_quadtree(tree)) << bits << ' ' << i;
     }

@@ -1,0 +1,106 @@
+// The forms of the kernel that adapts quadtrees give the same bits.
+#include "techniques/guiding/directional_quadtree/adapt_quadtrees.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <vector>
+
+#include "frame/launch.h"
+#include "techniques/guiding/directional_quadtree/testing/random_tree.h"
+#include "testing/random.h"
+#include "testing/shuffled_group.h"
+
+namespace relume {
+namespace {
+
+using testing::random_tree;
+
+/// Samples by region, some without a finite value.
+struct Samples {
+  Samples(std::vector<uint32_t> counts_by_region, uint32_t seed) : counts(std::move(counts_by_region)) {
+    testing::Random random(seed);
+    uint32_t total = 0;
+    for (uint32_t region = 0; region < counts.size(); ++region) {
+      offsets.push_back(total);
+      total += counts[region];
+      const Vec2 bright = random.next_2d();
+      for (uint32_t i = 0; i < counts[region]; ++i) {
+        const bool near = random.next() < 0.3f;
+        const Vec2 place = near ? 0.97f * bright + 0.03f * random.next_2d() : random.next_2d();
+        float value = (near ? 100.0f : 0.1f) * random.next();
+        if (i % 37 == 5) value = i % 2 == 0 ? kInfinity : 0.0f;
+        const uint32_t densities = pack_densities(0.05f + random.next(), 0.05f + random.next());
+        records.push_back({region, kNoLight, pack_square(place), value, densities});
+      }
+    }
+    offsets.push_back(total);
+    order.resize(total);
+    std::iota(order.begin(), order.end(), 0u);
+  }
+
+  SampleGroupsView view() const { return {view_of(records), view_of(order), view_of(offsets), view_of(counts)}; }
+
+  std::vector<uint32_t> counts;
+  std::vector<uint32_t> offsets;
+  std::vector<uint32_t> order;
+  std::vector<VertexSample> records;
+};
+
+/// Trees with their weights.
+struct Trees {
+  Trees(uint32_t bits, size_t regions, bool remembers) : bit_count(bits), words(regions * bits / 32) {
+    for (uint32_t i = 0; i < regions; ++i) array().store(i, random_tree(bits, i));
+    if (remembers) weights.resize(regions, QuadtreeWeights{});
+  }
+
+  QuadtreeArray array() { return {mutable_view_of(words), bit_count}; }
+  AdaptQuadtreesKernel kernel(const Samples& samples, const QuadtreeAdaption& options, float guided_fraction) {
+    return {samples.view(), array(), options, guided_fraction, mutable_view_of(weights), mutable_view_of(moved)};
+  }
+  bool same_bits(const Trees& other) const {
+    return words == other.words && moved == other.moved &&
+           (weights.empty() ||
+            std::memcmp(weights.data(), other.weights.data(), weights.size() * sizeof(QuadtreeWeights)) == 0);
+  }
+
+  uint32_t bit_count;
+  std::vector<uint32_t> words;
+  std::vector<QuadtreeWeights> weights;
+  std::vector<uint64_t> moved = {0};
+};
+
+/// Adapts trees in several frames by each form. Returns the number of migrations.
+uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, float guided_fraction, bool remembers) {
+  const std::vector<uint32_t> counts = {0, 1, 5, 127, 128, 129, 700};
+  const auto regions = static_cast<uint32_t>(counts.size());
+  std::vector<Trees> trees(3, Trees(bit_count, regions, remembers));
+  for (uint32_t frame = 0; frame < 8; ++frame) {
+    const Samples samples(counts, frame % 3);
+    for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+      Backend backend(1, form);
+      launch(backend, "adapt", trees[form == KernelForm::tile ? 0 : 1].kernel(samples, options, guided_fraction),
+             regions, 1);
+    }
+    testing::run_shuffled(trees[2].kernel(samples, options, guided_fraction), regions, 1, frame);
+    EXPECT_TRUE(trees[0].same_bits(trees[1])) << bit_count << " frame " << frame;
+    EXPECT_TRUE(trees[0].same_bits(trees[2])) << bit_count << " frame " << frame;
+  }
+  return trees[0].moved[0];
+}
+
+TEST(AdaptQuadtreesForms, AgreeForAllSizesAndSettings) {
+  for (const uint32_t bit_count : {32u, 64u, 96u, 128u}) {
+    EXPECT_GT(compare_forms(bit_count, {}, 0, false), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 5}, 0.5f, false), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 4, .kept = 8.0f / 9}, 0.5f, true), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 4, .kept = 8.0f / 9, .spread = 1}, 0, true), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.stability = 1, .migrations = 9, .kept = 1, .spread = 0.3f}, 0.9f, true), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .spread = 1}, 0, false), 8u);
+  }
+}
+
+}  // namespace
+}  // namespace relume
