@@ -72,6 +72,14 @@ RELUME_HD inline uint64_t atomic_compare_exchange(uint64_t* target, uint64_t exp
   return expected;
 #endif
 }
+RELUME_HD inline uint32_t atomic_compare_exchange(uint32_t* target, uint32_t expected, uint32_t desired) {
+#if RELUME_DEVICE_CODE
+  return atomicCAS(target, expected, desired);
+#else
+  std::atomic_ref<uint32_t>(*target).compare_exchange_strong(expected, desired, std::memory_order_relaxed);
+  return expected;
+#endif
+}
 
 /// Replaces a shared word with `value` if that is smaller.
 RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {

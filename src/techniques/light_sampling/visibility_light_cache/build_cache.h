@@ -9,6 +9,7 @@
 #include "frame/launch.h"
 #include "frame/primitives/primitive.h"
 #include "techniques/light_sampling/visibility_light_cache/bucket_weights.h"
+#include "techniques/light_sampling/visibility_light_cache/light_set.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
 #include "techniques/spatial/octree/octree_tree.h"
 #include "techniques/spatial/octree/sample_stream.h"
@@ -17,8 +18,6 @@ namespace relume {
 
 /// Maximum number of buckets per region.
 inline constexpr uint32_t kMaxBuckets = 64;
-/// Maximum number of distinct lights from one region's samples per frame; the excess is dropped and counted.
-inline constexpr uint32_t kMaxSeenLights = 1024;
 
 struct CacheBuildOptions {
   uint32_t bucket_size = 32;    ///< capacity in lights, at most kMaxBucketSize
@@ -133,8 +132,17 @@ class LightCaches {
   uint64_t dropped_ = 0;
 };
 
-/// Writes each region's distinct visible lights, sorted, to its range of `seen`.
+/// Writes each region's distinct visible lights, sorted, to its range of `seen`; one group per region.
 struct DeduplicateLightsKernel {
+  static constexpr uint32_t kThreads = 128;
+  struct Shared {
+    light_cache::LightSet set;
+    uint32_t batch[kThreads];  ///< lights of the next samples
+    uint32_t lights[kMaxSeenLights];
+    uint32_t written;  ///< size of `lights`
+    uint32_t lost;     ///< insertions into the full set
+  };
+
   SampleGroupsView samples;
   uint32_t light_count = 0;  ///< ids from this one on are ignored
   uint32_t max_samples = 0;
@@ -142,10 +150,22 @@ struct DeduplicateLightsKernel {
   View<uint32_t> counts;   ///< by region
   View<uint64_t> dropped;  ///< one counter
 
-  RELUME_HD void operator()(uint32_t region, uint32_t) const;
+  template <typename Group>
+  RELUME_HD void operator()(const Group& group, Shared& shared, uint32_t region, uint32_t) const;
+  void on_host(uint32_t region, uint32_t) const;
+
+ private:
+  /// Light of sample i of `read`, which are spread evenly over the region's samples; LightSet::kFree if it is to be
+  /// ignored.
+  RELUME_HD uint32_t visible_light(uint32_t region, uint32_t i, uint32_t read) const;
+  RELUME_HD void finish(uint32_t region, uint32_t written, uint32_t lost) const {
+    counts[region] = written;
+    if (lost > 0) atomic_add(&dropped[0], uint64_t{lost});
+  }
 };
 
-/// Merges a region's lights with those of its face neighbours and its old list.
+/// Merges a region's lights with those of its face neighbours and its old list. One thread per region is enough: it
+/// reads each of at most seven lists of kMaxSeenLights lights and the old list once, and keeps nothing but positions.
 struct MergeLightsKernel {
   SampleGroupsView samples;
   View<const uint32_t> seen;

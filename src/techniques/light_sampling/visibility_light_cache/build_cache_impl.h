@@ -2,87 +2,68 @@
 #pragma once
 
 #include "core/fixed_point.h"
-#include "core/hash.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 
 namespace relume {
 
-namespace light_cache {
-
-/// A hash set of lights with open addressing.
-struct LightSet {
-  static constexpr uint32_t kMostSlots = 2 * kMaxSeenLights;
-  static constexpr uint32_t kFree = 0xffffffffu;
-
-  uint32_t slots[kMostSlots];
-  uint32_t mask;  ///< slots in use − 1; a power of two slots, at least twice the lights
-  uint32_t count;
-
-  RELUME_HD void clear(uint32_t expected) {
-    mask = 15;
-    while (mask + 1 < 2 * expected && mask + 1 < kMostSlots) mask = 2 * mask + 1;
-    for (uint32_t i = 0; i <= mask; ++i) slots[i] = kFree;
-    count = 0;
-  }
-  /// Returns 1 if the set is full, otherwise 0.
-  RELUME_HD uint32_t insert(LightId light) {
-    for (uint32_t i = hash(light) & mask;; i = (i + 1) & mask) {
-      if (slots[i] == light) return 0;
-      if (slots[i] != kFree) continue;
-      if (count == kMaxSeenLights) return 1;
-      slots[i] = light;
-      ++count;
-      return 0;
-    }
-  }
-};
-
-/// Heap sort: in place and without recursion.
-RELUME_HD inline void sort(uint32_t* values, uint32_t count) {
-  const auto sink = [values](uint32_t i, uint32_t end) {
-    const uint32_t value = values[i];
-    for (uint32_t child = 2 * i + 1; child < end; child = 2 * i + 1) {
-      if (child + 1 < end && values[child + 1] > values[child]) ++child;
-      if (values[child] <= value) break;
-      values[i] = values[child];
-      i = child;
-    }
-    values[i] = value;
-  };
-  for (uint32_t i = count / 2; i-- > 0;) sink(i, count);
-  for (uint32_t end = count; end > 1;) {
-    --end;
-    const uint32_t largest = values[0];
-    values[0] = values[end];
-    values[end] = largest;
-    sink(0, end);
-  }
+RELUME_HD inline uint32_t DeduplicateLightsKernel::visible_light(uint32_t region, uint32_t i, uint32_t read) const {
+  const auto spread = static_cast<uint32_t>(uint64_t{i} * samples.counts[region] / read);
+  const uint32_t light = samples.sample(region, spread).light;
+  const bool visible = light != kNoLight && (light & kVisibleLight);
+  return visible && (light & ~kVisibleLight) < light_count ? light & ~kVisibleLight : light_cache::LightSet::kFree;
 }
 
-}  // namespace light_cache
-
-RELUME_HD inline void DeduplicateLightsKernel::operator()(uint32_t region, uint32_t) const {
-  const uint32_t count = samples.counts[region];
-  counts[region] = 0;
-  if (count == 0) return;
-  light_cache::LightSet set;
-  const uint32_t looked_at = count < max_samples ? count : max_samples;
-  set.clear(looked_at);
-  uint32_t lost = 0;
-  for (uint32_t i = 0; i < looked_at; ++i) {
-    const auto spread = static_cast<uint32_t>(uint64_t{i} * count / looked_at);
-    const uint32_t light = samples.sample(region, spread).light;
-    const bool visible = light != kNoLight && (light & kVisibleLight);
-    if (visible && (light & ~kVisibleLight) < light_count) lost += set.insert(light & ~kVisibleLight);
+template <typename Group>
+RELUME_HD void DeduplicateLightsKernel::operator()(const Group& group, Shared& shared, uint32_t region,
+                                                   uint32_t) const {
+  constexpr uint32_t kFree = light_cache::LightSet::kFree;
+  const uint32_t read = relume::min(samples.counts[region], max_samples);
+  if (read == 0) return group.each(1, [&](uint32_t) { counts[region] = 0; });
+  light_cache::LightSet& set = shared.set;
+  set.clear(group, read);
+  group.each(1, [&](uint32_t) { shared.written = shared.lost = 0; });
+  for (uint32_t first = 0; first < read; first += kThreads) {
+    const uint32_t size = relume::min(read - first, kThreads);
+    group.each(size, [&](uint32_t i) { shared.batch[i] = visible_light(region, first + i, read); });
+    if (set.count + size <= kMaxSeenLights) {
+      group.each(size, [&](uint32_t i) {
+        if (shared.batch[i] != kFree) set.insert_together(shared.batch[i]);
+      });
+    } else {  // which lights are dropped depends on the order
+      group.each(1, [&](uint32_t) {
+        for (uint32_t i = 0; i < size; ++i) {
+          if (shared.batch[i] != kFree) shared.lost += set.insert(shared.batch[i]);
+        }
+      });
+    }
   }
-  if (lost > 0) atomic_add(&dropped[0], uint64_t{lost});
+  group.each(set.mask + 1, [&](uint32_t i) {
+    if (set.slots[i] != kFree) shared.lights[atomic_fetch_add(&shared.written, 1u)] = set.slots[i];
+  });
+  const uint32_t written = shared.written;
+  light_cache::sort(group, shared.lights, written);
+  group.each(written, [&](uint32_t i) { seen[samples.offsets[region] + i] = shared.lights[i]; });
+  group.each(1, [&](uint32_t) { finish(region, written, shared.lost); });
+}
+
+inline void DeduplicateLightsKernel::on_host(uint32_t region, uint32_t) const {
+  const uint32_t read = relume::min(samples.counts[region], max_samples);
+  counts[region] = 0;
+  if (read == 0) return;
+  light_cache::LightSet set;
+  set.clear(read);
+  uint32_t lost = 0;
+  for (uint32_t i = 0; i < read; ++i) {
+    const uint32_t light = visible_light(region, i, read);
+    if (light != light_cache::LightSet::kFree) lost += set.insert(light);
+  }
   uint32_t* out = &seen[samples.offsets[region]];
   uint32_t written = 0;
   for (uint32_t i = 0; i <= set.mask; ++i) {
     if (set.slots[i] != light_cache::LightSet::kFree) out[written++] = set.slots[i];
   }
   light_cache::sort(out, written);
-  counts[region] = written;
+  finish(region, written, lost);
 }
 
 RELUME_HD inline uint32_t MergeLightsKernel::bound(uint32_t region) const {
