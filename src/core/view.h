@@ -20,6 +20,12 @@ struct View {
   RELUME_HD bool empty() const { return size == 0; }
 };
 
+/// View of one element; valid as long as it.
+template <typename T>
+RELUME_HD View<T> view_of_one(T& element) {
+  return {&element, 1};
+}
+
 /// View of all elements; valid until `v` is destroyed or resized. Kernels that a backend launches take views of arrays
 /// (core/array.h) instead.
 template <typename T>

@@ -51,7 +51,7 @@ struct StaticLightLists {
     if (infinite.takes(n)) return infinite.sample(n);
     if (all.empty()) return {};
     const List list = list_at(sp);
-    if (takes_share(list.count == 0 ? 1.0f : exploration, n)) {
+    if (takes_share(list.ids.empty() ? 1.0f : exploration, n)) {
       const DiscreteSample s = all.sample(n);
       return {s.index, pmf(sp, s.index), s.u};
     }
@@ -66,32 +66,31 @@ struct StaticLightLists {
     if (light >= infinite.first) return infinite.pmf(light);
     if (all.empty()) return 0.0f;
     const List list = list_at(sp);
-    if (list.count == 0) return (1.0f - infinite.share) * all.pmf(light);
+    if (list.ids.empty()) return (1.0f - infinite.share) * all.pmf(light);
     const uint32_t place = find(list, light);
     WeighedLights w;
-    if (place == list.count) return density(list, w, 0, light);
+    if (place == list.ids.size) return density(list, w, 0, light);
     weigh(sp, list, place % list.stride, w);
     return density(list, w, place / list.stride, light);
   }
 
  private:
   struct List {
-    const LightId* ids;
-    uint32_t count;
-    uint32_t stride;
+    View<const LightId> ids;
+    uint32_t stride = 1;
   };
 
   RELUME_HD List list_at(const SurfacePoint& sp) const {
-    if (first.size < 2) return {nullptr, 0, 1};
+    if (first.size < 2) return {};
     const uint32_t cell = grid.find(sp.position);
     const uint32_t count = first[cell + 1] - first[cell];
-    return {ids.data + first[cell], count, count == 0 ? 1 : (count + max_lights - 1) / max_lights};
+    return {{ids.data + first[cell], count}, count == 0 ? 1 : (count + max_lights - 1) / max_lights};
   }
 
   /// Index of the light, or the list's length.
   RELUME_HD static uint32_t find(const List& list, LightId light) {
     uint32_t low = 0;
-    uint32_t high = list.count;
+    uint32_t high = list.ids.size;
     while (low < high) {
       const uint32_t middle = (low + high) / 2;
       if (list.ids[middle] < light) {
@@ -100,12 +99,12 @@ struct StaticLightLists {
         high = middle;
       }
     }
-    return low < list.count && list.ids[low] == light ? low : list.count;
+    return low < list.ids.size && list.ids[low] == light ? low : list.ids.size;
   }
 
   /// Weighs every stride-th light, from `offset` on.
   RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
-    for (uint32_t i = offset; i < list.count; i += list.stride) w.ids[w.count++] = list.ids[i];
+    for (uint32_t i = offset; i < list.ids.size; i += list.stride) w.ids[w.count++] = list.ids[i];
     w.weigh(sp, ltc, lights, compact);
   }
 

@@ -122,7 +122,7 @@ class PathGraph : public NoPolicy {
     settle(path);
     insert_open();
     if (has_own_) insert(own_);
-    if (skipped_ > 0) atomic_add(&grid().counters->skipped_vertices, uint64_t{skipped_});
+    if (skipped_ > 0) atomic_add(&grid().counters[0].skipped_vertices, uint64_t{skipped_});
     if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
     // The first anchor's cell excludes the light of its delta lobes.
     if (past_cell_) pixel_.unfiltered += contribution_ - beside_;

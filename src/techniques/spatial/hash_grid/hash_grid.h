@@ -39,7 +39,7 @@ struct HashGridView {
   View<uint32_t> parents;        ///< slot of the cell from which a new one inherits, or kNoCell
   View<CellSums> sums;           ///< sums of this frame
   View<const CellHistory> histories;
-  HashGridCounters* counters = nullptr;
+  View<HashGridCounters> counters;  ///< one element
   OverflowView overflow;
   uint32_t probe_limit = kMaxProbes;  ///< maximum number of slots probed for a key
   bool renumbered = false;            ///< whether the table was rebuilt since the paths of this frame
@@ -105,7 +105,7 @@ struct HashGridView {
         found = atomic_compare_exchange(&fingerprints[slot], 0, address.fingerprint);
         if (found == 0) {
           bucket_hashes[slot] = address.bucket_hash;
-          atomic_add(&counters->made, uint64_t{1});
+          atomic_add(&counters[0].made, uint64_t{1});
           return slot;
         }
       }
@@ -122,7 +122,7 @@ struct HashGridView {
   RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell,
                             bool alone = false) const {
     if (!is_finite(value)) {
-      atomic_add(&counters->nonfinite, uint64_t{1});
+      atomic_add(&counters[0].nonfinite, uint64_t{1});
       return kNoCell;
     }
     if (slot == kNoCell) slot = find_or_insert(keys.address(p));
@@ -138,7 +138,7 @@ struct HashGridView {
   /// Adds a sample to the cell in `slot`, or to the waiting list for kNoCell.
   RELUME_HD void add(const WaitingSample& sample, uint32_t slot) const {
     if (slot == kNoCell) {
-      if (!overflow.add(sample)) atomic_add(&counters->dropped, uint64_t{1});
+      if (!overflow.add(sample)) atomic_add(&counters[0].dropped, uint64_t{1});
       return;
     }
     const bool is_first = sums[slot].add(sample.value, sample.weight);
@@ -195,7 +195,7 @@ struct HashGridView {
       if (y > limit) v *= limit / y;
     }
     if (max_component(v) > kCellSampleMax) {
-      atomic_add(&counters->saturated, uint64_t{1});
+      atomic_add(&counters[0].saturated, uint64_t{1});
       v = glm::min(v, Rgb(kCellSampleMax));
     }
     return v;
@@ -209,7 +209,7 @@ struct HashGridView {
       const uint32_t parent = find(keys.address_at(middle, p, other, 0));
       if (parent == kNoCell || histories[parent].empty()) continue;
       parents[slot] = parent;
-      atomic_add(&counters->inherited_cells, uint64_t{1});
+      atomic_add(&counters[0].inherited_cells, uint64_t{1});
       return;
     }
   }

@@ -123,14 +123,14 @@ HashGridView HashGrid::view(const CameraView& camera) {
 
 HashGridView HashGrid::view() {
   HashGridView v;
-  HashGridTally* const tally = tally_.mutable_view().data;
+  HashGridTally& tally = tally_.mutable_view()[0];
   v.fingerprints = fingerprints_.mutable_view();
   v.bucket_hashes = bucket_hashes_.mutable_view();
   v.parents = parents_.mutable_view();
   v.sums = sums_.mutable_view();
   v.histories = histories_.view();
-  v.counters = &tally->counters;
-  v.overflow = {overflow_.mutable_view(), &tally->overflow_count};
+  v.counters = view_of_one(tally.counters);
+  v.overflow = {overflow_.mutable_view(), view_of_one(tally.overflow_count)};
   v.probe_limit =
       std::min(std::max(kMaxProbes, tally_.read().longest + 1), static_cast<uint32_t>(fingerprints_.size()));
   v.renumbered = renumbered_;
@@ -164,7 +164,7 @@ void HashGrid::settle(Backend& backend) {
   // A table at its memory limit may be full. Probing all of it for each sample would take too long.
   const uint32_t probes = 2 * keys <= memory_limit_ ? kAnywhere : 4 * kMaxProbes;
   if (waiting > 0) {
-    uint32_t* const longest = &tally_.mutable_view().data->longest;
+    const View<uint32_t> longest = view_of_one(tally_.mutable_view()[0].longest);
     launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(probes), longest}, kMaintenanceRow,
            rows_of(waiting));
   }
@@ -188,7 +188,8 @@ void HashGrid::advance(Backend& backend, bool watched) {
   }
   tally_.write().census = {};
   const MaintainCellsKernel kernel{view(), histories_.mutable_view(), regions_.view(),
-                                   &tally_.mutable_view().data->census, static_cast<uint32_t>(settings_.max_age)};
+                                   view_of_one(tally_.mutable_view()[0].census),
+                                   static_cast<uint32_t>(settings_.max_age)};
   launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints_.size()));
   evicted_ += census().evicted;
 }
@@ -261,7 +262,7 @@ void HashGrid::rebuild(Backend& backend, uint32_t slots) {
   exchange(old);
   const HashGridView target = placing_view(kAnywhere);
   const uint32_t rows = rows_of(old.fingerprints.size());
-  uint32_t* const longest = &tally_.mutable_view().data->longest;
+  const View<uint32_t> longest = view_of_one(tally_.mutable_view()[0].longest);
   const MoveCellsKernel cells{old.fingerprints.view(),
                               old.bucket_hashes.view(),
                               old.sums.view(),

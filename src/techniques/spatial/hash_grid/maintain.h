@@ -54,8 +54,8 @@ struct MaintainCellsKernel {
   HashGridView grid;
   View<CellHistory> histories;
   View<const RegionChange> regions;  ///< results of MeasureChangesKernel; empty: regions are not tested
-  HashGridCensus* census = nullptr;
-  uint32_t max_age = 0;  ///< maximum number of frames without samples
+  View<HashGridCensus> census;       ///< one element
+  uint32_t max_age = 0;              ///< maximum number of frames without samples
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     HashGridCensus part;
@@ -96,12 +96,12 @@ struct MaintainCellsKernel {
 
   RELUME_HD void add(const HashGridCensus& part) const {
     if (part.taken == 0) return;
-    atomic_add(&census->taken, part.taken);
-    atomic_add(&census->live, part.live);
-    atomic_add(&census->evicted, part.evicted);
-    atomic_add(&census->samples, part.samples);
-    atomic_add(&census->changed, part.changed);
-    atomic_add(&census->displacements, part.displacements);
+    atomic_add(&census[0].taken, part.taken);
+    atomic_add(&census[0].live, part.live);
+    atomic_add(&census[0].evicted, part.evicted);
+    atomic_add(&census[0].samples, part.samples);
+    atomic_add(&census[0].changed, part.changed);
+    atomic_add(&census[0].displacements, part.displacements);
   }
 };
 
@@ -113,7 +113,7 @@ struct MoveCellsKernel {
   View<const CellHistory> source;
   HashGridView target;
   View<CellHistory> histories;  ///< histories of the target
-  uint32_t* longest = nullptr;  ///< largest displacement of a cell
+  View<uint32_t> longest;       ///< one element: largest displacement of a cell
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t from = y * kMaintenanceRow + x;
@@ -122,7 +122,7 @@ struct MoveCellsKernel {
     const uint32_t to = target.find_or_insert(address);
     histories[to] = source[from];
     target.sums[to] = sums[from];
-    atomic_max(longest, target.displacement(address, to));
+    atomic_max(&longest[0], target.displacement(address, to));
   }
 };
 
@@ -146,14 +146,14 @@ struct MoveParentsKernel {
 struct AddWaitingSamplesKernel {
   View<const WaitingSample> samples;
   HashGridView grid;
-  uint32_t* longest = nullptr;  ///< as for MoveCellsKernel
+  View<uint32_t> longest;  ///< as for MoveCellsKernel
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * kMaintenanceRow + x;
     if (i >= samples.size) return;
     const CellAddress address = grid.keys.address(samples[i].point, samples[i].coarser);
     const uint32_t slot = grid.find_or_insert(address);
-    if (slot != kNoCell) atomic_max(longest, grid.displacement(address, slot));
+    if (slot != kNoCell) atomic_max(&longest[0], grid.displacement(address, slot));
     grid.add(samples[i], slot);
   }
 };

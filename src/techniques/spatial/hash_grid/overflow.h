@@ -19,11 +19,11 @@ struct WaitingSample {
 
 struct OverflowView {
   View<WaitingSample> samples;
-  uint32_t* count = nullptr;  ///< additions so far, including those beyond the end of the list
+  View<uint32_t> count;  ///< one element: additions so far, including those beyond the end of the list
 
   /// Thread-safe. False if the list is full.
   RELUME_HD bool add(const WaitingSample& sample) const {
-    const uint32_t i = atomic_fetch_add(count, 1u);
+    const uint32_t i = atomic_fetch_add(&count[0], 1u);
     if (i >= samples.size) return false;
     samples[i] = sample;
     return true;
