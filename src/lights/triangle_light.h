@@ -58,7 +58,7 @@ struct TexturedTriangle {
 struct TexturedEmission {
   View<const TexturedTriangle> triangles;
   View<const AliasEntry> entries;
-  View<const TextureView> textures;
+  TexturesView textures;
 
   RELUME_HD AliasTable table(const TexturedTriangle& t) const {
     return {{entries.data + t.first_entry, t.grid * t.grid}};

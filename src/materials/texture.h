@@ -1,6 +1,8 @@
 // Texture look-up: tiled texels, mip levels, stochastic choice between the two nearest levels.
 #pragma once
 
+#include <cstddef>
+
 #include "core/hash.h"
 #include "core/vec.h"
 #include "core/view.h"
@@ -24,10 +26,15 @@ struct UvTransform {
   RELUME_HD float area_scale() const { return std::fabs(m00 * m11 - m01 * m10); }
 };
 
-/// One texture. Texels are stored in 4 × 4 blocks, to keep most bilinear look-ups within one cache line.
-struct TextureView {
-  const void* texels = nullptr;
-  const float* srgb_table = nullptr;          ///< linear value of each 8-bit sRGB code
+/// 16 bytes of texels: one of PixelFormat::rgba32_float, or four of 8 bits per channel.
+struct alignas(16) TexelBytes {
+  std::byte bytes[16];
+};
+
+/// Size and layout of one texture. Texels are stored in 4 × 4 blocks, to keep most bilinear look-ups within one cache
+/// line.
+struct TextureData {
+  uint32_t first = 0;                         ///< its first element of TexturesView::texels
   uint32_t level_offset[kMaxMipLevels] = {};  ///< first texel of each level
   int width = 0;
   int height = 0;
@@ -40,32 +47,43 @@ struct TextureView {
 
   RELUME_HD int level_width(int level) const { return width >> level > 1 ? width >> level : 1; }
   RELUME_HD int level_height(int level) const { return height >> level > 1 ? height >> level : 1; }
+};
+
+/// Looks up one texture. Lives within one call of a kernel.
+class TextureSampler {
+ public:
+  /// `texels`: of all textures.
+  RELUME_HD_INLINE TextureSampler(const TextureData& data, const View<const TexelBytes>& texels,
+                                  const View<const float>& srgb_table)
+      : data_(data), texels_{texels.data + data.first, texels.size - data.first}, srgb_table_(srgb_table) {}
+
+  RELUME_HD const TextureData& data() const { return data_; }
 
   /// Texel of a level, linear RGBA. Coordinates must be in range.
   RELUME_HD Vec4 texel(int level, int x, int y) const {
     const Vec4 stored = stored_texel(level, x, y);
-    return encoded ? decode(stored) : stored;
+    return data_.encoded ? decode(stored) : stored;
   }
 
   /// Bilinear (or nearest) look-up in one level.
   RELUME_HD Vec4 sample_level(const Vec2& uv, int level) const {
-    const int w = level_width(level);
-    const int h = level_height(level);
-    const float x = wrap_coordinate(uv.x, wrap_u) * static_cast<float>(w);
-    const float y = wrap_coordinate(uv.y, wrap_v) * static_cast<float>(h);
-    if (nearest) return texel(level, clamp_index(static_cast<int>(x), w), clamp_index(static_cast<int>(y), h));
+    const int w = data_.level_width(level);
+    const int h = data_.level_height(level);
+    const float x = wrap_coordinate(uv.x, data_.wrap_u) * static_cast<float>(w);
+    const float y = wrap_coordinate(uv.y, data_.wrap_v) * static_cast<float>(h);
+    if (data_.nearest) return texel(level, clamp_index(static_cast<int>(x), w), clamp_index(static_cast<int>(y), h));
     const float fx = std::floor(x - 0.5f);
     const float fy = std::floor(y - 0.5f);
     const float tx = x - 0.5f - fx;
     const float ty = y - 0.5f - fy;
-    const int x0 = wrap_index(static_cast<int>(fx), w, wrap_u);
-    const int x1 = wrap_index(static_cast<int>(fx) + 1, w, wrap_u);
-    const int y0 = wrap_index(static_cast<int>(fy), h, wrap_v);
-    const int y1 = wrap_index(static_cast<int>(fy) + 1, h, wrap_v);
+    const int x0 = wrap_index(static_cast<int>(fx), w, data_.wrap_u);
+    const int x1 = wrap_index(static_cast<int>(fx) + 1, w, data_.wrap_u);
+    const int y0 = wrap_index(static_cast<int>(fy), h, data_.wrap_v);
+    const int y1 = wrap_index(static_cast<int>(fy) + 1, h, data_.wrap_v);
     const Vec4 top = stored_texel(level, x0, y0) * (1.0f - tx) + stored_texel(level, x1, y0) * tx;
     const Vec4 bottom = stored_texel(level, x0, y1) * (1.0f - tx) + stored_texel(level, x1, y1) * tx;
     const Vec4 value = top * (1.0f - ty) + bottom * ty;
-    return encoded ? decode(value) : value;
+    return data_.encoded ? decode(value) : value;
   }
 
   /// Look-up with a footprint of `lod` = log2(texels) at level 0. A hash of the coordinates dithers the level, with the
@@ -73,23 +91,23 @@ struct TextureView {
   RELUME_HD Vec4 sample(const Vec2& uv, float lod) const {
     if (!(lod > 0.0f)) return sample_level(uv, 0);
     const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
-    const float last = static_cast<float>(level_count - 1);
+    const float last = static_cast<float>(data_.level_count - 1);
     return sample_level(uv, static_cast<int>(clamp(lod + dither, 0.0f, last)));
   }
 
  private:
   /// Texel as used by interpolation: linear, or sRGB codes in [0, 1] if `encoded`.
   RELUME_HD Vec4 stored_texel(int level, int x, int y) const {
-    const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
+    const uint32_t blocks = (static_cast<uint32_t>(data_.level_width(level)) + 3) / 4;
     const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
     const uint32_t index =
-        level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
-    if (format == PixelFormat::rgba32_float) return static_cast<const Vec4*>(texels)[index];
-    const uint8_t* c = static_cast<const uint8_t*>(texels) + static_cast<size_t>(index) * 4;
+        data_.level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
+    if (data_.format == PixelFormat::rgba32_float) return reinterpret_cast<const Vec4*>(texels_.data)[index];
+    const uint8_t* c = reinterpret_cast<const uint8_t*>(texels_.data) + static_cast<size_t>(index) * 4;
     constexpr float kScale = 1.0f / 255.0f;
     const float alpha = static_cast<float>(c[3]) * kScale;
-    if (format == PixelFormat::rgba8_srgb && !encoded)
-      return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
+    if (data_.format == PixelFormat::rgba8_srgb && !data_.encoded)
+      return {srgb_table_[c[0]], srgb_table_[c[1]], srgb_table_[c[2]], alpha};
     return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale,
             alpha};
   }
@@ -100,7 +118,7 @@ struct TextureView {
     for (int k = 0; k < 3; ++k) {
       const float scaled = c[k] * 255.0f;
       const uint32_t code = scaled < 254.0f ? static_cast<uint32_t>(scaled) : 254u;
-      linear[k] = lerp(srgb_table[code], srgb_table[code + 1], scaled - static_cast<float>(code));
+      linear[k] = lerp(srgb_table_[code], srgb_table_[code + 1], scaled - static_cast<float>(code));
     }
     return linear;
   }
@@ -119,6 +137,19 @@ struct TextureView {
     if (wrap != WrapMode::repeat) return clamp_index(i, count);
     return i < 0 ? count - 1 : (i >= count ? (i == count ? 0 : count - 1) : i);
   }
+
+  const TextureData& data_;
+  View<const TexelBytes> texels_;  ///< from the first of this texture on
+  View<const float> srgb_table_;
+};
+
+/// All textures of a scene. Their texels are in one array, so that records refer to them by index.
+struct TexturesView {
+  View<const TextureData> data;
+  View<const TexelBytes> texels;
+  View<const float> srgb_table;  ///< linear value of each 8-bit sRGB code
+
+  RELUME_HD_INLINE TextureSampler operator[](uint32_t i) const { return {data[i], texels, srgb_table}; }
 };
 
 /// A material's use of a texture.

@@ -264,7 +264,7 @@ void CompiledScene::refresh_view() {
                       const MaterialData& material = materials[meshes[i.mesh].material];
                       return material.dispersion > 0.0f || material.is_mixture();
                     });
-  view_.textures = textures_.views();
+  view_.textures = textures_.view();
   view_.lights = lights_.view();
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;

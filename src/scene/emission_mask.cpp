@@ -7,12 +7,12 @@
 
 namespace relume {
 
-EmissionMask::EmissionMask(const TextureView& texture)
-    : width_(texture.width),
-      height_(texture.height),
-      wrap_u_(texture.wrap_u),
-      wrap_v_(texture.wrap_v),
-      sums_(static_cast<size_t>(texture.width + 1) * static_cast<size_t>(texture.height + 1)) {
+EmissionMask::EmissionMask(const TextureSampler& texture)
+    : width_(texture.data().width),
+      height_(texture.data().height),
+      wrap_u_(texture.data().wrap_u),
+      wrap_v_(texture.data().wrap_v),
+      sums_(static_cast<size_t>(width_ + 1) * static_cast<size_t>(height_ + 1)) {
   const auto row = [&](int y) { return sums_.data() + static_cast<size_t>(y) * static_cast<size_t>(width_ + 1); };
   parallel_for(height_, [&](int y) {
     uint32_t* sums = row(y + 1);

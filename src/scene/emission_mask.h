@@ -11,7 +11,7 @@ namespace relume {
 /// Counts the non-black texels of any rectangle in constant time.
 class EmissionMask {
  public:
-  explicit EmissionMask(const TextureView& texture);
+  explicit EmissionMask(const TextureSampler& texture);
 
   /// False only if every look-up inside the triangle with these texture coordinates is black.
   bool may_emit(const Vec2 (&uv)[3]) const;

@@ -29,7 +29,7 @@ Vec2 random_uv(uint32_t triangle, uint32_t corner, float extent) {
 }
 
 /// Whether a look-up inside the triangle is non-black.
-bool emits(const TextureView& texture, const Vec2 (&uv)[3]) {
+bool emits(const TextureSampler& texture, const Vec2 (&uv)[3]) {
   constexpr int kSteps = 24;
   for (int i = 0; i <= kSteps; ++i) {
     for (int k = 0; i + k <= kSteps; ++k) {

@@ -71,7 +71,7 @@ class LightBuilder {
   std::unordered_map<uint32_t, int32_t> textured_indices_;  ///< by triangle index: its number, or kBlackTexture
   Array<TexturedTriangle> textured_;
   Array<AliasEntry> entries_;
-  View<const TextureView> textures_;
+  TexturesView textures_;
   Array<Rgb> environment_map_;
   Array<float> environment_marginal_;
   Array<float> environment_conditional_;

@@ -103,7 +103,7 @@ struct SceneView {
   View<const Instance> instances;
   View<const MaterialData> materials;
   View<const LayerData> layers;  ///< of layered materials
-  View<const TextureView> textures;
+  TexturesView textures;
   LightsView lights;
   CameraView camera;
   CameraView previous_camera;

@@ -70,9 +70,9 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
 
 /// Texture look-up at the level for a footprint of `area` m².
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
-  const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
-  const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area * static_cast<float>(texture.width) *
-                       static_cast<float>(texture.height);
+  const TextureSampler texture = scene.textures[static_cast<uint32_t>(use.texture)];
+  const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area *
+                       static_cast<float>(texture.data().width) * static_cast<float>(texture.data().height);
   const float lod = texels > 1.0f ? 0.5f * math::log2(texels) : 0.0f;
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }

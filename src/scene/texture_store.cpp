@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include "core/activity.h"
 #include "core/parallel.h"
@@ -73,84 +74,98 @@ struct Footprint {
 };
 
 /// Computes the mean of the covered texels in linear space, weighted by area only, so every level has the same mean.
-void filter_level(const TextureView& view, int level, std::byte* texels) {
-  const int w = view.level_width(level);
-  const int h = view.level_height(level);
-  std::byte* target = texels + static_cast<size_t>(view.level_offset[level]) * texel_size(view.format);
+void filter_level(const TextureSampler& texture, int level, std::byte* texels) {
+  const TextureData& data = texture.data();
+  const int w = data.level_width(level);
+  const int h = data.level_height(level);
+  std::byte* target = texels + static_cast<size_t>(data.level_offset[level]) * texel_size(data.format);
   for (int y = 0; y < h; ++y) {
-    const Footprint rows(y, h, view.level_height(level - 1));
+    const Footprint rows(y, h, data.level_height(level - 1));
     for (int x = 0; x < w; ++x) {
-      const Footprint columns(x, w, view.level_width(level - 1));
+      const Footprint columns(x, w, data.level_width(level - 1));
       Vec4 sum(0);
       for (int j = rows.first(); j < rows.last(); ++j) {
         for (int i = columns.first(); i < columns.last(); ++i) {
-          sum += view.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
+          sum += texture.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
         }
       }
-      store(target, view.format, w, x, y, sum);
+      store(target, data.format, w, x, y, sum);
     }
   }
 }
 
-TextureView build(const Texture& texture, Array<TexelBytes>& texels) {
-  TextureView view;
-  view.srgb_table = srgb_to_linear_table();
-  view.width = texture.width;
-  view.height = texture.height;
-  view.format = texture.format;
-  view.wrap_u = texture.wrap_u;
-  view.wrap_v = texture.wrap_v;
-  view.nearest = texture.filter == FilterMode::nearest;
+/// Elements of TexelBytes for a format's texels. They come in blocks of 16, so the division is exact.
+size_t elements_of(size_t texels, PixelFormat format) { return texels * texel_size(format) / sizeof(TexelBytes); }
+
+/// Layout of a texture whose texels begin at element `first`.
+TextureData layout_of(const Texture& texture, size_t first) {
+  TextureData data;
+  data.first = static_cast<uint32_t>(first);
+  data.width = texture.width;
+  data.height = texture.height;
+  data.format = texture.format;
+  data.wrap_u = texture.wrap_u;
+  data.wrap_v = texture.wrap_v;
+  data.nearest = texture.filter == FilterMode::nearest;
+  return data;
+}
+
+/// Sets the levels. Returns the number of texels.
+size_t lay_out_levels(TextureData& data) {
   uint32_t count = 0;
   for (int level = 0; level < static_cast<int>(kMaxMipLevels); ++level) {
-    view.level_offset[level] = count;
-    count += padded_texels(view.level_width(level), view.level_height(level));
-    view.level_count = level + 1;
-    if (view.level_width(level) == 1 && view.level_height(level) == 1) break;
+    data.level_offset[level] = count;
+    count += padded_texels(data.level_width(level), data.level_height(level));
+    data.level_count = level + 1;
+    if (data.level_width(level) == 1 && data.level_height(level) == 1) break;
   }
-  // Texels come in blocks of 16, so the division is exact.
-  texels.reset(static_cast<size_t>(count) * texel_size(texture.format) / sizeof(TexelBytes));
-  auto* const target = reinterpret_cast<std::byte*>(texels.write().data());
-  view.texels = target;
-  copy_base(texture, target);
-  for (int level = 1; level < view.level_count; ++level) filter_level(view, level, target);
-  return view;
+  return count;
+}
+
+void fill_srgb_table(Array<float>& table) {
+  table.reset(256, kUninitialized);
+  const std::span<float> values = table.write();
+  for (size_t i = 0; i < values.size(); ++i) values[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
 }
 
 }  // namespace
 
-const float* srgb_to_linear_table() {
-  static const auto table = [] {
-    std::array<float, 256> t;
-    for (size_t i = 0; i < t.size(); ++i) t[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-    return t;
-  }();
-  return table.data();
-}
-
 TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter, Memory& memory)
-    : texels_(textures.size(), Array<TexelBytes>(memory)), views_(memory) {
-  views_.reset(textures.size());
-  const std::span<TextureView> views = views_.write();
+    : TextureStore(memory) {
+  fill_srgb_table(srgb_table_);
+  data_.reset(textures.size());
+  const std::span<TextureData> data = data_.write();
+  std::vector<size_t> first(textures.size() + 1, 0);
+  for (size_t i = 0; i < textures.size(); ++i) {
+    data[i] = layout_of(textures[i], first[i]);
+    first[i + 1] = first[i] + elements_of(lay_out_levels(data[i]), data[i].format);
+  }
+  texels_.reset(first.back(), kUninitialized);
+  const std::span<TexelBytes> texels = texels_.write();
+  const TexturesView view{view_of(std::span<const TextureData>(data)), view_of(std::span<const TexelBytes>(texels)),
+                          view_of(srgb_table_.read())};
   Activity activity("filtering textures", textures.size());
   parallel_for(textures.size(), [&](size_t i) {
-    views[i] = build(textures[i], texels_[i]);
+    const std::span<std::byte> own = std::as_writable_bytes(texels.subspan(first[i], first[i + 1] - first[i]));
+    std::fill(own.begin(), own.end(), std::byte{0});
+    copy_base(textures[i], own.data());
+    for (int level = 1; level < data[i].level_count; ++level)
+      filter_level(view[static_cast<uint32_t>(i)], level, own.data());
     activity.part_done();
     if (filter == TextureFilter::linear) return;
-    views[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
-    views[i].level_count = 1;
+    data[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
+    data[i].level_count = 1;
   });
 }
 
-void TextureStore::open_for_host() const {
-  views_.read();
-  for (const Array<TexelBytes>& texels : texels_) texels.read();
+TextureSampler TextureStore::operator[](size_t i) const {
+  return {data_.read()[i], view_of(texels_.read()), view_of(srgb_table_.read())};
 }
 
-size_t TextureStore::memory_bytes() const {
-  size_t sum = 0;
-  for (const Array<TexelBytes>& t : texels_) sum += t.memory_bytes();
-  return sum;
+void TextureStore::open_for_host() const {
+  data_.read();
+  texels_.read();
+  srgb_table_.read();
 }
 
 }  // namespace relume
