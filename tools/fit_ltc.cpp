@@ -178,5 +178,7 @@ int main() {
   }
   std::printf(
       "};\n// clang-format on\n\n}  // namespace\n\nLtcTable ltc_table() { return {{kEntries, kLtcTableSize * "
-      "kLtcTableSize}}; }\n\n}  // namespace relume\n");
+      "kLtcTableSize}}; }\n\nLtcTable ltc_table(Array<LtcMatrix>& array) {\n  if (array.empty()) "
+      "array.assign(kEntries);\n  return "
+      "{array.view()};\n}\n\n}  // namespace relume\n");
 }

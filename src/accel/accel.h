@@ -3,21 +3,25 @@
 
 #include <cstdint>
 
+#include "accel/accel_choice.h"
+#include "accel/bvh/layout.h"
 #include "core/ray.h"
 
 namespace relume {
 
-struct AccelMesh;
-struct AccelInstance;
-struct BvhView;
+struct HostAccelData;
 
-/// Handle to the acceleration structure of a compiled scene: relume's own BVH, or Embree's scene, which needs the
-/// meshes and instances beside it.
+/// The data of an acceleration structure outside of kernel memory (accel/host_accel.h). This is the only pointer in a
+/// kernel that is no view; code for devices never reads it.
+struct HostAccel {
+  const HostAccelData* data = nullptr;
+};
+
+/// The acceleration structure of a compiled scene. Rays hit nothing in a default one.
 struct AccelView {
-  void* scene = nullptr;
-  const AccelMesh* meshes = nullptr;
-  const AccelInstance* instances = nullptr;
-  const BvhView* bvh = nullptr;  ///< null: Embree answers
+  BvhView bvh;     ///< empty if Embree answers
+  HostAccel host;  ///< Embree's scene, and the opacity of surfaces
+  AccelChoice answered_by = AccelChoice::bvh;
 };
 
 /// Nearest hit along the ray; no hit if the ray is not finite. `ray_id` seeds stochastic alpha: equal (ray id,

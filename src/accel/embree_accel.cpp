@@ -6,6 +6,7 @@
 
 #include "accel/embree/device.h"
 #include "accel/embree/hit_filter.h"
+#include "accel/host_accel.h"
 #include "accel/refit_cost.h"
 #include "core/activity.h"
 #include "core/parallel.h"
@@ -51,6 +52,7 @@ struct EmbreeAccel::State {
   std::vector<RefitCost> refit_costs;  ///< by mesh
   std::vector<AccelInstance> instances;
   OpacityFunction opacity;
+  HostAccelData host;
   bool culls = false;  ///< whether any mesh culls its back faces
 
   ~State() {
@@ -125,6 +127,13 @@ struct EmbreeAccel::State {
     rtcCommitScene(owner);
   }
 
+  /// Takes new transforms and visibility.
+  void assign(std::span<const AccelInstance> placed) {
+    instances.assign(placed.begin(), placed.end());
+    follow_mirrors();
+    host = {scene, meshes.data(), instances.data(), opacity};
+  }
+
   /// Copies the mirroring of skins: a skinned mesh has a single instance.
   void follow_mirrors() {
     for (const AccelInstance& instance : instances) {
@@ -159,11 +168,10 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   s.opacity = opacity;
   s.meshes.assign(meshes.begin(), meshes.end());
   for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
-  s.instances.assign(instances.begin(), instances.end());
-  s.follow_mirrors();
   const Activity activity("building the acceleration structure");
   s.culls = std::any_of(meshes.begin(), meshes.end(), [](const AccelMesh& mesh) { return mesh.culls_back_faces; });
   s.scene = s.new_scene();
+  s.assign(instances);
   const bool anything_moves =
       std::any_of(instances.begin(), instances.end(), [&](const auto& i) { return i.moves || meshes[i.mesh].deforms; });
   s.still = anything_moves ? s.new_scene() : s.scene;
@@ -195,8 +203,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
 EmbreeAccel::~EmbreeAccel() = default;
 
 void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
-  state_->instances.assign(instances.begin(), instances.end());
-  state_->follow_mirrors();
+  state_->assign(instances);
   parallel_tasks(deformed.size(), [&](size_t i) { state_->refit(deformed[i]); });
   for (const auto& [index, node] : state_->instance_nodes)
     place(node, instances[index].to_world, instances[index].visible);
@@ -223,9 +230,7 @@ void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> inst
   update(instances, {});
 }
 
-AccelView EmbreeAccel::view() const {
-  return {state_->scene, state_->meshes.data(), state_->instances.data(), nullptr};
-}
+AccelView EmbreeAccel::view() const { return {{}, {&state_->host}, AccelChoice::embree}; }
 
 size_t EmbreeAccel::memory_bytes() const { return state_->device.memory_bytes(); }
 

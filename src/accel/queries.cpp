@@ -3,7 +3,7 @@
 
 #include "accel/bvh/queries.h"
 #include "accel/embree/hit_filter.h"
-#include "accel/embree_accel.h"
+#include "accel/host_accel.h"
 #include "accel/query.h"
 #include "accel/triangle.h"
 #include "core/fixed_point.h"
@@ -12,7 +12,7 @@ namespace relume {
 namespace {
 
 /// Computes the hit on the triangle that the traversal found.
-Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
+Hit hit_on(const HostAccelData& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
   const AccelInstance& instance = accel.instances[instance_index];
   TriangleCorners c = corners_of(accel.meshes[instance.mesh], primitive);
   if (!instance.in_world_space) {
@@ -32,7 +32,7 @@ struct Found {
 
 /// hit_on() for the triangles of a packet. Each loop prefetches what the next one reads: otherwise every ray would wait
 /// for its own memory.
-void find_hits(const AccelView& accel, const Ray* rays, const Found* found, int count, Hit* hits) {
+void find_hits(const HostAccelData& accel, const Ray* rays, const Found* found, int count, Hit* hits) {
   const auto mesh_of = [&](const Found& f) -> const AccelMesh& {
     return accel.meshes[accel.instances[f.instance].mesh];
   };
@@ -50,7 +50,7 @@ void find_hits(const AccelView& accel, const Ray* rays, const Found* found, int 
   }
 }
 
-RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
+RTCScene as_scene(const HostAccelData& accel) { return static_cast<RTCScene>(accel.embree_scene); }
 
 RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   RTCRay r;
@@ -74,7 +74,7 @@ RTCFilterFunctionN filter_of(RTCScene scene, unsigned flags) {
   return flags != 0 && embree::takes_query_filter(scene) ? culling_filter : nullptr;
 }
 
-Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+Hit nearest_in_embree(const HostAccelData& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return {};
   RTCRayHit query;
   query.ray = to_embree(ray, ray_id, flags);
@@ -85,11 +85,21 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
   return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
 }
 
-bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+bool blocked_in_embree(const HostAccelData& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return false;
   RTCRay query = to_embree(ray, ray_id, flags);
   embree::occluded1(as_scene(accel), query, filter_of(as_scene(accel), flags));
   return query.tfar < 0.0f;
+}
+
+Hit nearest(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+  return accel.answered_by == AccelChoice::bvh ? nearest_in_bvh(accel, ray, ray_id, flags)
+                                               : nearest_in_embree(*accel.host.data, ray, ray_id, flags);
+}
+
+bool blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+  return accel.answered_by == AccelChoice::bvh ? blocked_in_bvh(accel, ray, ray_id, flags)
+                                               : blocked_in_embree(*accel.host.data, ray, ray_id, flags);
 }
 
 /// A ray that ends before it begins. Without AVX-512, Embree 3 checks the numbers of all lanes of a packet, also of
@@ -114,10 +124,11 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigne
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       unsigned flags) {
-  if (accel.bvh) {
-    for (int i = 0; i < count; ++i) hits[i] = nearest_in_bvh(*accel.bvh, rays[i], ray_ids[i], flags);
+  if (accel.answered_by == AccelChoice::bvh) {
+    for (int i = 0; i < count; ++i) hits[i] = nearest_in_bvh(accel, rays[i], ray_ids[i], flags);
     return;
   }
+  const HostAccelData& host = *accel.host.data;
   RTCRayHit16 query;
   alignas(64) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
@@ -127,7 +138,7 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  embree::intersect16(valid, as_scene(accel), query, filter_of(as_scene(accel), flags));
+  embree::intersect16(valid, as_scene(host), query, filter_of(as_scene(host), flags));
   Found found[kPacketSize];
   int found_count = 0;
   for (int i = 0; i < count; ++i) {
@@ -135,26 +146,21 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     found[found_count++] = {i, instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]};
   }
-  find_hits(accel, rays, found, found_count, hits);
+  find_hits(host, rays, found, found_count, hits);
 }
 
 }  // namespace
 
-Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return accel.bvh ? nearest_in_bvh(*accel.bvh, ray, ray_id, 0) : nearest_hit(accel, ray, ray_id, 0);
-}
+Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return nearest(accel, ray, ray_id, 0); }
 
 Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return accel.bvh ? nearest_in_bvh(*accel.bvh, ray, ray_id, kFromCamera)
-                   : nearest_hit(accel, ray, ray_id, kFromCamera);
+  return nearest(accel, ray, ray_id, kFromCamera);
 }
 
-bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return accel.bvh ? blocked_in_bvh(*accel.bvh, ray, ray_id, 0) : is_blocked(accel, ray, ray_id, 0);
-}
+bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return blocked(accel, ray, ray_id, 0); }
 
 bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  return accel.bvh ? blocked_in_bvh(*accel.bvh, ray, ray_id, kToCamera) : is_blocked(accel, ray, ray_id, kToCamera);
+  return blocked(accel, ray, ray_id, kToCamera);
 }
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count) {
@@ -167,8 +173,8 @@ void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const
 }
 
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
-  if (accel.bvh) {
-    for (int i = 0; i < count; ++i) result[i] = blocked_in_bvh(*accel.bvh, rays[i], ray_ids[i], 0);
+  if (accel.answered_by == AccelChoice::bvh) {
+    for (int i = 0; i < count; ++i) result[i] = blocked_in_bvh(accel, rays[i], ray_ids[i], 0);
     return;
   }
   RTCRay16 query;
@@ -178,7 +184,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
     valid[i] = active ? -1 : 0;
     fill_packet(query, i, active ? rays[i] : kInactive, active ? ray_ids[i] : 0, 0);
   }
-  embree::occluded16(valid, as_scene(accel), query, nullptr);
+  embree::occluded16(valid, as_scene(*accel.host.data), query, nullptr);
   for (int i = 0; i < count; ++i) result[i] = valid[i] != 0 && query.tfar[i] < 0.0f;
 }
 

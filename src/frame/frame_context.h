@@ -39,6 +39,7 @@ struct FrameState {
   Tile window = {};               ///< rendered pixels; empty: all pixels
   std::stop_token hurry = {};     ///< if requested, preparation that a later frame can continue ends early
   bool observed = false;          ///< whether a hook may read and change buffers after each pass
+  View<const uint16_t> blue_noise = {};  ///< blue_noise_tile(), if the settings use it
 };
 
 /// Size of the grid of a kernel launch.

@@ -2,6 +2,7 @@
 // estimate the importance of lights, never for shading.
 #pragma once
 
+#include "core/array.h"
 #include "core/vec.h"
 #include "core/view.h"
 
@@ -46,8 +47,11 @@ RELUME_HD inline LtcMatrix LtcTable::at(float cos_theta, float r) const {
   return {mix(&LtcMatrix::a), mix(&LtcMatrix::b), mix(&LtcMatrix::c), mix(&LtcMatrix::d)};
 }
 
-/// The built-in table.
+/// The built-in table, for host code.
 LtcTable ltc_table();
+
+/// The table in the memory of `array`, which is filled if it is empty.
+LtcTable ltc_table(Array<LtcMatrix>& array);
 
 /// Density per solid angle of the transformed cosine in direction `w` (local, x-z plane through the viewer).
 RELUME_HD inline float ltc_pdf(const LtcMatrix& m, const Vec3& w) {

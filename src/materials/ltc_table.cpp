@@ -301,4 +301,9 @@ constexpr LtcMatrix kEntries[kLtcTableSize * kLtcTableSize] = {
 
 LtcTable ltc_table() { return {{kEntries, kLtcTableSize * kLtcTableSize}}; }
 
+LtcTable ltc_table(Array<LtcMatrix>& array) {
+  if (array.empty()) array.assign(kEntries);
+  return {array.view()};
+}
+
 }  // namespace relume

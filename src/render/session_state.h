@@ -62,6 +62,7 @@ struct Session::State {
       : settings(s),
         hash(relume::scene_hash(source)),
         backend(make_backend(s, memory)),
+        blue_noise(memory),
         pool(BlockPool::create(memory)) {
     const double start_s = now_s();
     rebuild_pipeline();
@@ -220,7 +221,7 @@ struct Session::State {
                       .frame = counters.frames,
                       .age = counters.sequence_age,
                       .width = buffers->width(),
-                      .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
+                      .tile = settings.dither ? blue_noise_tile(blue_noise) : View<const uint16_t>{}};
     if (!settings.stratify) return index;  // one single-element sequence per frame
     index.sample = schedule.sample(counters.sequence_age, counters.since_change);
     index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
@@ -229,6 +230,11 @@ struct Session::State {
     if (!even) index.taken = buffers->view(kSequenceSamples);
     index.camera_runs = schedule.longest_epoch > 0;
     return index;
+  }
+
+  /// The tile of blue noise, if paths choose pixels by it.
+  View<const uint16_t> blue_noise_of_frame() {
+    return settings.path.indirect_rate < 1 ? blue_noise_tile(blue_noise) : View<const uint16_t>{};
   }
 
   FrameContext frame(const std::stop_token& stop) {
@@ -249,7 +255,8 @@ struct Session::State {
                          .stop = stop,
                          .window = window(),
                          .hurry = hurry,
-                         .observed = pass_hook != nullptr});
+                         .observed = pass_hook != nullptr,
+                         .blue_noise = blue_noise_of_frame()});
   }
 
   /// Exact sum over the pixels, timed as `name`.
@@ -288,6 +295,7 @@ struct Session::State {
   uint64_t hash;
   std::unique_ptr<Backend> backend;
   PrimitiveScratch scratch;
+  Array<uint16_t> blue_noise;       ///< blue_noise_tile() for kernels; empty until used
   std::shared_ptr<BlockPool> pool;  ///< memory of `buffers`, across image sizes
   std::unique_ptr<BufferTable> buffers;
   FramePasses passes;

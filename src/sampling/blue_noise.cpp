@@ -99,4 +99,10 @@ View<const uint16_t> blue_noise_tile() {
   return view_of(tile);
 }
 
+View<const uint16_t> blue_noise_tile(Array<uint16_t>& array) {
+  const View<const uint16_t> tile = blue_noise_tile();
+  if (array.empty()) array.assign({tile.data, tile.size});
+  return array.view();
+}
+
 }  // namespace relume

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "core/array.h"
 #include "core/hash.h"
 #include "core/view.h"
 
@@ -13,8 +14,11 @@ namespace relume {
 inline constexpr uint32_t kBlueNoiseEdge = 64;
 
 /// The tile contains each number 0 … kBlueNoiseEdge² − 1 once, row by row. Computed once by void and cluster
-/// ([Ulichney93]); lives until the program ends.
+/// ([Ulichney93]); lives until the program ends. For host code.
 View<const uint16_t> blue_noise_tile();
+
+/// The tile in the memory of `array`, which is filled if it is empty.
+View<const uint16_t> blue_noise_tile(Array<uint16_t>& array);
 
 /// Shifts in [0, 1) of one pixel's numbers, one per dimension: the tile's value at the pixel. The tile is offset by a
 /// separate amount for each dimension.

@@ -26,10 +26,6 @@ constexpr size_t kFlattenedTriangleBudget = 1'000'000;
 /// reach 8 % and more; models with only glowing parts reach 0.04 % or less.
 constexpr float kEmissionShare = 0.02f;
 
-float accel_opacity(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
-  return opacity(*static_cast<const SceneView*>(context), instance, primitive, u, v);
-}
-
 std::vector<uint32_t> triangle_counts(const Scene& scene) {
   std::vector<uint32_t> counts;
   for (const Mesh& m : scene.meshes) counts.push_back(static_cast<uint32_t>(m.triangles.size()));
@@ -50,6 +46,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
       instances_(memory),
       materials_(memory),
       layers_(memory),
+      energy_tables_(memory),
       textures_(memory),
       lights_(memory),
       resolution_(options.width, options.height) {
@@ -78,7 +75,6 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
   choose_camera(options.camera);
   camera_view_ = view_through(camera());
   build_accel();
-  view_.accel = accel_->view();
   refresh_view();
   studio_rotation_rad_ = relume::studio_rotation_rad(-camera_view_.axes.n);
   use_environment();
@@ -98,6 +94,7 @@ void CompiledScene::open_for_host() const {
   instances_.read();
   materials_.read();
   layers_.read();
+  energy_tables_.open_for_host();
   textures_.open_for_host();
   lights_.open_for_host();
   if (accel_) accel_->open_for_host();
@@ -365,27 +362,6 @@ void CompiledScene::choose_camera(const std::string& name) {
     return;
   }
   camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
-}
-
-void CompiledScene::build_accel() {
-  const std::span<const Vertex> vertices = vertices_.read();
-  const std::span<const UVec3> triangles = triangles_.read();
-  const std::span<const MaterialData> materials = materials_.read();
-  std::vector<AccelMesh> meshes;
-  for (const MeshView& m : meshes_.read()) {
-    AccelMesh a;
-    a.positions = &vertices.data()->position.x;
-    a.position_stride = sizeof(Vertex);
-    a.vertex_count = vertices.size();
-    a.indices = m.triangle_count ? &triangles[m.first_triangle].x : nullptr;
-    a.triangle_count = m.triangle_count;
-    a.needs_opacity = materials[m.material].has_alpha();
-    a.culls_back_faces = materials[m.material].cull_back_faces;
-    a.deforms = m.deforms;
-    meshes.push_back(a);
-  }
-  accel_ =
-      make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
 }
 
 size_t CompiledScene::memory_bytes() const {

@@ -11,6 +11,7 @@
 #include "core/array.h"
 #include "core/box.h"
 #include "core/change.h"
+#include "materials/energy_table_arrays.h"
 #include "scene/deforming_meshes.h"
 #include "scene/light_builder.h"
 #include "scene/scene_view.h"
@@ -135,6 +136,8 @@ class CompiledScene {
   Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();
+  /// Adapts the acceleration structure to the instances and the `deformed` meshes.
+  void update_accel(std::span<const uint32_t> deformed);
   void note_collapsed_lights();
   /// Whether a light of the scene itself emits, now or at another time. `emissive_surfaces`: include them.
   bool shines(bool emissive_surfaces) const;
@@ -188,6 +191,7 @@ class CompiledScene {
   Array<Instance> instances_;
   Array<MaterialData> materials_;
   Array<LayerData> layers_;  ///< of layered materials
+  EnergyTableArrays energy_tables_;
   TextureStore textures_;
   LightBuilder lights_;
   Index camera_node_ = kNone;

@@ -196,7 +196,6 @@ Change CompiledScene::commit_edits() {
   extent_.add(placed_box(world_));
   set_bounds();
   build_accel();
-  view_.accel = accel_->view();
   lights_.discard_texture_tables();
   collect_lights();
   was_moved_ = true;

@@ -142,6 +142,7 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
   for (uint32_t m = 0; m < meshes.size() && other_filters; ++m) {
     if (meshes[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
+  view_.accel = accel_->view();
   if (!emits) return Change::materials;
   lights_.discard_texture_tables();
   collect_lights();
@@ -167,7 +168,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
   const std::vector<uint32_t> deformed = deform_meshes();
   if (place_instances() || !deformed.empty()) {
     change |= Change::geometry;
-    accel_->update(accel_instances(), deformed);
+    update_accel(deformed);
   }
   collect_lights();
   for (const Light& light : view_.lights.lights) {
@@ -268,27 +269,15 @@ void CompiledScene::refresh_view() {
   view_.lights = lights_.view();
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
-  view_.energy_tables = &layered_energy_tables(
+  energy_tables_.hold(
       {.anisotropic = std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
        .sheen =
            std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
+  view_.energy_tables = energy_tables_.view();
   if (!accel_ || edited_) return;  // lacks the added parts; commit_edits() calls this again
   // Rays in every direction leave a closed mesh. A sheet of glass, or a gap in a mesh, affects one direction only.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
   view_.camera_medium = glm::min(around(-camera_view_.axes.n), around(camera_view_.axes.n));
-}
-
-std::vector<AccelInstance> CompiledScene::accel_instances() const {
-  std::vector<AccelInstance> result;
-  const std::span<const Instance> instances = instances_.read();
-  for (size_t k = 0; k < instances.size(); ++k) {
-    const Instance& i = instances[k];
-    Mat4 m(i.to_world.linear);
-    m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible,
-                      i.in_world_space && i.orientation < 0});
-  }
-  return result;
 }
 
 }  // namespace relume

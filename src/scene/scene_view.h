@@ -107,7 +107,7 @@ struct SceneView {
   LightsView lights;
   CameraView camera;
   CameraView previous_camera;
-  const EnergyTables* energy_tables = nullptr;
+  EnergyTables energy_tables;  ///< with the layers that materials have
   AccelView accel;
   bool absorbs = false;           ///< whether a material has an absorbing volume
   bool culls_back_faces = false;  ///< whether a material culls back faces

@@ -340,10 +340,10 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   if (material.layers >= 0) {
     const LayerSample layers =
         layers_at(scene, mesh, material, instance, t, g, uv, footprint_area, front, side, sp.frame);
-    make_layered_bsdf(sp.bsdf, parameters, layers, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
+    make_layered_bsdf(sp.bsdf, parameters, layers, material, scene.energy_tables, sp.wo_local.z, sp.front_face);
     return;
   }
-  make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
+  make_bsdf(sp.bsdf, parameters, material, scene.energy_tables, sp.wo_local.z, sp.front_face);
 }
 
 RELUME_HD inline SurfacePosition surface_position(const SceneView& scene, const Hit& hit) {

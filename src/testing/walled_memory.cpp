@@ -27,6 +27,17 @@ bool is_mapped(uint64_t address) {
   return ::mincore(page, 1, &resident) == 0 || errno != ENOMEM;
 }
 
+/// Calls f(address, byte) for each aligned word of `data` that is the address of a mapped page.
+template <typename F>
+void for_each_address(std::span<const std::byte> data, const F& f) {
+  for (size_t at = 0; at + sizeof(uint64_t) <= data.size(); at += sizeof(uint64_t)) {
+    uint64_t word = 0;
+    std::memcpy(&word, data.data() + at, sizeof(word));
+    const bool may_be_address = word >> 32 != 0 && word >> 47 == 0;
+    if (may_be_address && is_mapped(word)) f(reinterpret_cast<const std::byte*>(word), at);  // NOLINT
+  }
+}
+
 /// Prints the calls that led to a violation.
 void print_calls() {
   void* calls[32];
@@ -133,31 +144,31 @@ void WalledMemory::limit_host_access(size_t bytes) {
   host_limit_ = bytes;
 }
 
-void WalledMemory::permit(const void* data, size_t bytes) {
+void WalledMemory::permit(const void* handle) {
   const std::lock_guard lock(mutex_);
-  if (data) permitted_[static_cast<const std::byte*>(data)] = bytes;
+  if (handle) permitted_.insert(static_cast<const std::byte*>(handle));
 }
 
 bool WalledMemory::is_known(const std::byte* address) {
-  if (find(address) != blocks_.end()) return true;
-  auto after = permitted_.upper_bound(address);
-  if (after == permitted_.begin()) return false;
-  --after;
-  return address < after->first + after->second;
+  return find(address) != blocks_.end() || permitted_.contains(address);
 }
 
 void WalledMemory::check_kernel(std::string_view name, std::span<const std::byte> kernel) {
   const std::lock_guard lock(mutex_);
-  for (size_t at = 0; at + sizeof(uint64_t) <= kernel.size(); at += sizeof(uint64_t)) {
-    uint64_t word = 0;
-    std::memcpy(&word, kernel.data() + at, sizeof(word));
-    const bool may_be_address = word >> 32 != 0 && word >> 47 == 0;
-    if (!may_be_address || is_known(reinterpret_cast<const std::byte*>(word))) continue;  // NOLINT
-    if (!is_mapped(word)) continue;
+  for_each_address(kernel, [&](const std::byte* address, size_t at) {
+    if (is_known(address)) return;
     violations_.push_back("kernel '" + std::string(name) + "' holds an address outside the backend's memory at byte " +
                           std::to_string(at) + " of " + std::to_string(kernel.size()) +
                           "; give it a view of an Array on the backend's memory");
-  }
+  });
+}
+
+void WalledMemory::check_data(std::string_view name, std::span<const std::byte> data) {
+  const std::lock_guard lock(mutex_);
+  for_each_address(data, [&](const std::byte*, size_t at) {
+    violations_.push_back("the array '" + std::string(name) + "' holds an address at byte " + std::to_string(at) +
+                          " of " + std::to_string(data.size()) + "; use an index into another array");
+  });
 }
 
 bool WalledMemory::open_after_violation(const std::byte* address) {

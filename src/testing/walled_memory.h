@@ -2,7 +2,8 @@
 // - during launches, when kernels access them; code that a backend times like a kernel counts as one;
 // - from Array::read() or write() on, until the end of the next launch: the end of a span's use cannot be detected.
 // Tests can limit the size of the blocks that read() and write() open.
-// Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory.
+// Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory, and
+// arrays for any addresses.
 #pragma once
 
 #include <csignal>
@@ -10,12 +11,14 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/array.h"
+#include "core/view.h"
 
 namespace relume::testing {
 
@@ -42,12 +45,18 @@ class WalledMemory final : public Memory {
   void limit_host_access(size_t bytes);
   void permit_host_access() { limit_host_access(std::numeric_limits<size_t>::max()); }
 
-  /// Permits addresses in [data, data + bytes) in kernels: constants, and handles of libraries. Null: nothing.
-  void permit(const void* data, size_t bytes = 1);
+  /// Permits one address in kernels: a handle of the host. Null: nothing.
+  void permit(const void* handle);
   /// Records a violation for each address in a kernel that is mapped, but neither in a block nor permitted. `kernel`:
   /// its bytes, with zeros between members. Searches aligned words above 4 GiB, where 64-bit processes have their
   /// memory.
   void check_kernel(std::string_view name, std::span<const std::byte> kernel);
+  /// Records a violation for each mapped address in the elements of an array, which hold none. Call it in a launch.
+  /// `name`: of the array, for the sentence.
+  template <typename T>
+  void check_elements(std::string_view name, const View<T>& elements) {
+    check_data(name, std::as_bytes(std::span(elements.data, elements.size)));
+  }
 
   /// The violations so far, one sentence each.
   std::vector<std::string> violations() const;
@@ -69,10 +78,11 @@ class WalledMemory final : public Memory {
   void open(const std::byte* address, Access access);
   static void protect(const Blocks::value_type& block, Access access);
   bool is_known(const std::byte* address);
+  void check_data(std::string_view name, std::span<const std::byte> data);
 
   mutable std::mutex mutex_;
   Blocks blocks_;
-  std::map<const std::byte*, size_t> permitted_;
+  std::set<const std::byte*> permitted_;
   bool in_launch_ = true;
   size_t host_limit_ = std::numeric_limits<size_t>::max();  ///< largest block that host code may open
   std::string last_launch_ = "none";

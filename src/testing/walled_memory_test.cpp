@@ -70,6 +70,23 @@ TEST_F(WalledMemoryTest, RecordsKernelsThatAccessOtherMemory) {
   EXPECT_EQ(memory_.violations().size(), 1u);
 }
 
+TEST_F(WalledMemoryTest, RecordsAddressesInArrays) {
+  struct Record {
+    uint64_t number = 0;
+    View<const uint32_t> values;
+  };
+  Array<Record> records(memory_);
+  records.assign(2, Record{});
+  const auto check = [&] {
+    backend_.run("check", [&] { memory_.check_elements("records", records.view()); });
+    return memory_.violations();
+  };
+  EXPECT_TRUE(check().empty());
+  records.write()[1].values = from_.view();
+  ASSERT_EQ(check().size(), 1u);
+  EXPECT_NE(check()[0].find("the array 'records' holds an address at byte 32 of 48"), std::string::npos) << check()[0];
+}
+
 TEST_F(WalledMemoryTest, RecordsHostCodeBetweenLaunches) {
   add(from_.view());
   EXPECT_EQ(sum({to_.view().data, 4}), 24u);

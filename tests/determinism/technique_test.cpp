@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "determinism/same_bits.h"
-#include "materials/ltc.h"
-#include "sampling/blue_noise.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "support/technique_checks.h"
@@ -207,15 +205,30 @@ TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
   std::filesystem::remove(file);
 }
 
-/// Lets kernels hold handles of the acceleration structure, and tables that are constants of the program.
-void permit_constants(testing::WalledMemory& memory, const SceneView& scene) {
-  const AccelView& accel = scene.accel;
-  for (const void* handle : {static_cast<const void*>(accel.scene), static_cast<const void*>(accel.meshes),
-                             static_cast<const void*>(accel.instances), static_cast<const void*>(accel.bvh)})
-    memory.permit(handle);
-  memory.permit(scene.energy_tables);
-  memory.permit(ltc_table().entries.data);
-  memory.permit(blue_noise_tile().data);
+/// Searches the records of the scene for addresses. Lights have unused bytes, and are left out.
+void check_records(testing::WalledMemory& memory, const SceneView& scene) {
+  memory.check_elements("meshes", scene.meshes);
+  memory.check_elements("instances", scene.instances);
+  memory.check_elements("materials", scene.materials);
+  memory.check_elements("layers", scene.layers);
+  memory.check_elements("textures", scene.textures.data);
+  memory.check_elements("textured emitters", scene.lights.textured.triangles);
+  memory.check_elements("instances of the BVH", scene.accel.bvh.instances);
+}
+
+/// Searches the launches of a session on `memory` for forbidden accesses. Between launches, the memory is closed.
+void wall(Session& session, testing::WalledMemory& memory) {
+  on_launch(session, [&](const LaunchEvent& event) {
+    const SceneView& scene = compiled_scene(session).view();
+    switch (event.kind) {
+      case LaunchEvent::Kind::kernel:
+        memory.permit(scene.accel.host.data);
+        return memory.check_kernel(event.name, event.argument);
+      case LaunchEvent::Kind::begins: memory.begin_launch(event.name); return check_records(memory, scene);
+      case LaunchEvent::Kind::ends: return memory.end_launch();
+    }
+  });
+  memory.end_launch();
 }
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,
@@ -234,16 +247,7 @@ TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
     settings.accel = scalar ? AccelChoice::bvh : AccelChoice::embree;  // the forms of a device, and those of the host
     {
       Session walled = make_session(build("turntable"), settings, memory);
-      on_launch(walled, [&](const LaunchEvent& event) {
-        switch (event.kind) {
-          case LaunchEvent::Kind::kernel:
-            permit_constants(memory, compiled_scene(walled).view());
-            return memory.check_kernel(event.name, event.argument);
-          case LaunchEvent::Kind::begins: return memory.begin_launch(event.name);
-          case LaunchEvent::Kind::ends: return memory.end_launch();
-        }
-      });
-      memory.end_launch();
+      wall(walled, memory);
       render(walled, 0, kShown, memory, kFewNumbers);
       walled.statistics();
       for (const RecordTable& table : walled.record_tables()) walled.records(table.name);

@@ -6,6 +6,7 @@
 
 #include "accel/bvh/build_tree.h"
 #include "accel/bvh/place_instance.h"
+#include "accel/host_accel.h"
 #include "accel/refit_cost.h"
 #include "core/activity.h"
 #include "core/parallel.h"
@@ -34,7 +35,7 @@ struct BvhAccel::State {
   embree::Device device;  ///< only for its builder
   std::vector<AccelMesh> meshes;
   std::vector<RefitCost> refit_costs;  ///< by mesh
-  OpacityFunction opacity;
+  HostAccelData host;
 
   std::vector<PlacedTree> mesh_trees;  ///< by mesh; empty unless some instance needs it
   PlacedTree still;
@@ -150,7 +151,6 @@ struct BvhAccel::State {
     view.triangles = triangles.view();
     view.instances = placed.view();
     view.filters = filters.view();
-    view.opacity = &opacity;
   }
 };
 
@@ -159,7 +159,7 @@ BvhAccel::BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInsta
     : state_(std::make_unique<State>(memory)) {
   const Activity activity("building the acceleration structure");
   State& s = *state_;
-  s.opacity = opacity;
+  s.host.opacity = opacity;
   s.meshes.assign(meshes.begin(), meshes.end());
   for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
   s.mesh_trees.resize(meshes.size());
@@ -200,7 +200,7 @@ void BvhAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instanc
   state_->view.filters = state_->filters.view();
 }
 
-AccelView BvhAccel::view() const { return {nullptr, nullptr, nullptr, &state_->view}; }
+AccelView BvhAccel::view() const { return {state_->view, {&state_->host}, AccelChoice::bvh}; }
 
 void BvhAccel::open_for_host() const {
   state_->nodes.read();

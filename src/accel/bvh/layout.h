@@ -12,8 +12,6 @@
 
 namespace relume {
 
-struct OpacityFunction;
-
 inline constexpr uint32_t kBvhWidth = 4;  ///< children of a node
 
 /// Maximum number of nodes from the root of a tree to a leaf, ensured by the builder.
@@ -88,7 +86,6 @@ struct BvhView {
   View<const BvhInstance> instances;
   View<const uint32_t> filters;  ///< by instance of the scene: the flags above
   BvhChild root = BvhChild::none();
-  const OpacityFunction* opacity = nullptr;  ///< host only
 };
 
 static_assert(std::is_trivially_copyable_v<BvhNode> && std::is_trivially_copyable_v<BvhTriangle> &&

@@ -6,7 +6,7 @@
 namespace relume {
 
 /// As intersect() and occluded(). `camera`: kFromCamera, kToCamera or 0.
-Hit nearest_in_bvh(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera);
-bool blocked_in_bvh(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera);
+Hit nearest_in_bvh(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned camera);
+bool blocked_in_bvh(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned camera);
 
 }  // namespace relume

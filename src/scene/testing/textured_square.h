@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -25,13 +26,18 @@ struct TexturedSquare {
   Mesh& mesh() { return scene.meshes[0]; }
   Material& material() { return scene.materials[0]; }
 
+  /// The surface point at `p`; valid as long as the square, whose scene may change.
   SurfacePoint seen_at(const Vec2& p, float cone_width) const {
-    const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
+    compiled_scenes.push_back(
+        std::make_unique<CompiledScene>(scene, CompileOptions{.camera = {}, .width = 16, .height = 16}));
+    const CompiledScene& compiled = *compiled_scenes.back();
     const Ray ray{Vec3(p, 1), Vec3(0, 0, -1), kInfinity};
     SurfacePoint sp;
     make_surface_point(compiled.view(), ray, intersect(compiled.view().accel, ray, 0), cone_width, sp);
     return sp;
   }
+
+  mutable std::vector<std::unique_ptr<CompiledScene>> compiled_scenes;  ///< whose tables the points of seen_at() use
 };
 
 /// A checkerboard of black and white quarters.

@@ -340,7 +340,7 @@ TEST(Features, MirrorLobesAreFollowed) {
   sp.wo_local = glm::normalize(Vec3(0.3f, 0.2f, 1.0f));
   sp.wo = sp.frame.to_world(sp.wo_local);
   const auto step_of = [&](const MaterialSample& sample, const MaterialData& material) {
-    make_bsdf(sp.bsdf, sample, material, *scene.view().energy_tables, sp.wo_local.z, true);
+    make_bsdf(sp.bsdf, sample, material, scene.view().energy_tables, sp.wo_local.z, true);
     return narrow_step(sp);
   };
   MaterialData material{};

@@ -17,15 +17,14 @@ struct FindViewedPointKernel {
   View<ViewedPoint> point;  ///< one element
 
   RELUME_HD void operator()(uint32_t, uint32_t) const {
-    const Hit hit = hits[pixel];
-    point[0].hit = hit.valid() ? 1 : 0;
-    if (!hit.valid()) return;
+    ViewedPoint& viewed = point[0];
+    viewed.hit = hits[pixel];
+    if (!viewed.hit.valid()) return;
     const CameraView& camera = scene.camera;
     Sampler sampler = index.sampler(pixel % width, pixel / width);
-    const Ray ray = camera_ray(camera, pixel % width, pixel / width, sampler);
-    SurfacePoint& surface = point[0].surface;
-    make_surface_point(scene, ray, hit, camera.cone_width() + camera.cone_spread() * hit.t, surface);
-    surface.region = octree.find(surface.previous_position);
+    viewed.ray = camera_ray(camera, pixel % width, pixel / width, sampler);
+    viewed.cone_width = camera.cone_width() + camera.cone_spread() * viewed.hit.t;
+    viewed.region = octree.find(surface_position(scene, viewed.hit).before);
   }
 };
 
@@ -64,7 +63,7 @@ struct DrawDirectionMapsKernel {
     const uint32_t y0 = (height - edge) / 2;
     float* const row = out.data + (y0 + y) * width + x0;
     if (half == 0) {
-      const DirectionalQuadtree tree = quadtrees.load(point[0].surface.region);
+      const DirectionalQuadtree tree = quadtrees.load(point[0].region);
       for (uint32_t x = 0; x < edge; ++x) row[x] = tree.pdf(direction_of_texel(x, y, edge));
     } else {
       for (uint32_t x = 0; x < edge; ++x)

@@ -66,7 +66,7 @@ bool DirectionViewPass::find_point(const FrameContext& frame, uint32_t pixel) {
                                    .width = frame.width(),
                                    .point = point_.mutable_view()};
   frame.launch("cdq-view", find, {1, 1});
-  return point_.read()[0].hit != 0;
+  return point_.read()[0].hit.valid();
 }
 
 void DirectionViewPass::trace(const FrameContext& frame, uint32_t edge) {

@@ -36,8 +36,17 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
 
 /// The point whose directions are shown.
 struct ViewedPoint {
-  SurfacePoint surface;
-  uint32_t hit = 0;  ///< 0: the pixel has no hit, and `surface` is invalid
+  Ray ray;  ///< to the point
+  Hit hit;  ///< invalid: the pixel has no hit
+  float cone_width = 0;  ///< of the ray at the point, metres
+  uint32_t region = kNoRegion;
+
+  RELUME_HD SurfacePoint surface(const SceneView& scene) const {
+    SurfacePoint point;
+    make_surface_point(scene, ray, hit, cone_width, point);
+    point.region = region;
+    return point;
+  }
 };
 
 /// Adds the incident luminance of one path times |cos θ| to each texel of an octahedral map of edge `edge`.
@@ -49,11 +58,11 @@ struct IncidentLightKernel {
   View<float> sums;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const SurfacePoint& point = viewed[0].surface;
     Sampler sampler = index.sampler(x, y);
     const Vec2 jitter = sampler.next_2d();
     const Vec2 at = (Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter) / static_cast<float>(edge);
     const Vec3 wi = direction_from_square(at);
+    const SurfacePoint point = viewed[0].surface(context.scene);
     if (glm::dot(wi, point.ng) <= 0.0f) return;
     const float found = luminance(incident_radiance(context, point, wi, sampler)) * shading_cosine(point, wi);
     if (is_finite(found)) sums[y * edge + x] += found;

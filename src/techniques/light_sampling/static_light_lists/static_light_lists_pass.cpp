@@ -57,7 +57,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   view.exploration = settings_.exploration;
   view.all = {all_.view()};
   view.infinite = make_infinite_lights(lights, infinite_.view(), !all_.empty());
-  view.ltc = ltc_table();
+  view.ltc = ltc_table(ltc_);
   view.compact = compact_.view();
   view.lights = lights;
   return true;
@@ -134,7 +134,7 @@ void StaticLightListsPass::load(std::istream& in) {
 
 size_t StaticLightListsPass::memory_bytes() const {
   return first_.memory_bytes() + ids_.memory_bytes() + all_.memory_bytes() + infinite_.memory_bytes() +
-         compact_.memory_bytes();
+         compact_.memory_bytes() + ltc_.memory_bytes();
 }
 
 }  // namespace relume

@@ -23,7 +23,8 @@ class StaticLightListsPass final : public Pass {
         ids_(memory),
         all_(memory),
         infinite_(memory),
-        compact_(memory) {
+        compact_(memory),
+        ltc_(memory) {
     selector_.kind = LightSelectorKind::static_lists;
   }
 
@@ -60,6 +61,7 @@ class StaticLightListsPass final : public Pass {
   Array<AliasEntry> all_;
   Array<AliasEntry> infinite_;
   Array<CompactLight> compact_;
+  Array<LtcMatrix> ltc_;
   bool built_ = false;
   bool restored_ = false;  ///< whether the lists come from a checkpoint
 };

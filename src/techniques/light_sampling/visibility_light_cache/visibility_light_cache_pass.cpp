@@ -84,7 +84,7 @@ void VisibilityLightCachePass::set_selector(const LightsView& lights) {
   view.exploration = settings_.exploration;
   view.all = all_.grid();
   view.infinite = make_infinite_lights(lights, infinite_.view(), !view.all.empty());
-  view.ltc = ltc_table();
+  view.ltc = ltc_table(ltc_);
   view.compact = compact_.view();
   view.lights = lights;
 }
@@ -166,7 +166,7 @@ void VisibilityLightCachePass::drop_inconsistent(const FrameContext& frame) {
 
 size_t VisibilityLightCachePass::memory_bytes() const {
   return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() + summaries_.memory_bytes() +
-         infinite_.memory_bytes() + compact_.memory_bytes() + scratch_.memory_bytes();
+         infinite_.memory_bytes() + compact_.memory_bytes() + ltc_.memory_bytes() + scratch_.memory_bytes();
 }
 
 }  // namespace relume

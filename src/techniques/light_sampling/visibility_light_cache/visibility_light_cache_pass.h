@@ -24,7 +24,8 @@ class VisibilityLightCachePass final : public Pass {
         summaries_(memory),
         all_(memory),
         infinite_(memory),
-        compact_(memory) {
+        compact_(memory),
+        ltc_(memory) {
     selector_.kind = LightSelectorKind::cache;
   }
 
@@ -65,6 +66,7 @@ class VisibilityLightCachePass final : public Pass {
   ExplorationTables all_;
   Array<AliasEntry> infinite_;
   Array<CompactLight> compact_;
+  Array<LtcMatrix> ltc_;
 };
 
 inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};

@@ -26,11 +26,11 @@ struct IndirectRate {
   }
 };
 
-/// The choice for one frame; `rate` is in (0, 1].
-inline IndirectRate indirect_rate(float rate, const SampleIndex& index) {
+/// The choice for one frame; `rate` is in (0, 1]. `tile`: blue noise.
+inline IndirectRate indirect_rate(float rate, const SampleIndex& index, const View<const uint16_t>& tile) {
   if (rate >= 1) return {};
   constexpr uint32_t kSaltIndirect = 0x7f4a7c15u;
-  return {blue_noise_tile(), rate, to_unit_float(hash(hash(index.seed, kSaltIndirect), index.frame))};
+  return {tile, rate, to_unit_float(hash(hash(index.seed, kSaltIndirect), index.frame))};
 }
 
 }  // namespace relume

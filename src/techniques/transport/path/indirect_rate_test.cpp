@@ -11,13 +11,13 @@ constexpr uint32_t kEdge = kBlueNoiseEdge;
 
 TEST(IndirectRate, AllPathsContinueByDefault) {
   EXPECT_EQ(IndirectRate{}.weight(3, 5), 1.0f);
-  EXPECT_EQ(indirect_rate(1, {}).weight(3, 5), 1.0f);
+  EXPECT_EQ(indirect_rate(1, {}, blue_noise_tile()).weight(3, 5), 1.0f);
 }
 
 TEST(IndirectRate, EachFrameHasItsShareOfPixels) {
   for (const float rate : {0.0625f, 0.3f, 0.5f, 0.75f}) {
     for (uint32_t frame = 0; frame < 20; ++frame) {
-      const IndirectRate indirect = indirect_rate(rate, {.seed = 7, .frame = frame});
+      const IndirectRate indirect = indirect_rate(rate, {.seed = 7, .frame = frame}, blue_noise_tile());
       double sum = 0;
       for (uint32_t i = 0; i < kEdge * kEdge; ++i) sum += static_cast<double>(indirect.weight(i % kEdge, i / kEdge));
       EXPECT_NEAR(sum / (kEdge * kEdge), 1, 1e-3 / static_cast<double>(rate)) << rate << " in frame " << frame;
@@ -34,8 +34,8 @@ TEST(IndirectRate, EachPixelHasItsShareOfFrames) {
       double pairs = 0;
       double before = 1;
       for (uint32_t frame = 0; frame < kFrames; ++frame) {
-        const double weight =
-            static_cast<double>(indirect_rate(0.5f, {.seed = 1, .frame = stride * frame}).weight(x, 2 * x));
+        const double weight = static_cast<double>(
+            indirect_rate(0.5f, {.seed = 1, .frame = stride * frame}, blue_noise_tile()).weight(x, 2 * x));
         sum += weight;
         pairs += (weight - 1) * (before - 1);
         before = weight;
@@ -53,7 +53,7 @@ TEST(IndirectRate, EachPixelOfEachFrameHasItsProbability) {
   for (const uint32_t frame : {0u, 5u}) {
     int chosen = 0;
     for (uint32_t seed = 0; seed < kSeeds; ++seed)
-      chosen += indirect_rate(kRate, {.seed = seed, .frame = frame}).weight(11, 40) > 0.0f ? 1 : 0;
+      chosen += indirect_rate(kRate, {.seed = seed, .frame = frame}, blue_noise_tile()).weight(11, 40) > 0.0f ? 1 : 0;
     const double deviation = std::sqrt(kSeeds * kRate * (1 - kRate));
     EXPECT_NEAR(chosen, kSeeds * kRate, 4.5 * deviation);
   }

@@ -19,7 +19,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.directions = source.directions;
   context.max_bounces = static_cast<uint32_t>(source.settings.max_bounces);
   context.russian_roulette = source.settings.russian_roulette;
-  context.indirect = indirect_rate(source.settings.indirect_rate, frame.index);
+  context.indirect = indirect_rate(source.settings.indirect_rate, frame.index, frame.blue_noise);
   return context;
 }
 

@@ -1,0 +1,55 @@
+// The acceleration structure of a compiled scene.
+#include "scene/compiled_scene.h"
+#include "scene/surface_point.h"
+
+namespace relume {
+namespace {
+
+float accel_opacity(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
+  return opacity(*static_cast<const SceneView*>(context), instance, primitive, u, v);
+}
+
+}  // namespace
+
+std::vector<AccelInstance> CompiledScene::accel_instances() const {
+  std::vector<AccelInstance> result;
+  const std::span<const Instance> instances = instances_.read();
+  for (size_t k = 0; k < instances.size(); ++k) {
+    const Instance& i = instances[k];
+    Mat4 m(i.to_world.linear);
+    m[3] = Vec4(i.to_world.translation, 1.0f);
+    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible,
+                      i.in_world_space && i.orientation < 0});
+  }
+  return result;
+}
+
+void CompiledScene::build_accel() {
+  const std::span<const Vertex> vertices = vertices_.read();
+  const std::span<const UVec3> triangles = triangles_.read();
+  const std::span<const MaterialData> materials = materials_.read();
+  std::vector<AccelMesh> meshes;
+  for (const MeshView& m : meshes_.read()) {
+    AccelMesh a;
+    a.positions = &vertices.data()->position.x;
+    a.position_stride = sizeof(Vertex);
+    a.vertex_count = vertices.size();
+    a.indices = m.triangle_count ? &triangles[m.first_triangle].x : nullptr;
+    a.triangle_count = m.triangle_count;
+    a.needs_opacity = materials[m.material].has_alpha();
+    a.culls_back_faces = materials[m.material].cull_back_faces;
+    a.deforms = m.deforms;
+    meshes.push_back(a);
+  }
+  accel_ =
+      make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
+  view_.accel = accel_->view();
+}
+
+void CompiledScene::update_accel(std::span<const uint32_t> deformed) {
+  view_.accel = {};  // the arrays may move: if this fails, no ray may read them
+  accel_->update(accel_instances(), deformed);
+  view_.accel = accel_->view();
+}
+
+}  // namespace relume
