@@ -18,6 +18,7 @@
 #include "framebuffer/block_pool.h"
 #include "relume/error.h"
 #include "relume/session.h"
+#include "render/backend_scene_launcher.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
 #include "sampling/blue_noise.h"
@@ -62,6 +63,7 @@ struct Session::State {
       : settings(s),
         hash(relume::scene_hash(source)),
         backend(make_backend(s, memory)),
+        scene_launcher(backend),
         blue_noise(memory),
         pool(BlockPool::create(memory)) {
     const double start_s = now_s();
@@ -71,7 +73,7 @@ struct Session::State {
           std::move(source),
           CompileOptions{settings.camera, settings.animation, settings.time_s, settings.width, settings.height,
                          settings.texture_filter, std::move(movable), settings.accel},
-          backend->memory());
+          backend->memory(), scene_launcher);
     });
     counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;
@@ -294,6 +296,7 @@ struct Session::State {
   RenderSettings settings;
   uint64_t hash;
   std::unique_ptr<Backend> backend;
+  BackendSceneLauncher scene_launcher;
   PrimitiveScratch scratch;
   Array<uint16_t> blue_noise;       ///< blue_noise_tile() for kernels; empty until used
   std::shared_ptr<BlockPool> pool;  ///< memory of `buffers`, across image sizes

@@ -34,8 +34,10 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 }  // namespace
 
-CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory& memory)
-    : source_(std::move(scene)),
+CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory& memory, SceneLauncher& launcher)
+    : launcher_(launcher),
+      source_(std::move(scene)),
+      deforming_(memory),
       previous_positions_(memory),
       accel_choice_(options.accel),
       vertices_(memory),

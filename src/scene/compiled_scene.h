@@ -39,8 +39,10 @@ Index find_camera(const Scene& scene, const std::string& name);
 class CompiledScene {
  public:
   /// Moves the arrays of the scene into their kernel layout and frees them. Throws Error if the camera does not exist,
-  /// and as validate(). `memory`: for the arrays of the view; it must outlive the scene.
-  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory = host_memory());
+  /// and as validate(). `memory`: for the arrays of the view. `launcher`: runs kernels on them. Both must outlive the
+  /// scene.
+  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory = host_memory(),
+                SceneLauncher& launcher = host_scene_launcher());
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 
@@ -126,8 +128,10 @@ class CompiledScene {
   /// Throws Error if the material with that index, which may be a new one, would mix missing materials or itself.
   void check_mixture(Index material, const Material& value) const;
   Change replace_material(Index material, const Material& value);
-  /// Updates vertices from the current joints and weights. Returns the changed meshes of the view.
+  /// Updates vertices from the current joints and weights. Returns the changed meshes of the view. Spans of arrays
+  /// become invalid.
   std::vector<uint32_t> deform_meshes();
+  /// Copies the vertices of deformed meshes to the previous positions. Spans of arrays become invalid.
   void keep_previous_positions();
   /// Throws Error if a joint of the node is to be removed.
   void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;
@@ -162,6 +166,7 @@ class CompiledScene {
   void refresh_view();
   std::vector<AccelInstance> accel_instances() const;
 
+  SceneLauncher& launcher_;
   Scene source_;
   std::vector<std::string> notes_;
   float time_s_ = 0;

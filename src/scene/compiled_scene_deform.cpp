@@ -3,7 +3,6 @@
 #include <map>
 #include <utility>
 
-#include "core/parallel.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {
@@ -66,25 +65,23 @@ void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
 std::vector<uint32_t> CompiledScene::deform_meshes() {
   std::vector<uint32_t> deformed;
   if (deforming_.size() == 0) return deformed;
-  for (const uint32_t number :
-       deforming_.update(source_, joint_matrices(source_, world_), time_s_, vertices_.write())) {
+  const JointMatrices joints = joint_matrices(source_, world_);
+  for (const uint32_t number : deforming_.update(source_, joints, time_s_, vertices_.mutable_view(), launcher_)) {
     deformed_.insert(number);
     deformed.push_back(deforming_.source(number).compiled_mesh);
   }
+  if (!deformed.empty()) open_for_host();  // launches have ended the host's access
   return deformed;
 }
 
 void CompiledScene::keep_previous_positions() {
-  const std::span<const Vertex> vertices = vertices_.read();
-  const std::span<const MeshView> meshes = meshes_.read();
-  const std::span<Vec3> previous = previous_positions_.write();
   for (const uint32_t number : deformed_) {
     const DeformingMeshes::Source& source = deforming_.source(number);
-    const uint32_t first_previous = meshes[source.compiled_mesh].first_previous;
-    parallel_for(source.vertex_count, [&](uint32_t i) {
-      const uint32_t vertex = source.first_vertex + i;
-      previous[first_previous + vertex] = vertices[vertex].position;
-    });
+    const uint32_t count = source.vertex_count;
+    const uint32_t first_previous = meshes_.read()[source.compiled_mesh].first_previous + source.first_vertex;
+    launcher_.run(KeepPositions{{vertices_.view().data + source.first_vertex, count},
+                                {previous_positions_.mutable_view().data + first_previous, count}},
+                  count);
   }
   deformed_.clear();
 }

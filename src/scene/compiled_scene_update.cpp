@@ -15,9 +15,9 @@
 namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
+  keep_previous_positions();
   open_for_host();
   for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
-  keep_previous_positions();
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
   refresh_view();

@@ -6,11 +6,14 @@
 
 namespace relume {
 
-/// Displacements of a morph target; empty: none.
-struct MorphTargetView {
-  View<const Vec3> positions;
-  View<const Vec3> normals;
-  View<const Vec3> tangents;
+/// No displacements.
+inline constexpr uint32_t kNoDisplacements = 0xffffffffu;
+
+/// Where the displacements of a morph target begin in DeformableMesh::displacements, one per vertex.
+struct MorphTargetData {
+  uint32_t positions = kNoDisplacements;
+  uint32_t normals = kNoDisplacements;
+  uint32_t tangents = kNoDisplacements;
   float weight = 0;
 };
 
@@ -19,7 +22,8 @@ struct DeformableMesh {
   View<const Vec3> positions;
   View<const Vec3> normals;   ///< unit; empty: none
   View<const Vec4> tangents;  ///< xyz unit, w = ±1; empty: none
-  View<const MorphTargetView> targets;
+  View<const MorphTargetData> targets;
+  View<const Vec3> displacements;         ///< of all targets
   View<const JointInfluence> influences;  ///< influences_per_vertex for each vertex
   uint32_t influences_per_vertex = 0;     ///< 0: no skin
   View<const Affine> joints;              ///< from the rest pose in mesh space to the world
@@ -37,6 +41,11 @@ namespace deformation_detail {
 RELUME_HD inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   const float length = glm::length(v);
   return length > 0.0f && is_finite(length) ? v / length : otherwise;
+}
+
+/// Adds weight · displacement. `first`: the displacement of the first vertex.
+RELUME_HD inline void displace(Vec3& v, const DeformableMesh& mesh, uint32_t first, uint32_t vertex, float weight) {
+  if (first != kNoDisplacements) v += weight * mesh.displacements[first + vertex];
 }
 
 /// Σ weight · joint over the joints of a vertex.
@@ -59,11 +68,11 @@ RELUME_HD inline DeformedVertex deform(const DeformableMesh& mesh, uint32_t vert
   Vec3 position = mesh.positions[vertex];
   Vec3 normal = mesh.normals.empty() ? Vec3(0, 0, 1) : mesh.normals[vertex];
   Vec3 tangent = mesh.tangents.empty() ? Vec3(1, 0, 0) : Vec3(mesh.tangents[vertex]);
-  for (const MorphTargetView& target : mesh.targets) {
+  for (const MorphTargetData& target : mesh.targets) {
     if (target.weight == 0.0f) continue;
-    if (!target.positions.empty()) position += target.weight * target.positions[vertex];
-    if (!target.normals.empty()) normal += target.weight * target.normals[vertex];
-    if (!target.tangents.empty()) tangent += target.weight * target.tangents[vertex];
+    displace(position, mesh, target.positions, vertex, target.weight);
+    displace(normal, mesh, target.normals, vertex, target.weight);
+    displace(tangent, mesh, target.tangents, vertex, target.weight);
   }
   if (mesh.influences_per_vertex > 0) {
     const Affine joint = blended_joint(mesh, vertex);
@@ -90,6 +99,14 @@ struct DeformVertices {
     vertex.normal = pack_normal(deformed.normal, mesh.tangents.empty() ? 1.0f : mesh.tangents[x].w);
     vertex.tangent = mesh.tangents.empty() ? 0 : pack_direction(deformed.tangent);
   }
+};
+
+/// Pass kernel: copies the positions of a mesh's vertices.
+struct KeepPositions {
+  View<const Vertex> vertices;
+  View<Vec3> positions;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t) const { positions[x] = vertices[x].position; }
 };
 
 }  // namespace relume

@@ -16,43 +16,55 @@ constexpr size_t kBoxVertices = 1024;  // of one task of deformed_box()
 
 Affine affine_of(const Mat4& m) { return {Mat3(m), Vec3(m[3])}; }
 
-std::vector<MorphTargetView> target_views(const Mesh& mesh) {
-  std::vector<MorphTargetView> views;
-  for (const MorphTarget& target : mesh.morph_targets)
-    views.push_back({view_of(target.positions), view_of(target.normals), view_of(target.tangents), 0});
-  return views;
+/// The record of a morph target whose displacements `append(values)` adds behind `count` others.
+template <typename Append>
+MorphTargetData place_target(const MorphTarget& target, size_t& count, const Append& append) {
+  const auto place = [&](const std::vector<Vec3>& values) {
+    if (values.empty()) return kNoDisplacements;
+    const auto first = static_cast<uint32_t>(count);
+    append(values);
+    count += values.size();
+    return first;
+  };
+  MorphTargetData data;
+  data.positions = place(target.positions);
+  data.normals = place(target.normals);
+  data.tangents = place(target.tangents);
+  return data;
 }
 
-DeformableMesh deformable(const Mesh& mesh, const std::vector<MorphTargetView>& targets, bool skinned,
-                          const std::vector<Affine>& joints) {
-  DeformableMesh v;
-  v.positions = view_of(mesh.positions);
-  v.normals = view_of(mesh.normals);
-  v.tangents = view_of(mesh.tangents);
-  v.targets = view_of(targets);
-  v.influences = view_of(mesh.influences);
-  v.influences_per_vertex = skinned ? static_cast<uint32_t>(mesh.influences_per_vertex) : 0;
-  v.joints = view_of(joints);
-  return v;
-}
-
-/// The inputs of deform() for a node's mesh at one time. `mesh` refers to the other members.
+/// The inputs of deform() for a node's mesh at one time, on the host. `mesh` refers to the other members.
 struct Pose {
-  std::vector<MorphTargetView> targets;
+  std::vector<MorphTargetData> targets;  ///< with a weight
+  std::vector<Vec3> displacements;
   std::vector<Affine> joints;
   DeformableMesh mesh;
 };
 
 Pose pose_of(const Scene& scene, Index node_index, const Mesh& mesh, const JointMatrices& joints, float time_s) {
   const Node& node = scene.nodes[static_cast<size_t>(node_index)];
-  const bool skinned = is_skinned(node, mesh);
-  Pose pose{target_views(mesh), {}, {}};
+  Pose pose;
   const std::vector<float> weights = morph_weights(scene, node_index, time_s);
-  for (size_t k = 0; k < std::min(weights.size(), pose.targets.size()); ++k) pose.targets[k].weight = weights[k];
-  if (skinned) {
-    for (const Mat4& m : joints[static_cast<size_t>(node.skin)]) pose.joints.push_back(affine_of(m));
+  size_t count = 0;
+  for (size_t k = 0; k < std::min(weights.size(), mesh.morph_targets.size()); ++k) {
+    if (weights[k] == 0.0f) continue;
+    pose.targets.push_back(place_target(mesh.morph_targets[k], count, [&](const std::vector<Vec3>& values) {
+      pose.displacements.insert(pose.displacements.end(), values.begin(), values.end());
+    }));
+    pose.targets.back().weight = weights[k];
   }
-  pose.mesh = deformable(mesh, pose.targets, skinned, pose.joints);
+  DeformableMesh& v = pose.mesh;
+  if (is_skinned(node, mesh)) {
+    for (const Mat4& m : joints[static_cast<size_t>(node.skin)]) pose.joints.push_back(affine_of(m));
+    v.influences_per_vertex = static_cast<uint32_t>(mesh.influences_per_vertex);
+  }
+  v.positions = view_of(mesh.positions);
+  v.normals = view_of(mesh.normals);
+  v.tangents = view_of(mesh.tangents);
+  v.targets = view_of(pose.targets);
+  v.displacements = view_of(pose.displacements);
+  v.influences = view_of(mesh.influences);
+  v.joints = view_of(pose.joints);
   return pose;
 }
 
@@ -96,11 +108,6 @@ std::vector<Box> joint_boxes(const Mesh& mesh, size_t joints, const std::vector<
     }
   }
   return boxes;
-}
-
-template <typename T>
-size_t bytes_of(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
 }
 
 }  // namespace
@@ -176,33 +183,58 @@ Box deformed_box(const Scene& scene, Index node, const Mesh& mesh, const JointMa
   return box;
 }
 
-DeformableMesh DeformingMeshes::Deforming::view() const { return deformable(*rest, targets, skin != kNone, joints); }
+DeformingMeshes::RestPose::RestPose(const Mesh& mesh, Memory& memory)
+    : positions(memory),
+      normals(memory),
+      tangents(memory),
+      influences(memory),
+      influences_per_vertex(static_cast<uint32_t>(mesh.influences_per_vertex)),
+      displacements(memory) {
+  positions.assign(mesh.positions);
+  normals.assign(mesh.normals);
+  tangents.assign(mesh.tangents);
+  influences.assign(mesh.influences);
+  size_t count = 0;
+  for (const MorphTarget& target : mesh.morph_targets) {
+    targets.push_back(
+        place_target(target, count, [&](const std::vector<Vec3>& values) { displacements.append(values); }));
+  }
+  displacements.shrink_to_fit();
+}
 
-std::shared_ptr<const Mesh> DeformingMeshes::rest_pose(const Scene& scene, Index mesh) {
+size_t DeformingMeshes::RestPose::memory_bytes() const {
+  return positions.memory_bytes() + normals.memory_bytes() + tangents.memory_bytes() + influences.memory_bytes() +
+         displacements.memory_bytes();
+}
+
+DeformableMesh DeformingMeshes::Deforming::view() const {
+  return {.positions = rest->positions.view(),
+          .normals = rest->normals.view(),
+          .tangents = rest->tangents.view(),
+          .targets = targets.view(),
+          .displacements = rest->displacements.view(),
+          .influences = rest->influences.view(),
+          .influences_per_vertex = skin != kNone ? rest->influences_per_vertex : 0,
+          .joints = joints.view()};
+}
+
+std::shared_ptr<const DeformingMeshes::RestPose> DeformingMeshes::rest_pose(const Scene& scene, Index mesh) {
   for (const Deforming& known : meshes_) {
     if (known.source.mesh == mesh) return known.rest;
   }
-  const Mesh& source = scene.meshes[static_cast<size_t>(mesh)];
-  auto rest = std::make_shared<Mesh>();
-  rest->positions = source.positions;
-  rest->normals = source.normals;
-  rest->tangents = source.tangents;
-  rest->morph_targets = source.morph_targets;
-  rest->influences_per_vertex = source.influences_per_vertex;
-  rest->influences = source.influences;
-  return rest;
+  return std::make_shared<RestPose>(scene.meshes[static_cast<size_t>(mesh)], *memory_);
 }
 
 uint32_t DeformingMeshes::add(const Scene& scene, const Source& source) {
-  Deforming added;
+  const Mesh& mesh = scene.meshes[static_cast<size_t>(source.mesh)];
+  const Node& node = scene.nodes[static_cast<size_t>(source.node)];
+  Deforming added(*memory_);
   added.source = source;
   added.rest = rest_pose(scene, source.mesh);
-  const Node& node = scene.nodes[static_cast<size_t>(source.node)];
-  added.skin = is_skinned(node, *added.rest) ? node.skin : kNone;
-  added.targets = target_views(*added.rest);
+  added.skin = is_skinned(node, mesh) ? node.skin : kNone;
+  added.targets.assign(added.rest->targets);
   const size_t joints = added.skin == kNone ? 0 : scene.skins[static_cast<size_t>(added.skin)].joints.size();
-  added.joint_boxes =
-      joint_boxes(*added.rest, joints, weight_ranges(scene, source.node, added.rest->morph_targets.size()));
+  added.joint_boxes = joint_boxes(mesh, joints, weight_ranges(scene, source.node, mesh.morph_targets.size()));
   meshes_.push_back(std::move(added));
   return static_cast<uint32_t>(meshes_.size()) - 1;
 }
@@ -226,46 +258,45 @@ bool DeformingMeshes::update_pose(const Scene& scene, const JointMatrices& joint
   mesh.posed = true;
   if (!mesh.targets.empty()) {
     const std::vector<float> weights = morph_weights(scene, mesh.source.node, time_s);
-    for (size_t k = 0; k < std::min(weights.size(), mesh.targets.size()); ++k) {
-      differs = differs || mesh.targets[k].weight != weights[k];
-      mesh.targets[k].weight = weights[k];
+    const std::span<MorphTargetData> targets = mesh.targets.write();
+    for (size_t k = 0; k < std::min(weights.size(), targets.size()); ++k) {
+      differs = differs || targets[k].weight != weights[k];
+      targets[k].weight = weights[k];
     }
   }
   if (mesh.skin == kNone) return differs;
   const std::vector<Mat4>& matrices = joints[static_cast<size_t>(mesh.skin)];
   mesh.joints.resize(matrices.size());
+  const std::span<Affine> placed = mesh.joints.write();
   for (size_t j = 0; j < matrices.size(); ++j) {
     const Affine now = affine_of(matrices[j]);
-    differs = differs || now.linear != mesh.joints[j].linear || now.translation != mesh.joints[j].translation;
-    mesh.joints[j] = now;
+    differs = differs || now.linear != placed[j].linear || now.translation != placed[j].translation;
+    placed[j] = now;
   }
   return differs;
 }
 
 std::vector<uint32_t> DeformingMeshes::update(const Scene& scene, const JointMatrices& joints, float time_s,
-                                              std::span<Vertex> vertices) {
+                                              View<Vertex> vertices, SceneLauncher& launcher) {
   std::vector<uint32_t> moved;
   for (uint32_t number = 0; number < meshes_.size(); ++number) {
     if (meshes_[number].used && update_pose(scene, joints, time_s, meshes_[number])) moved.push_back(number);
   }
-  parallel_tasks(moved.size(), [&](size_t i) {
-    const Deforming& mesh = meshes_[moved[i]];
-    const DeformVertices kernel{mesh.view(), {vertices.data() + mesh.source.first_vertex, mesh.source.vertex_count}};
-    parallel_for(mesh.source.vertex_count, [&](uint32_t v) { kernel(v, 0); });
-  });
+  for (const uint32_t number : moved) {
+    const Deforming& mesh = meshes_[number];
+    const uint32_t count = mesh.source.vertex_count;
+    launcher.run(DeformVertices{mesh.view(), {vertices.data + mesh.source.first_vertex, count}}, count);
+  }
   return moved;
 }
 
 size_t DeformingMeshes::memory_bytes() const {
   size_t sum = 0;
-  std::vector<const Mesh*> counted;
+  std::vector<const RestPose*> counted;
   for (const Deforming& mesh : meshes_) {
-    const Mesh& rest = *mesh.rest;
-    if (std::find(counted.begin(), counted.end(), &rest) != counted.end()) continue;
-    counted.push_back(&rest);
-    sum += bytes_of(rest.positions) + bytes_of(rest.normals) + bytes_of(rest.tangents) + bytes_of(rest.influences);
-    for (const MorphTarget& target : rest.morph_targets)
-      sum += bytes_of(target.positions) + bytes_of(target.normals) + bytes_of(target.tangents);
+    if (std::find(counted.begin(), counted.end(), mesh.rest.get()) != counted.end()) continue;
+    counted.push_back(mesh.rest.get());
+    sum += mesh.rest->memory_bytes();
   }
   return sum;
 }

@@ -5,9 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "core/array.h"
 #include "core/box.h"
-#include "scene/deformation.h"
 #include "scene/scene.h"
+#include "scene/scene_launcher.h"
 
 namespace relume {
 
@@ -40,6 +41,9 @@ Box deformed_box(const Scene& scene, Index node, const Mesh& mesh, const JointMa
 
 class DeformingMeshes {
  public:
+  /// `memory`: for the data of kernels; it must outlive this.
+  explicit DeformingMeshes(Memory& memory = host_memory()) : memory_(&memory) {}
+
   /// The mesh of a node, and its copy among the arrays of the compiled scene.
   struct Source {
     Index node;
@@ -62,30 +66,46 @@ class DeformingMeshes {
   Box box(uint32_t number, const JointMatrices& joints) const;
 
   /// Updates the vertices of every mesh whose joints or weights have changed. Returns the indices of these meshes.
-  std::vector<uint32_t> update(const Scene& scene, const JointMatrices& joints, float time_s,
-                               std::span<Vertex> vertices);
+  /// `vertices`: of the compiled scene.
+  std::vector<uint32_t> update(const Scene& scene, const JointMatrices& joints, float time_s, View<Vertex> vertices,
+                               SceneLauncher& launcher);
 
   size_t memory_bytes() const;
 
  private:
+  /// A mesh at rest.
+  struct RestPose {
+    RestPose(const Mesh& mesh, Memory& memory);
+    size_t memory_bytes() const;
+
+    Array<Vec3> positions;
+    Array<Vec3> normals;
+    Array<Vec4> tangents;
+    Array<JointInfluence> influences;
+    uint32_t influences_per_vertex;
+    Array<Vec3> displacements;             ///< of all morph targets
+    std::vector<MorphTargetData> targets;  ///< with weight 0
+  };
   /// One mesh: its rest pose and its current pose.
   struct Deforming {
+    explicit Deforming(Memory& memory) : targets(memory), joints(memory) {}
+    DeformableMesh view() const;
+
     Source source;
-    std::shared_ptr<const Mesh> rest;
+    std::shared_ptr<const RestPose> rest;  ///< shared by the nodes of a mesh
     Index skin;
     std::vector<Box> joint_boxes;  ///< of the vertices influenced by each joint, for any weights; unskinned: one box
-    std::vector<MorphTargetView> targets;
-    std::vector<Affine> joints;
+    Array<MorphTargetData> targets;
+    Array<Affine> joints;
     bool posed = false;
     bool used = true;
-
-    DeformableMesh view() const;
   };
 
-  std::shared_ptr<const Mesh> rest_pose(const Scene& scene, Index mesh);
+  std::shared_ptr<const RestPose> rest_pose(const Scene& scene, Index mesh);
   /// Returns whether the pose differs from the previous one.
   static bool update_pose(const Scene& scene, const JointMatrices& joints, float time_s, Deforming& mesh);
 
+  Memory* memory_;
   std::vector<Deforming> meshes_;
 };
 

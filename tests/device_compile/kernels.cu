@@ -1,5 +1,5 @@
-// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique and the primitives
-// list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique, the primitives and
+// the scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
 #include "accel/bvh/traverse.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"
@@ -13,7 +13,6 @@
 #include "frame/group.h"
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
-#include "scene/deformation.h"
 
 namespace relume::device {
 
@@ -80,6 +79,5 @@ struct BvhKernel {
 
 RELUME_KERNEL(relume::device::CoreKernel);
 RELUME_KERNEL(relume::device::BvhKernel);
-RELUME_KERNEL(relume::DeformVertices);
 
 #include "all_kernels.inc"

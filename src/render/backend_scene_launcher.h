@@ -1,0 +1,29 @@
+// Launches the kernels of a session's scene on its backend.
+#pragma once
+
+#include <memory>
+
+#include "frame/launch.h"
+#include "scene/scene_launcher.h"
+
+namespace relume {
+
+class BackendSceneLauncher final : public SceneLauncher {
+ public:
+  /// `backend` may be replaced by another one with the same memory.
+  explicit BackendSceneLauncher(const std::unique_ptr<Backend>& backend) : backend_(backend) {}
+
+  void run(const DeformVertices& kernel, uint32_t count) override { launch_row(kernel, count); }
+  void run(const KeepPositions& kernel, uint32_t count) override { launch_row(kernel, count); }
+
+ private:
+  template <typename Kernel>
+  void launch_row(const Kernel& kernel, uint32_t count) {
+    constexpr uint32_t kTile = 1024;
+    launch(*backend_, "deformation", kernel, count, 1, {}, kTile);
+  }
+
+  const std::unique_ptr<Backend>& backend_;
+};
+
+}  // namespace relume

@@ -1,0 +1,21 @@
+// Launches the kernels that update a compiled scene. The folder `frame`, which launches kernels, builds on this one.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/deformation.h"
+
+namespace relume {
+
+/// Runs each kernel for x in [0, count) and y = 0. Kernels access the memory of the scene.
+class SceneLauncher {
+ public:
+  virtual ~SceneLauncher() = default;
+  virtual void run(const DeformVertices& kernel, uint32_t count) = 0;
+  virtual void run(const KeepPositions& kernel, uint32_t count) = 0;
+};
+
+/// Runs kernels on all cores, for scenes on memory of the host. Lives as long as the process.
+SceneLauncher& host_scene_launcher();
+
+}  // namespace relume
