@@ -14,6 +14,7 @@ import unittest
 from unittest import mock
 
 import check_files
+import check_kernels
 import check_layers
 import check_places
 import check_program_tests
@@ -130,6 +131,39 @@ class Repository(unittest.TestCase):
         self.assert_finds(
             check_sources.check, "a.cpp:1: std::filesystem::exists throws", "a.cpp:5: std::filesystem::is_directory", "a.cpp:5: std::filesystem::create_directories",
             "a.cpp:7: std::filesystem::remove", "a.cpp:8: std::filesystem::directory_iterator", "a.cpp:9: std::filesystem::temp_directory_path")
+
+    def test_kernels(self):
+        self.write("src/techniques/transport/path/kernels.inc", "RELUME_KERNEL(relume::OwnKernel);\n// RELUME_KERNEL(relume::Forgotten);\nRELUME_KERNEL(relume::Copy<relume::Light>);\n")
+        self.write("src/techniques/transport/path/a.h", "\n".join((
+            "struct OwnKernel : Base {",
+            "  SceneView scene;  // int* a;",
+            "  View<const Record> records;",
+            "  uint32_t* longest = nullptr;",
+            "  alignas(16) float sums[4] = {1, 2};",
+            "  void operator()(const Tile& tile) const { float* row = &sums[0]; }",
+            " private:",
+            "  const Settings& settings;",
+            "};",
+            "struct Base { using Policy = Walker; union { Far far; int near{0}; }; };",
+            "struct Walker { const OwnKernel* kernel; };",
+            "struct Forgotten { int* a; };",
+            "template <typename T> struct Copy { T value; };",
+            "")))
+        self.write("src/scene/a.h", "\n".join((
+            "struct alignas(32) Record { View<float> values; int mesh; };",
+            "struct SceneView { HostAccel host; std::span<int> ids; View<const int*> links; static const int* all; float Light::*member(); };",
+            "struct LightsView { TableView tables; };",
+            "using TableView = Tables<Entry>;",
+            "struct Entry { const float* row; };",
+            "struct Light { Kind kind; };",
+            "struct HostAccel { const void* data; };",
+            "")))
+        self.write("src/core/view.h", "template <typename T> struct View { T* data; };\nstruct Far { int (*f)(int); };\n")
+        self.write("src/scene/testing/b.h", "struct Light { int* a; };\n")
+        self.assert_finds(
+            check_kernels.check, "core/view.h:2: Far, which kernel or view OwnKernel reaches, holds a pointer: int (*f)(int)",
+            "scene/a.h:1: Record, an element of an array that OwnKernel reaches, holds a view: View<float> values", "scene/a.h:2: SceneView", "scene/a.h:2: SceneView",
+            "scene/a.h:5: Entry", "a.h:4: OwnKernel, which kernel or view OwnKernel reaches, holds a pointer: uint32_t* longest", "a.h:8: OwnKernel")
 
     def test_files(self):
         self.write("src/techniques/transport/path/README.md", "# Path\n| When to use it | always |\n")
