@@ -8,7 +8,7 @@
 
 #include "core/fixed_point.h"
 #include "frame/launch.h"
-#include "testing/shuffled_group.h"
+#include "testing/group_emulation.h"
 
 namespace relume {
 namespace {
@@ -130,6 +130,30 @@ TEST(Group, ShufflingFindsCallsThatDependOnEachOther) {
   testing::run_shuffled(RunningSumKernel{mutable_view_of(shuffled)}, 1, 1, 1);
   EXPECT_TRUE(std::is_sorted(in_order.begin(), in_order.end()));
   EXPECT_NE(shuffled, in_order);
+}
+
+/// Wrong: code that every thread executes changes what they share.
+struct CommonSumKernel {
+  static constexpr uint32_t kThreads = 32;
+  struct Shared {};
+  View<uint32_t> values;
+
+  template <typename Group>
+  RELUME_HD void operator()(const Group& group, Shared&, uint32_t, uint32_t) const {
+    atomic_add(&values[0], 1u);
+    group.each(values.size, [&](uint32_t i) { atomic_add(&values[i], 1u); });
+  }
+};
+
+TEST(Group, ThreadsFindCodeThatMustRunOnce) {
+  Rows rows(100, 7);
+  testing::run_threaded(rows.kernel(), 1, rows.rows());
+  EXPECT_EQ(rows.values(), rows.reversed());
+
+  std::vector<uint32_t> values(5, 0);
+  testing::run_threaded(CommonSumKernel{mutable_view_of(values)}, 1, 1);
+  EXPECT_EQ(values[1], 1u);
+  EXPECT_GT(values[0], 2u);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "techniques/denoise/bmfr/regression_kernel.h"
-#include "testing/shuffled_group.h"
+#include "testing/group_emulation.h"
 
 namespace relume {
 namespace {
@@ -91,6 +91,17 @@ TEST(BlockRegressionForms, AgreeOnEdgeSizes) {
       EXPECT_GT(image.compare_forms("edge"), size.x * size.y / 2) << size.x;
     }
   }
+}
+
+TEST(BlockRegressionForms, AgreeOnThreads) {
+  const Image image(50, 40, 8);
+  const uint32_t columns = BlockRegressionKernel::blocks(image.width);
+  const uint32_t rows = BlockRegressionKernel::blocks(image.height);
+  std::vector<Rgb> fits[2];
+  Backend backend(1);
+  launch(backend, "fit", image.kernel(fits[0]), columns, rows, {}, 1);
+  testing::run_threaded(image.kernel(fits[1]), columns, rows);
+  EXPECT_EQ(fits[0], fits[1]);
 }
 
 TEST(BlockRegressionForms, AgreeWithAllSettings) {

@@ -10,8 +10,8 @@
 
 #include "frame/launch.h"
 #include "techniques/guiding/directional_quadtree/testing/random_tree.h"
+#include "testing/group_emulation.h"
 #include "testing/random.h"
-#include "testing/shuffled_group.h"
 
 namespace relume {
 namespace {
@@ -99,6 +99,18 @@ TEST(AdaptQuadtreesForms, AgreeForAllSizesAndSettings) {
     EXPECT_GT(compare_forms(bit_count, {.migrations = 4, .kept = 8.0f / 9, .spread = 1}, 0, true), 8u);
     EXPECT_GT(compare_forms(bit_count, {.stability = 1, .migrations = 9, .kept = 1, .spread = 0.3f}, 0.9f, true), 8u);
     EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .spread = 1}, 0, false), 8u);
+  }
+}
+
+TEST(AdaptQuadtreesForms, AgreeOnThreads) {
+  const Samples samples({3, 200, 129}, 4);
+  for (const QuadtreeAdaption& options : {QuadtreeAdaption{}, QuadtreeAdaption{0.5f, 4, 0.9f, 1}}) {
+    std::vector<Trees> trees(2, Trees(128, 3, true));
+    Backend backend(1);
+    launch(backend, "adapt", trees[0].kernel(samples, options, 0.5f), 3, 1);
+    testing::run_threaded(trees[1].kernel(samples, options, 0.5f), 3, 1);
+    EXPECT_TRUE(trees[0].same_bits(trees[1]));
+    EXPECT_GT(trees[0].moved[0], 0u);
   }
 }
 

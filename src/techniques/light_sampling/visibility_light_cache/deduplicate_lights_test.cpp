@@ -7,8 +7,8 @@
 
 #include "frame/launch.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
+#include "testing/group_emulation.h"
 #include "testing/random.h"
-#include "testing/shuffled_group.h"
 
 namespace relume {
 namespace {
@@ -80,6 +80,14 @@ TEST(DeduplicateLights, FormsAgree) {
     EXPECT_TRUE(scenes[0].same_output(scenes[2])) << max_samples;
     EXPECT_EQ(scenes[0].dropped[0] > 0, max_samples >= 4096) << max_samples;
   }
+}
+
+TEST(DeduplicateLights, FormsAgreeOnThreads) {
+  std::vector<Scene> scenes(2, Scene({{1, 1}, {300, 40}, {2000, 9000}}));
+  Backend backend(1);
+  launch(backend, "deduplicate", scenes[0].kernel(4096), 3, 1);
+  testing::run_threaded(scenes[1].kernel(4096), 3, 1);
+  EXPECT_TRUE(scenes[0].same_output(scenes[1]));
 }
 
 TEST(DeduplicateLights, WritesTheDistinctVisibleLightsInOrder) {

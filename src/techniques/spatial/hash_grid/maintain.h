@@ -1,5 +1,6 @@
 // Passes over the table after the paths of a frame. They pool sums with histories, empty cells that were unused for
-// long, and move cells to a table of another size.
+// long, and move cells to a table of another size. A slot is a bounded amount of work on one cell, so it needs no group
+// of threads.
 #pragma once
 
 #include "frame/launch.h"
