@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "materials/energy_tables.h"
+#include "materials/energy_table_arrays.h"
 #include "materials/fresnel.h"
 #include "materials/testing/bsdf_cases.h"
 #include "testing/histogram.h"
@@ -180,6 +180,25 @@ TEST(EnergyTables, AreExactForSmoothSurfaces) {
   EXPECT_EQ(table.directional_shares(0.5f, 0.0f).grazing, pow5(0.5f));
   EXPECT_EQ(table.average_shares(0.01f).total, 1.0f);
   EXPECT_NEAR(table.average_shares(0.01f).grazing, 1.0 / 21.0, 1e-7);
+}
+
+TEST(EnergyTables, CopiesHaveTheSameLookUps) {
+  EnergyTableArrays copies;
+  for (const bool layered : {false, true, false}) {
+    copies.hold({.anisotropic = layered, .sheen = layered});
+    const EnergyTables tables = copies.view();
+    const EnergyTables& expected = layered_energy_tables({.anisotropic = layered, .sheen = layered});
+    for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {
+      EXPECT_NE(tables.of(model).directional.data, expected.of(model).directional.data);
+      EXPECT_EQ(tables.of(model).directional_shares(0.3f, 0.4f).total,
+                expected.of(model).directional_shares(0.3f, 0.4f).total);
+      EXPECT_EQ(tables.of(model).average_shares(0.4f).grazing, expected.of(model).average_shares(0.4f).grazing);
+    }
+    EXPECT_EQ(tables.anisotropic.directional.empty(), !layered);
+    EXPECT_EQ(tables.sheen.albedo.empty(), !layered);
+    if (!layered) continue;
+    EXPECT_EQ(tables.sheen.directional(0.3f, 0.4f), expected.sheen.directional(0.3f, 0.4f));
+  }
 }
 
 TEST(EnergyTables, HoldTheNeededLayers) {
