@@ -8,6 +8,7 @@
 #include "frame/primitives/fill.h"
 #include "frame/primitives/primitive.h"
 #include "techniques/spatial/hash_grid/hash_grid.h"
+#include "techniques/spatial/hash_grid/settings.h"
 
 namespace relume {
 
