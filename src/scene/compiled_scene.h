@@ -51,7 +51,7 @@ class CompiledScene {
 
   /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
   /// kernels cannot handle (a camera collapsed by a scale of 0, a node beyond kMaxCoordinate). The scene then stays
-  /// unchanged.
+  /// unchanged. If memory is missing, the scene may stay without geometry until one of them succeeds.
   Change set_time(float time_s);
   /// Uses another camera; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);
@@ -185,6 +185,7 @@ class CompiledScene {
   float studio_rotation_rad_ = 0;
   std::optional<bool> automatic_is_studio_;  ///< set at the first decision
   bool edited_ = false;                      ///< since commit_edits()
+  bool is_stale_ = false;                    ///< an update ended with an exception, so that the next one rebuilds
   Array<Vertex> vertices_;
   Array<UVec3> triangles_;
   Array<Vec2> uv1_;

@@ -41,6 +41,7 @@ void CompiledScene::build_accel() {
     a.deforms = m.deforms;
     meshes.push_back(a);
   }
+  view_.accel = {};  // vertices may have moved: if this fails, no ray may read them
   accel_ =
       make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
   view_.accel = accel_->view();

@@ -1,11 +1,14 @@
 // Deforming meshes together with other parts of a scene.
 #include <gtest/gtest.h>
 
+#include <new>
+
 #include "core/hash.h"
 #include "scene/compiled_scene.h"
 #include "scene/surface_point.h"
 #include "scene/testing/expected_figure.h"
 #include "scene/testing/plate.h"
+#include "testing/failing_memory.h"
 
 namespace relume {
 namespace {
@@ -63,8 +66,8 @@ TEST(DeformingMeshes, OneMeshMayFollowSeveralSkinsAndNone) {
   EXPECT_TRUE(find(Vec3(-4.95f, 1.95f, 3)).valid());
 }
 
-TEST(DeformingMeshes, TreesAreRebuiltWherePosesDiffer) {
-  // The top joint moves far off and back, which stretches the triangles below it.
+/// A figure whose top joint moves far off and back, which stretches the triangles below it.
+Scene stretched_figure() {
   Scene scene = figure({.rings = 60, .segments = 40});
   std::erase_if(scene.animation, [](const AnimationChannel& c) { return c.node == 5; });
   scene.animation.push_back({5,
@@ -74,6 +77,24 @@ TEST(DeformingMeshes, TreesAreRebuiltWherePosesDiffer) {
                              {Vec4(0, 0.5f, 0, 0), Vec4(0, 40, 30, 0), Vec4(0, 0.5f, 0, 0)},
                              0,
                              0});
+  return scene;
+}
+
+/// Compares the hits of rays across the figure.
+void expect_same_hits(const CompiledScene& a, const CompiledScene& b) {
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const Vec3 from(3 * to_unit_float(hash(i, 1u)) - 1.5f, 3 * to_unit_float(hash(i, 2u)), 4);
+    const Vec3 to(2 * to_unit_float(hash(i, 3u)) - 1, 3 * to_unit_float(hash(i, 4u)), 0);
+    const Ray ray{from, glm::normalize(to - from), kInfinity};
+    const Hit hit_a = intersect_from_camera(a.view().accel, ray, i);
+    const Hit hit_b = intersect_from_camera(b.view().accel, ray, i);
+    ASSERT_EQ(hit_a.primitive, hit_b.primitive) << i;
+    ASSERT_EQ(hit_a.t, hit_b.t);
+  }
+}
+
+TEST(DeformingMeshes, TreesAreRebuiltWherePosesDiffer) {
+  const Scene scene = stretched_figure();
   CompiledScene played(scene, small());
   for (const float time_s : {0.0f, 0.5f, 1.0f, 1.5f, 2.0f, 1.0f}) {
     played.set_time(time_s);
@@ -81,16 +102,60 @@ TEST(DeformingMeshes, TreesAreRebuiltWherePosesDiffer) {
     CompileOptions options = small();
     options.time_s = time_s;
     const CompiledScene alone(scene, options);
-    for (uint32_t i = 0; i < 2000; ++i) {
-      const Vec3 from(3 * to_unit_float(hash(i, 1u)) - 1.5f, 3 * to_unit_float(hash(i, 2u)), 4);
-      const Vec3 to(2 * to_unit_float(hash(i, 3u)) - 1, 3 * to_unit_float(hash(i, 4u)), 0);
-      const Ray ray{from, glm::normalize(to - from), kInfinity};
-      const Hit a = intersect(played.view().accel, ray, i);
-      const Hit b = intersect(alone.view().accel, ray, i);
-      ASSERT_EQ(a.primitive, b.primitive) << time_s << ' ' << i;
-      ASSERT_EQ(a.t, b.t);
-    }
+    expect_same_hits(played, alone);
   }
+}
+
+/// Fails each allocation of an update in turn, repeats the update, and compares the scene with one that never failed.
+/// `update(scene)` returns the changes. `prepare(scene)`: precedes the first update and does not fail.
+template <typename Update>
+void expect_recovery(
+    const Scene& source, const Update& update, void (*prepare)(CompiledScene&) = [](CompiledScene&) {}) {
+  CompileOptions options = small();
+  options.accel = AccelChoice::bvh;
+  CompiledScene expected(source, options);
+  prepare(expected);
+  update(expected);
+  int failures = 0;
+  for (;; ++failures) {
+    testing::FailingMemory memory;
+    CompiledScene scene(source, options, memory);
+    prepare(scene);
+    memory.fail_after(failures);
+    try {
+      update(scene);
+    } catch (const std::bad_alloc&) {
+    }
+    memory.recover();
+    if (!memory.failed()) break;
+    EXPECT_NE(update(scene), Change::none) << failures;
+    expect_same_hits(scene, expected);
+    EXPECT_EQ(scene.view().camera_medium, expected.view().camera_medium);
+    EXPECT_EQ(update(scene) & Change::geometry, Change::none);
+  }
+  EXPECT_GT(failures, 0);
+}
+
+TEST(DeformingMeshes, ScenesRecoverFromUpdatesThatFailed) {
+  expect_recovery(stretched_figure(), [](CompiledScene& scene) { return scene.set_time(1); });
+  Material culled = stretched_figure().materials[0];
+  culled.cull_back_faces = true;
+  culled.emission = Rgb(1);
+  expect_recovery(stretched_figure(), [&](CompiledScene& scene) { return scene.set_material(0, culled); });
+}
+
+TEST(DeformingMeshes, ScenesRecoverFromEditsThatFailed) {
+  expect_recovery(
+      figure(), [](CompiledScene& scene) { return scene.commit_edits(); },
+      [](CompiledScene& scene) {
+        Mesh wall;
+        wall.positions = {{-1, 0, 1}, {1, 0, 1}, {0, 2, 1}};
+        wall.triangles = {{0, 1, 2}};
+        wall.material = 0;
+        Node node;
+        node.meshes = {scene.add_mesh(wall)};
+        scene.add_node(node);
+      });
 }
 
 TEST(DeformingMeshes, OpacityFollowsTheSurface) {

@@ -190,7 +190,6 @@ void CompiledScene::remove_light(Index light) {
 Change CompiledScene::commit_edits() {
   if (!edited_) return Change::none;
   open_for_host();
-  edited_ = false;
   instances_.clear();
   place_instances();
   extent_.add(placed_box(world_));
@@ -199,6 +198,8 @@ Change CompiledScene::commit_edits() {
   lights_.discard_texture_tables();
   collect_lights();
   was_moved_ = true;
+  edited_ = false;
+  refresh_view();  // the rest, which needs the new structure
   return Change::any;
 }
 

@@ -15,7 +15,7 @@
 namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
-  keep_previous_positions();
+  keep_previous_positions();  // launches may throw; nothing below does
   open_for_host();
   for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
   previous_camera_view_ = camera_view_;
@@ -133,21 +133,29 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
   const auto index = static_cast<uint32_t>(material);
   const MaterialData before = materials_.read()[index];
+  const bool was_stale = std::exchange(is_stale_, true);
   target = value;
   build_materials();
   refresh_view();
+  if (was_stale) {
+    lights_.discard_texture_tables();
+    return place_everything(world_);
+  }
   const MaterialData& now = materials_.read()[index];
   const bool other_filters = before.has_alpha() != now.has_alpha() || before.cull_back_faces != now.cull_back_faces;
   const std::span<const MeshView> meshes = meshes_.read();
+  view_.accel = {};  // as in update_accel()
   for (uint32_t m = 0; m < meshes.size() && other_filters; ++m) {
     if (meshes[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   view_.accel = accel_->view();
-  if (!emits) return Change::materials;
-  lights_.discard_texture_tables();
-  collect_lights();
-  was_moved_ = true;
-  return Change::materials | Change::lights;
+  if (emits) {
+    lights_.discard_texture_tables();
+    collect_lights();
+    was_moved_ = true;
+  }
+  is_stale_ = false;
+  return emits ? Change::materials | Change::lights : Change::materials;
 }
 
 std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
@@ -160,14 +168,18 @@ std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
 }
 
 Change CompiledScene::place_everything(std::vector<Mat4> world) {
+  const bool was_stale = std::exchange(is_stale_, true);
   world_ = std::move(world);
   visible_ = visible_nodes(source_, time_s_);
-  Change change = Change::none;
+  Change change = was_stale ? Change::any : Change::none;
   const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
   if (!same_view(camera_before, camera_view_)) change |= Change::camera;
   const std::vector<uint32_t> deformed = deform_meshes();
-  if (place_instances() || !deformed.empty()) {
-    change |= Change::geometry;
+  const bool moved = place_instances() || !deformed.empty();
+  if (moved) change |= Change::geometry;
+  if (was_stale) {
+    build_accel();
+  } else if (moved) {
     update_accel(deformed);
   }
   collect_lights();
@@ -175,6 +187,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
     if (light.changed) change |= Change::lights;
   }
   if (change != Change::none) was_moved_ = true;
+  is_stale_ = false;
   return change;
 }
 

@@ -255,7 +255,7 @@ Box DeformingMeshes::box(uint32_t number, const JointMatrices& joints) const {
 
 bool DeformingMeshes::update_pose(const Scene& scene, const JointMatrices& joints, float time_s, Deforming& mesh) {
   bool differs = !mesh.posed;
-  mesh.posed = true;
+  mesh.posed = false;
   if (!mesh.targets.empty()) {
     const std::vector<float> weights = morph_weights(scene, mesh.source.node, time_s);
     const std::span<MorphTargetData> targets = mesh.targets.write();
@@ -280,13 +280,20 @@ std::vector<uint32_t> DeformingMeshes::update(const Scene& scene, const JointMat
                                               View<Vertex> vertices, SceneLauncher& launcher) {
   std::vector<uint32_t> moved;
   for (uint32_t number = 0; number < meshes_.size(); ++number) {
-    if (meshes_[number].used && update_pose(scene, joints, time_s, meshes_[number])) moved.push_back(number);
+    Deforming& mesh = meshes_[number];
+    if (!mesh.used) continue;
+    if (update_pose(scene, joints, time_s, mesh)) {
+      moved.push_back(number);
+    } else {
+      mesh.posed = true;
+    }
   }
   for (const uint32_t number : moved) {
     const Deforming& mesh = meshes_[number];
     const uint32_t count = mesh.source.vertex_count;
     launcher.run(DeformVertices{mesh.view(), {vertices.data + mesh.source.first_vertex, count}}, count);
   }
+  for (const uint32_t number : moved) meshes_[number].posed = true;
   return moved;
 }
 
@@ -294,6 +301,7 @@ size_t DeformingMeshes::memory_bytes() const {
   size_t sum = 0;
   std::vector<const RestPose*> counted;
   for (const Deforming& mesh : meshes_) {
+    sum += mesh.targets.memory_bytes() + mesh.joints.memory_bytes();
     if (std::find(counted.begin(), counted.end(), mesh.rest.get()) != counted.end()) continue;
     counted.push_back(mesh.rest.get());
     sum += mesh.rest->memory_bytes();

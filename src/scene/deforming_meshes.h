@@ -97,12 +97,12 @@ class DeformingMeshes {
     std::vector<Box> joint_boxes;  ///< of the vertices influenced by each joint, for any weights; unskinned: one box
     Array<MorphTargetData> targets;
     Array<Affine> joints;
-    bool posed = false;
+    bool posed = false;  ///< whether the vertices follow `targets` and `joints`
     bool used = true;
   };
 
   std::shared_ptr<const RestPose> rest_pose(const Scene& scene, Index mesh);
-  /// Returns whether the pose differs from the previous one.
+  /// Returns whether the pose differs from the previous one. Clears `posed`, which the caller sets.
   static bool update_pose(const Scene& scene, const JointMatrices& joints, float time_s, Deforming& mesh);
 
   Memory* memory_;

@@ -5,6 +5,7 @@
 #include "scene/compiled_scene.h"
 #include "scene/surface_point.h"
 #include "scene/testing/expected_figure.h"
+#include "testing/failing_memory.h"
 
 namespace relume {
 namespace {
@@ -137,6 +138,24 @@ INSTANTIATE_TEST_SUITE_P(Figures, Deformed,
                            return std::string(tested.param.skinned ? "skinned" : "") +
                                   (tested.param.morphs ? "morphed" : "");
                          });
+
+TEST(DeformingMeshes, PosesCountAsChangedAfterAnUpdateThatFailed) {
+  Scene scene = figure({.parts = 2});
+  const auto count = static_cast<uint32_t>(scene.meshes[0].positions.size());
+  const JointMatrices joints = joint_matrices(scene, world_matrices(scene, 1));
+  testing::FailingMemory memory;
+  DeformingMeshes meshes(memory);
+  meshes.add(scene, {0, 0, 0, 0, count});
+  meshes.add(scene, {0, 1, 1, count, count});
+  Array<Vertex> vertices;
+  vertices.reset(2 * size_t{count});
+  const auto update = [&] { return meshes.update(scene, joints, 1, vertices.mutable_view(), host_scene_launcher()); };
+  memory.fail_after(1);  // the joints of the second mesh
+  EXPECT_THROW(update(), std::bad_alloc);
+  EXPECT_EQ(update(), (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(vertices.read()[count - 1].position, vertices.read()[2 * size_t{count} - 1].position);
+  EXPECT_TRUE(update().empty());
+}
 
 TEST_P(Deformed, StillFiguresAreOrdinaryMeshes) {
   const Scene scene = stopped_figure(GetParam());
