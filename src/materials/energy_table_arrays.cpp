@@ -1,6 +1,7 @@
 #include "materials/energy_table_arrays.h"
 
 #include <span>
+#include <utility>
 
 namespace relume {
 namespace {
@@ -26,17 +27,24 @@ std::span<const T> elements_of(const View<const T>& table) {
 void EnergyTableArrays::hold(const LayerTables& needed) {
   const EnergyTables& source = layered_energy_tables(needed);
   if (copied_ == &source) return;
-  copied_ = &source;
-  view_ = source;
-  shares_.clear();
-  for_each_share_table(view_, [&](const View<const Vec2>& table) { shares_.append(elements_of(table)); });
+  EnergyTables tables = source;
+  size_t count = 0;
+  for_each_share_table(tables, [&](const View<const Vec2>& table) { count += table.size; });
+  Array<Vec2> shares(shares_.memory());
+  shares.reserve(count);
+  for_each_share_table(tables, [&](const View<const Vec2>& table) { shares.append(elements_of(table)); });
   uint32_t first = 0;
-  for_each_share_table(view_, [&](View<const Vec2>& table) {
-    table.data = shares_.view().data + first;
+  for_each_share_table(tables, [&](View<const Vec2>& table) {
+    table.data = shares.view().data + first;
     first += table.size;
   });
-  sheen_.assign(elements_of(source.sheen.albedo));
-  view_.sheen.albedo = sheen_.view();
+  Array<float> sheen(sheen_.memory());
+  sheen.assign(elements_of(source.sheen.albedo));
+  tables.sheen.albedo = sheen.view();
+  shares_ = std::move(shares);
+  sheen_ = std::move(sheen);
+  view_ = tables;
+  copied_ = &source;
 }
 
 void EnergyTableArrays::open_for_host() const {

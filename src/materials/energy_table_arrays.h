@@ -12,13 +12,14 @@ class EnergyTableArrays {
   EnergyTableArrays(const EnergyTableArrays&) = delete;
   EnergyTableArrays& operator=(const EnergyTableArrays&) = delete;
 
-  /// Copies layered_energy_tables(needed), unless that is the content already.
+  /// Copies layered_energy_tables(needed), unless that is the content already. Changes nothing if memory is missing.
   void hold(const LayerTables& needed);
 
   /// The copies; valid until hold() changes them.
   EnergyTables view() const { return view_; }
   /// Makes the arrays of view() readable by the host until the next launch.
   void open_for_host() const;
+  size_t memory_bytes() const { return shares_.memory_bytes() + sheen_.memory_bytes(); }
 
  private:
   const EnergyTables* copied_ = nullptr;  ///< source of the content

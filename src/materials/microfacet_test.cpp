@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
+
 #include "materials/energy_table_arrays.h"
 #include "materials/fresnel.h"
 #include "materials/testing/bsdf_cases.h"
+#include "testing/failing_memory.h"
 #include "testing/histogram.h"
 #include "testing/random.h"
 
@@ -199,6 +202,23 @@ TEST(EnergyTables, CopiesHaveTheSameLookUps) {
     if (!layered) continue;
     EXPECT_EQ(tables.sheen.directional(0.3f, 0.4f), expected.sheen.directional(0.3f, 0.4f));
   }
+}
+
+TEST(EnergyTables, CopiesStayIfMemoryIsMissing) {
+  testing::FailingMemory memory;
+  EnergyTableArrays copies(memory);
+  copies.hold({});
+  const auto look_up = [&] { return copies.view().ggx.directional_shares(0.3f, 0.4f).total; };
+  const float expected = look_up();
+  for (int before = 0; before < 2; ++before) {
+    memory.fail_after(before);
+    EXPECT_THROW(copies.hold({.anisotropic = true, .sheen = true}), std::bad_alloc);
+    EXPECT_EQ(look_up(), expected);
+    EXPECT_TRUE(copies.view().sheen.albedo.empty());
+  }
+  copies.hold({.anisotropic = true, .sheen = true});
+  EXPECT_EQ(look_up(), expected);
+  EXPECT_FALSE(copies.view().sheen.albedo.empty());
 }
 
 TEST(EnergyTables, HoldTheNeededLayers) {
