@@ -53,14 +53,19 @@ void copy(Backend& backend, std::string_view name, const Array<T>& from, Array<T
   if (!from.empty()) copy(backend, name, from.view(), to.mutable_view());
 }
 
-/// Array::resize() in a launch: keeps the first elements and sets new ones to T{}.
+/// Array::resize() in a launch: keeps the first elements and sets new ones to T{}. Changes nothing if it throws.
 template <typename T>
 void resize(Backend& backend, std::string_view name, Array<T>& array, size_t size) {
   const size_t old = std::min(array.size(), size);
   array.resize(size, kUninitialized);
   if (old == size) return;
   const View<T> elements = array.mutable_view();
-  fill(backend, name, View<T>{elements.data + old, elements.size - static_cast<uint32_t>(old)}, T{});
+  try {
+    fill(backend, name, View<T>{elements.data + old, elements.size - static_cast<uint32_t>(old)}, T{});
+  } catch (...) {
+    array.resize(old, kUninitialized);
+    throw;
+  }
 }
 
 /// Array::reset() in a launch: replaces the content by `size` elements `value`.

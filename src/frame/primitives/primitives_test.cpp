@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <type_traits>
@@ -285,6 +286,14 @@ TEST(Fill, ChangesTheSizeOfArrays) {
     copy(at.backend, at.name, array, other);
     EXPECT_TRUE(other.empty());
   });
+}
+
+TEST(Fill, KeepsTheSizeOfAnArrayIfItFails) {
+  Backend backend(1);
+  Array<uint32_t> array = array_of<uint32_t>({1, 2, 3});
+  backend.on_launch([](const LaunchEvent&) { throw std::runtime_error("no launch"); });
+  EXPECT_THROW(resize(backend, "resize", array, 5), std::runtime_error);
+  EXPECT_TRUE(std::ranges::equal(array.read(), std::vector<uint32_t>{1, 2, 3}));
 }
 
 TEST(Primitives, Stop) {
