@@ -130,12 +130,13 @@ struct CountDistinctKeysKernel {
   }
 };
 
-/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; larger numbers are at least that.
+/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; larger numbers are at least that. `set`:
+/// memory for the keys, two to four per sample.
 inline uint64_t distinct_keys(Backend& backend, std::string_view name, View<const WaitingSample> samples,
-                              const CellKeys& keys, Memory& memory) {
-  Array<uint64_t> set(memory);
-  KernelValue<uint64_t> distinct(memory);
-  reset(backend, name, set, std::min(std::bit_ceil(4 * uint64_t{samples.size}), 4 * uint64_t{kMostSlots}));
+                              const CellKeys& keys, Array<uint64_t>& set) {
+  KernelValue<uint64_t> distinct(set.memory());
+  // Half of the set has room for a key of each sample.
+  reset(backend, name, set, std::min(std::bit_ceil(2 * uint64_t{samples.size}), 4 * uint64_t{kMostSlots}));
   const CountDistinctKeysKernel kernel{samples, keys, set.mutable_view(), distinct.mutable_view()};
   launch(backend, name, kernel, samples.size, 1, {}, kFillTile);
   return distinct.read();

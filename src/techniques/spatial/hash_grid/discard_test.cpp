@@ -78,8 +78,17 @@ TEST(DistinctKeys, AreCountedOnce) {
     expected.insert(keys.address(sample.point, sample.coarser).fingerprint);
   }
   Backend backend(2);
-  EXPECT_EQ(distinct_keys(backend, "cells", samples.view(), keys, host_memory()), expected.size());
-  EXPECT_EQ(distinct_keys(backend, "cells", {samples.view().data, 1}, keys, host_memory()), 1u);
+  Array<uint64_t> set;
+  EXPECT_EQ(distinct_keys(backend, "cells", samples.view(), keys, set), expected.size());
+  EXPECT_EQ(distinct_keys(backend, "cells", {samples.view().data, 1}, keys, set), 1u);
+  for (const uint32_t size : {1u, 2u, 1023u, 1024u, 1025u, 16384u}) {  // the set is half full of different keys
+    expected.clear();
+    for (uint32_t i = 0; i < size; ++i) {
+      samples.write()[i].point.position = Vec3(static_cast<float>(i % 128), 0, static_cast<float>(i / 128));
+      expected.insert(keys.address(samples.read()[i].point, samples.read()[i].coarser).fingerprint);
+    }
+    EXPECT_EQ(distinct_keys(backend, "cells", {samples.view().data, size}, keys, set), expected.size());
+  }
 }
 
 }  // namespace

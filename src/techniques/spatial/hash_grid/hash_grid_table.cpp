@@ -59,6 +59,7 @@ HashGrid::HashGrid(Unallocated, const HashGridSettings& settings, uint64_t expec
       histories_(memory),
       regions_(memory),
       overflow_(memory),
+      waiting_keys_(memory),
       tally_(memory) {
   configure(settings, bounds);
 }
@@ -157,7 +158,8 @@ void HashGrid::settle(Backend& backend) {
   const View<const WaitingSample> samples{overflow_.view().data, waiting};
   uint64_t keys = census().taken + counters().made;
   // None of the waiting keys is in the table.
-  if (waiting > 0) keys += distinct_keys(backend, "cells", samples, keys_, fingerprints_.memory());
+  if (waiting > 0) keys += distinct_keys(backend, "cells", samples, keys_, waiting_keys_);
+  if (waiting == 0) waiting_keys_ = Array<uint64_t>(waiting_keys_.memory());
   const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
   const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
   if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
@@ -318,7 +320,7 @@ HashGridStatistics HashGrid::statistics() const {
   s.skipped_vertices = counters.skipped_vertices;
   s.changed = census.changed;
   s.rebuilds = rebuilds_;
-  s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample);
+  s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample) + waiting_keys_.memory_bytes();
   return s;
 }
 

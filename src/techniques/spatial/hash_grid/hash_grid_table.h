@@ -159,6 +159,7 @@ class HashGrid {
   Array<CellHistory> histories_;
   Array<RegionChange> regions_;
   Array<WaitingSample> overflow_;  ///< uninitialised, so that unused pages take no memory
+  Array<uint64_t> waiting_keys_;   ///< for distinct_keys(); empty after a frame without waiting samples
   uint64_t samples_a_frame_ = 0;   ///< wanted length of the list
   uint64_t most_waiting_ = 0;      ///< largest number of waiting samples in any frame
   KernelValue<HashGridTally> tally_;
