@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -115,6 +116,19 @@ TEST(BlockRegressionForms, AgreeWithAllSettings) {
       image.compare_forms("settings");
     }
   }
+}
+
+TEST(BlockRegressionForms, AgreeOnNumbersThatAreNotFinite) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Image image(70, 70, 9);  // blocks with and without such numbers
+  image.position[3 * 70 + 5].x = kInf;
+  image.position[4 * 70 + 40].y = -kInf;
+  image.position[40 * 70 + 6].z = kNan;
+  image.light[9 * 70 + 12] = Rgb(kInf, 1, 0);
+  image.light[36 * 70 + 68].y = kNan;
+  image.light[69 * 70 + 69].z = -kInf;
+  image.compare_forms("not finite");
 }
 
 TEST(BlockRegressionForms, AgreeWhereFeaturesDependOnEachOther) {
