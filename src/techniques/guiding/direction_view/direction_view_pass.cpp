@@ -100,8 +100,13 @@ void DirectionViewPass::save(std::ostream& out) const {
 }
 
 void DirectionViewPass::load(std::istream& in) {
-  read_value(in, pixel_);
-  read_array(in, sums_);  // run() discards sums of another size
+  uint32_t pixel = 0;
+  Array<float> sums(sums_.memory());
+  read_value(in, pixel);
+  read_array(in, sums);  // run() discards sums of another size
+  if (!in) return;
+  pixel_ = pixel;
+  sums_ = std::move(sums);
 }
 
 }  // namespace relume

@@ -23,7 +23,9 @@ class DirectionViewPass final : public Pass {
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return sums_.memory_bytes() + scratch_.memory_bytes(); }
+  size_t memory_bytes() const override {
+    return point_.memory_bytes() + sums_.memory_bytes() + scratch_.memory_bytes();
+  }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 

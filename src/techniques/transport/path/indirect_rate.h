@@ -1,6 +1,8 @@
 // Chooses the pixels that trace indirect light in a frame.
 #pragma once
 
+#include <cassert>
+
 #include "core/vec.h"
 #include "sampling/blue_noise.h"
 #include "sampling/sample_index.h"
@@ -26,9 +28,10 @@ struct IndirectRate {
   }
 };
 
-/// The choice for one frame; `rate` is in (0, 1]. `tile`: blue noise.
+/// The choice for one frame; `rate` is in (0, 1]. `tile`: blue noise; may be empty if `rate` is 1.
 inline IndirectRate indirect_rate(float rate, const SampleIndex& index, const View<const uint16_t>& tile) {
   if (rate >= 1) return {};
+  assert(!tile.empty());
   constexpr uint32_t kSaltIndirect = 0x7f4a7c15u;
   return {tile, rate, to_unit_float(hash(hash(index.seed, kSaltIndirect), index.frame))};
 }
