@@ -160,7 +160,7 @@ const Statistics& Session::statistics() const {
   s.statistics.nonfinite_samples = s.sum(kBetweenFrames, s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes() + s.pool->spare_bytes();
-  s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
+  s.statistics.technique_bytes = s.passes.pipeline.memory_bytes() + s.blue_noise.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
   for (const LaunchTime& t : s.backend->times()) {

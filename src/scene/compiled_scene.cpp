@@ -368,7 +368,8 @@ void CompiledScene::choose_camera(const std::string& name) {
 
 size_t CompiledScene::memory_bytes() const {
   return vertices_.memory_bytes() + triangles_.memory_bytes() + uv1_.memory_bytes() + colors_.memory_bytes() +
-         instances_.memory_bytes() + textures_.memory_bytes() + previous_positions_.memory_bytes() +
+         meshes_.memory_bytes() + instances_.memory_bytes() + materials_.memory_bytes() + layers_.memory_bytes() +
+         energy_tables_.memory_bytes() + textures_.memory_bytes() + previous_positions_.memory_bytes() +
          deforming_.memory_bytes() + lights_.memory_bytes() + accel_->memory_bytes();
 }
 

@@ -262,6 +262,7 @@ void LightBuilder::discard_texture_tables() {
 }
 
 void LightBuilder::mark_unchanged() {
+  previous_.reserve(lights_.size());  // so that nothing below throws
   for (Light& light : lights_.write()) light.changed = false;
   changed_.clear();
   previous_ = lights_;
@@ -293,8 +294,8 @@ void LightBuilder::open_for_host() const {
 }
 
 size_t LightBuilder::memory_bytes() const {
-  return lights_.memory_bytes() + previous_.memory_bytes() + textured_.memory_bytes() + entries_.memory_bytes() +
-         environment_map_.memory_bytes() + environment_marginal_.memory_bytes() +
+  return lights_.memory_bytes() + previous_.memory_bytes() + changed_.memory_bytes() + textured_.memory_bytes() +
+         entries_.memory_bytes() + environment_map_.memory_bytes() + environment_marginal_.memory_bytes() +
          environment_conditional_.memory_bytes();
 }
 
