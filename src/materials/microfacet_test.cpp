@@ -207,7 +207,7 @@ TEST(EnergyTables, CopiesHaveTheSameLookUps) {
 TEST(EnergyTables, CopiesStayIfMemoryIsMissing) {
   testing::FailingMemory memory;
   EnergyTableArrays copies(memory);
-  copies.hold({});
+  copies.hold({.anisotropic = false, .sheen = false});
   const auto look_up = [&] { return copies.view().ggx.directional_shares(0.3f, 0.4f).total; };
   const float expected = look_up();
   for (int before = 0; before < 2; ++before) {
