@@ -3,51 +3,17 @@
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <utility>
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
-#if defined(__SSE__)
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-#endif
-
 #include "core/clock.h"
+#include "core/flush_denormals.h"
 #include "core/parallel.h"
 
 namespace relume {
-namespace {
-
-// The processor's floating-point control register, and its bits that flush denormal operands and results.
-#if defined(__SSE__)
-uint64_t float_control() { return _mm_getcsr(); }
-void set_float_control(uint64_t value) { _mm_setcsr(static_cast<unsigned>(value)); }
-constexpr uint64_t kFlushDenormals = _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON;
-#elif defined(__aarch64__)
-uint64_t float_control() { return __builtin_aarch64_get_fpcr64(); }
-void set_float_control(uint64_t value) { __builtin_aarch64_set_fpcr64(value); }
-constexpr uint64_t kFlushDenormals = uint64_t{1} << 24;  // FZ
-#else
-uint64_t float_control() { return 0; }
-void set_float_control(uint64_t) {}
-constexpr uint64_t kFlushDenormals = 0;
-#endif
-
-/// Flushes denormals to zero, which Embree requires in every thread that traces. Restores the caller's mode.
-class FlushDenormals {
- public:
-  FlushDenormals() : saved_(float_control()) { set_float_control(saved_ | kFlushDenormals); }
-  ~FlushDenormals() { set_float_control(saved_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-
- private:
-  uint64_t saved_;
-};
-
-}  // namespace
-
 struct ThreadLimit::State {
   explicit State(int threads)
       : count(threads > 0 ? threads : tbb::info::default_concurrency()),
@@ -79,20 +45,34 @@ Backend::~Backend() = default;
 
 int Backend::threads() const { return state_->count; }
 
-void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
+void Backend::execute(const std::function<void()>& function) {
+  state_->arena.execute([&] {
+    const FlushDenormals guard;
+    function();
+  });
+}
 
-/// Reports begin and end of the outermost launch to the hook.
+/// Reports begin and end of the outermost launch to the hook, and adds up the times of nested launches.
 class Backend::LaunchScope {
  public:
-  LaunchScope(Backend& backend, std::string_view name) : backend_(backend), name_(name) {
+  LaunchScope(Backend& backend, std::string_view name)
+      : backend_(backend), name_(name), siblings_(std::exchange(backend.nested_, {})) {
     if (backend_.launch_depth_ == 0) report(LaunchEvent::Kind::begins);
     ++backend_.launch_depth_;
   }
   ~LaunchScope() {
+    const NestedTimes& own = total_.seconds > 0 ? total_ : backend_.nested_;  // only the nested ones after an exception
+    backend_.nested_ = {siblings_.seconds + own.seconds, siblings_.idle_s + own.idle_s};
     if (--backend_.launch_depth_ == 0) report(LaunchEvent::Kind::ends);
   }
   LaunchScope(const LaunchScope&) = delete;
   LaunchScope& operator=(const LaunchScope&) = delete;
+
+  /// Ends a launch that took `total`. Returns its times without those of nested launches.
+  NestedTimes end(const NestedTimes& total) {
+    total_ = total;
+    return {total.seconds - backend_.nested_.seconds, total.idle_s - backend_.nested_.idle_s};
+  }
 
  private:
   void report(LaunchEvent::Kind kind) const {
@@ -101,11 +81,13 @@ class Backend::LaunchScope {
 
   Backend& backend_;
   std::string_view name_;
+  NestedTimes siblings_;  ///< times of earlier launches in the same launch
+  NestedTimes total_;     ///< 0 until the launch has ended
 };
 
 template <typename Function>
 void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
-  const LaunchScope scope(*this, name);
+  LaunchScope scope(*this, name);
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that runs `function`
   state_->arena.execute([&] {
@@ -117,8 +99,9 @@ void Backend::timed(std::string_view name, const Function& function, bool own_th
   const double busy_s = loops.busy_s + (seconds - loops.elapsed_s);  // one thread works outside of loops
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
   LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});
-  entry.seconds += seconds;
-  if (!own_threads) entry.idle_s += std::max(0.0, threads() * seconds - busy_s);
+  const NestedTimes own = scope.end({seconds, threads() * seconds - busy_s});
+  entry.seconds += own.seconds;
+  if (!own_threads) entry.idle_s += std::max(0.0, own.idle_s);
   ++entry.launches;
 }
 

@@ -62,7 +62,7 @@ enum class KernelForm : uint8_t {
   scalar,  ///< the forms for a device
 };
 
-/// Total time of the launches with one name.
+/// Total time of the launches with one name, without launches in them that have times of their own.
 struct LaunchTime {
   std::string name;
   double seconds = 0;
@@ -143,6 +143,11 @@ class Backend {
   template <typename Function>
   void timed(std::string_view name, const Function& function, bool own_threads = false);
 
+  /// Times of launches within one launch.
+  struct NestedTimes {
+    double seconds = 0;
+    double idle_s = 0;
+  };
   class LaunchScope;
   struct State;
   std::unique_ptr<State> state_;
@@ -152,6 +157,7 @@ class Backend {
   std::function<void()> tile_hook_;
   std::function<void(const LaunchEvent&)> launch_hook_;
   int launch_depth_ = 0;  ///< depth of nested launches
+  NestedTimes nested_;    ///< of the launches that ended in the current one
 };
 
 /// Host: calls `work(tile)` for the tiles of `window`, on all threads of `backend`. Returns false if `stop` was

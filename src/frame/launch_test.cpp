@@ -38,6 +38,42 @@ TEST(Backend, ThreadsThatWaitForOthersAreIdle) {
   }
 }
 
+TEST(Backend, CountsNestedLaunchesOnce) {
+  Backend backend(2);
+  backend.run("outer", [&] {
+    wait_ms(20);
+    backend.run("inner", [&] {
+      wait_ms(40);
+      backend.run("innermost", [] { wait_ms(60); });
+    });
+    launch(backend, "launch", UnevenKernel{}, 1, 1);  // 40 ms
+    EXPECT_THROW(backend.run("failed",
+                             [&] {
+                               backend.run("innermost", [] { wait_ms(60); });
+                               throw std::runtime_error("expected");
+                             }),
+                 std::runtime_error);
+  });
+  backend.run("other", [] { wait_ms(20); });
+  const auto milliseconds = [&](std::string_view name) {
+    const std::vector<LaunchTime>& all = backend.times();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const LaunchTime& time) { return time.name == name; });
+    return found == all.end() ? 0.0 : 1000 * found->seconds;
+  };
+  double sum = 0;
+  for (const LaunchTime& time : backend.times()) {
+    sum += 1000 * time.seconds;
+    EXPECT_LE(time.idle_s, 1.1 * time.seconds) << time.name;  // one of two threads works
+  }
+  EXPECT_GE(sum, 20 + 40 + 60 + 40 + 60 + 20);
+  EXPECT_GE(milliseconds("outer"), 20);
+  EXPECT_LT(milliseconds("outer"), milliseconds("innermost")) << "without the launches in it";
+  EXPECT_GE(milliseconds("inner"), 40);
+  EXPECT_LT(milliseconds("inner"), milliseconds("innermost"));
+  EXPECT_GE(milliseconds("innermost"), 120);
+  EXPECT_GE(milliseconds("other"), 20);
+}
+
 /// Counts the calls of its forms.
 struct TwoFormsKernel {
   std::atomic<int>* elements;
