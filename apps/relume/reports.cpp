@@ -35,10 +35,10 @@ std::string format_samples(double samples) { return fmt::format("{}", std::round
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
   PassTime all{.name = {}, .seconds = report.render_s};
-  double outside_s = report.render_s;  // on one thread: updates of the scene, bookkeeping
+  double outside_s = report.render_s;  // on one thread: bookkeeping
   for (const PassTime& pass : report.passes) {
     passes.push_back({{"name", pass.name}, {"seconds", pass.seconds}, {"idle_share", pass.idle_share(report.threads)}});
-    if (pass.name == "build") continue;  // before the frames
+    if (pass.name == "build" || pass.name == "scene") continue;  // before and between the frames
     all.idle_s += pass.idle_s;
     outside_s -= pass.seconds;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -69,7 +70,7 @@ std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vec
 Session::Session(Scene scene, const Settings& settings, std::vector<Index> movable) {
   const RenderSettings& render = all_settings(settings).render;
   check_size(render);
-  state_ = std::make_unique<State>(std::move(scene), render, std::move(movable));
+  state_ = std::make_unique<State>(std::move(scene), render, std::move(movable), host_memory());
 }
 Session::Session(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Session::~Session() = default;
@@ -207,13 +208,16 @@ bool Session::set_settings(const Settings& wanted) {
     const bool keeps_histories = setting->name == "upscale" && switches_upscaling;
     if (setting->traits.resets_history && !keeps_histories) change = Change::settings;
   }
-  if (settings.time_s != current.time_s) set_time(settings.time_s);  // before other changes, because it may throw
+  // Before other changes, because they may throw.
+  if (settings.time_s != current.time_s) set_time(settings.time_s);
+  std::optional<State::Fresh> fresh;
+  if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   s.edit(change);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
     s.backend = make_backend(settings, s.backend->memory());
   current = settings;
-  if (resized) s.scene->set_resolution(settings.width, settings.height);
-  if (resized || !same_slots || !same_passes) {
+  if (resized) s.backend->run(kSceneChanges, [&] { s.scene->set_resolution(settings.width, settings.height); });
+  if (fresh) {
     if (resized) {
       s.replacement.clear();
       s.drop_kept_image();
@@ -221,7 +225,7 @@ bool Session::set_settings(const Settings& wanted) {
       s.keep_image();
       s.show_kept_image();
     }
-    s.rebuild_pipeline();
+    s.take(std::move(*fresh));
     s.edit(Change::settings);  // the new buffers are empty, even if only `auxiliary` changed
   } else {
     configure(s.passes, current);
@@ -256,7 +260,7 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
   s.check_unedited(file);
   // Loads into passes that have not run: others keep state of the scene at their time.
-  State::Fresh fresh = s.empty_pipeline();
+  State::Fresh fresh = s.empty_pipeline(s.settings);
   const Counters counters =
       read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.passes.pipeline);
   // First, because it may throw.

@@ -72,7 +72,7 @@ MaterialHandle Session::add_material(const Material& material) {
 MeshHandle Session::add_mesh(const Mesh& mesh) {
   state_->check_between_frames();
   Index index = kNone;
-  state_->backend->execute([&] { index = state_->scene->add_mesh(mesh); });
+  state_->backend->run(kSceneChanges, [&] { index = state_->scene->add_mesh(mesh); });
   state_->removed.meshes.push_back(false);
   return {index, state_->number};
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <new>
 #include <stop_token>
 #include <string_view>
 #include <utility>
@@ -54,12 +55,16 @@ inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Mem
                                    memory);
 }
 
-/// Name of a session's own work in timings: it clears, copies and restores buffers, and edits and advances the scene.
+/// Name of a session's own work in timings: in a frame, it clears, copies and restores
+/// buffers, rebuilds edited parts of the scene, and advances the scene.
 inline constexpr std::string_view kSessionWork = "session";
+
+/// Name of changes of the scene between frames in timings.
+inline constexpr std::string_view kSceneChanges = "scene";
 
 struct Session::State {
   /// `memory`: for all data that kernels access; it must outlive the state.
-  State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory = host_memory())
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory)
       : settings(s),
         hash(relume::scene_hash(source)),
         backend(make_backend(s, memory)),
@@ -81,17 +86,16 @@ struct Session::State {
   }
 
   /// Creates empty buffers and passes for the settings.
-  void rebuild_pipeline() { take(empty_pipeline()); }
+  void rebuild_pipeline() { take(empty_pipeline(settings)); }
 
   /// A pipeline and its buffers, without content.
   struct Fresh {
     std::unique_ptr<BufferTable> buffers;
     FramePasses passes;
   };
-  Fresh empty_pipeline() const {
-    Fresh fresh{std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width),
-                                              static_cast<uint32_t>(settings.height), pool),
-                build_passes(settings, backend->memory())};
+  Fresh empty_pipeline(const RenderSettings& s) const {
+    Fresh fresh{std::make_unique<BufferTable>(static_cast<uint32_t>(s.width), static_cast<uint32_t>(s.height), pool),
+                build_passes(s, backend->memory())};
     fresh.passes.pipeline.add_buffers(*fresh.buffers);
     return fresh;
   }
@@ -177,10 +181,15 @@ struct Session::State {
   template <typename F>
   Change change_scene(const F& change) {
     Change result = Change::none;
-    backend->execute([&] {
-      commit_edits();
-      result = change(*scene);
-    });
+    try {
+      backend->run(kSceneChanges, [&] {
+        commit_edits();
+        result = change(*scene);
+      });
+    } catch (const std::bad_alloc&) {
+      edit(Change::any);  // parts of the scene may have changed
+      throw;
+    }
     return result;
   }
   /// Throws Error during a frame: hooks must not change what the frame reads.
@@ -198,12 +207,13 @@ struct Session::State {
   /// Rebuilds data affected by added or removed parts. Lights and instances are renumbered, so histories and caches are
   /// discarded.
   void commit_edits() {
-    if (scene->commit_edits() == Change::none) return;
-    has_other_parts = true;
+    if (scene->commit_edits() != Change::none) has_other_parts = renumbered = true;
+    if (!renumbered) return;
     keep_image();
     show_kept_image();
     rebuild_pipeline();
     edit(Change::any);
+    renumbered = false;
   }
   template <typename F>
   requires std::invocable<F, CompiledScene&>
@@ -310,6 +320,7 @@ struct Session::State {
   std::stop_token hurry;  ///< see Session::shorten_preparation_on()
   RemovedParts removed;
   bool has_other_parts = false;  ///< whether parts were added or removed since the session's construction
+  bool renumbered = false;       ///< whether they were since the pipeline was built
   std::function<void(const std::string&)> pass_hook;
   std::vector<Rgb> kept_image;        ///< copy of the last complete image
   std::vector<Rgb> replacement;       ///< image that is shown in place of the last complete frame's; empty: none
