@@ -28,7 +28,8 @@ class Pipeline {
   /// Throws std::logic_error where a pass accesses a buffer that it has not declared.
   bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
-  /// Undoes a frame that run() completed.
+  /// Undoes a frame that run() completed, except for passes with Pass::commits(), which cannot undo their changes. If
+  /// there may be any, the caller must end all histories: the next frame's `changes` must contain Change::settings.
   void abandon() { abandon(passes_.size() - 1); }
 
   /// Shortest epoch of the learning passes; 0: none learns.

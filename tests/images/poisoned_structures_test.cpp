@@ -158,7 +158,7 @@ class Poisoned {
   OctreeTree tree_;
   Quadtrees quadtrees_;
   LightCaches caches_;
-  ExplorationTables exploration_;
+  ExplorationTables exploration_{host_memory()};
   std::vector<AliasEntry> infinite_;
   std::vector<CompactLight> compact_;
   VisibilityLightCache cache_;

@@ -105,7 +105,7 @@ struct Selectors {
   std::vector<AliasEntry> infinite;
   LightTreeData tree;
   std::vector<AliasEntry> all;
-  ExplorationTables explored;
+  ExplorationTables explored{host_memory()};
   std::vector<CompactLight> compact;
   std::vector<uint32_t> first;
   std::vector<LightId> ids;

@@ -162,8 +162,7 @@ struct ExplorationTablesKernel {
 /// Owns the tables of a grid over the box of the finite lights.
 class ExplorationTables {
  public:
-  explicit ExplorationTables(Memory& memory = host_memory())
-      : entries_(memory), shares_(memory), stack_(memory), filled_(memory) {}
+  explicit ExplorationTables(Memory& memory) : entries_(memory), shares_(memory), stack_(memory), filled_(memory) {}
 
   /// Call when lights may have changed. `summaries`: light_summaries(lights).
   void examine(Backend& backend, View<const LightSummary> summaries);

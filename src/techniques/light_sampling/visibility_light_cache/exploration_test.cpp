@@ -39,7 +39,7 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   view.first_infinite = 6;
   view.bounds = {Vec3(0), 50};
   Backend backend(2);
-  ExplorationTables tables;
+  ExplorationTables tables(host_memory());
   const auto build = [&](uint32_t cells) {
     const std::vector<LightSummary> summaries = light_summaries(view);
     tables.examine(backend, view_of(summaries));
