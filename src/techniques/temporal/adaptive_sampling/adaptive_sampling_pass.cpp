@@ -125,11 +125,8 @@ void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
 
 RateSums AdaptiveSamplingPass::means_of(const FrameContext& frame, View<const float> deviation,
                                         const SampleRate& rate) {
-  totals_.reset(frame.height(), kUninitialized);
-  const SumRatesKernel kernel{deviation, totals_.mutable_view(), rate, frame.width()};
-  frame.launch("allocate", kernel, {frame.height(), 1});
-  frame.launch("allocate", AddRowsKernel{totals_.view(), sum_.mutable_view()}, {1, 1});
-  const RateSums sum = sum_.read();
+  const PrimitiveLaunch at{frame.backend, "allocate", scratch_};
+  const RateSums sum = reduce<AddRates>(at, PixelRates{deviation, rate}, deviation.size);
   const double pixels = frame.pixels();
   return {sum.deviation / pixels, sum.probability / pixels, sum.cut / pixels};
 }

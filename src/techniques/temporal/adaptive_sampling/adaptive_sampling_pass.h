@@ -2,6 +2,7 @@
 #pragma once
 
 #include "frame/pass.h"
+#include "frame/primitives/reduce.h"
 #include "techniques/temporal/adaptive_sampling/pooled_deviation.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
 
@@ -21,18 +22,13 @@ class AdaptiveSamplingPass final : public Pass {
  public:
   /// `invalidated_by`: changes that end the history.
   AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by, Memory& memory)
-      : settings_(settings),
-        invalidated_by_(invalidated_by),
-        moments_(memory),
-        rows_(memory),
-        totals_(memory),
-        sum_(memory) {}
+      : settings_(settings), invalidated_by_(invalidated_by), moments_(memory), rows_(memory) {}
 
   void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return moments_.memory_bytes() + rows_.memory_bytes() + totals_.memory_bytes();
+    return moments_.memory_bytes() + rows_.memory_bytes() + scratch_.memory_bytes();
   }
 
  private:
@@ -55,8 +51,7 @@ class AdaptiveSamplingPass final : public Pass {
   Change invalidated_by_;
   Array<PooledMoments> moments_;  ///< statistics of single pixels
   Array<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
-  Array<RateSums> totals_;        ///< sums over each row of pixels
-  KernelValue<RateSums> sum_;     ///< over all pixels
+  PrimitiveScratch scratch_;
 };
 
 }  // namespace relume

@@ -120,52 +120,22 @@ struct RateSums {
   double cut = 0;          ///< number of pixels whose probability would exceed 1
 };
 
-/// Sums over each row of pixels, in partial sums that vectorise; one call per row.
-struct SumRatesKernel {
+/// The sums of one pixel, as the input of a reduction.
+struct PixelRates {
   View<const float> deviation;
-  View<RateSums> rows;
   SampleRate rate;
-  uint32_t width = 0;
 
-  RELUME_HD void operator()(uint32_t y, uint32_t) const {
-    constexpr size_t kParts = 16;
-    float deviations[kParts] = {};
-    float probabilities[kParts] = {};
-    float cuts[kParts] = {};
-    const float* const row = deviation.data + size_t{y} * width;
-    const auto add = [&](size_t part, float d) {
-      deviations[part] += d;
-      probabilities[part] += rate(d);
-      cuts[part] += rate.scale * d > 1.0f ? 1.0f : 0.0f;
-    };
-    size_t x = 0;
-    for (; x + kParts <= width; x += kParts) {
-      for (size_t i = 0; i < kParts; ++i) add(i, row[x + i]);
-    }
-    for (; x < width; ++x) add(0, row[x]);
-    RateSums sum;
-    for (size_t i = 0; i < kParts; ++i) {
-      sum.deviation += static_cast<double>(deviations[i]);
-      sum.probability += static_cast<double>(probabilities[i]);
-      sum.cut += static_cast<double>(cuts[i]);
-    }
-    rows[y] = sum;
+  RELUME_HD RateSums operator()(size_t pixel) const {
+    const float d = deviation.data[pixel];
+    return {static_cast<double>(d), static_cast<double>(rate(d)), rate.scale * d > 1.0f ? 1.0 : 0.0};
   }
 };
 
-/// Adds the rows' sums in order; one call.
-struct AddRowsKernel {
-  View<const RateSums> rows;
-  View<RateSums> sum;  ///< one element
-
-  RELUME_HD void operator()(uint32_t, uint32_t) const {
-    RateSums all;
-    for (const RateSums& row : rows) {
-      all.deviation += row.deviation;
-      all.probability += row.probability;
-      all.cut += row.cut;
-    }
-    sum[0] = all;
+struct AddRates {
+  using Value = RateSums;
+  RELUME_HD static RateSums identity() { return {}; }
+  RELUME_HD static RateSums combine(const RateSums& a, const RateSums& b) {
+    return {a.deviation + b.deviation, a.probability + b.probability, a.cut + b.cut};
   }
 };
 
