@@ -2,28 +2,32 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <new>
 
 #include "core/array.h"
 
 namespace relume::testing {
 
-/// Memory of the processor in which one allocation fails.
+/// Memory of the processor in which allocations fail.
 class FailingMemory final : public Memory {
  public:
-  /// The allocation after `before` others fails, and later ones succeed.
-  void fail_after(int before) {
-    left_ = before;
+  /// The allocation after `before` others fails, and `failures` − 1 after it. Later ones succeed.
+  void fail_after(int before, int failures = 1) {
+    allocations_ = 0;
+    failures_ = failures;
+    before_ = before;
     failed_ = false;
   }
   /// No allocation fails any more.
-  void recover() { left_ = kNever; }
+  void recover() { before_ = kNever; }
   bool failed() const { return failed_; }
   /// Number of blocks in use.
   int blocks() const { return blocks_; }
 
   void* allocate(size_t bytes, size_t alignment) override {
-    if (left_ >= 0 && left_-- == 0) {
+    const int number = allocations_++;
+    if (number >= before_ && number - before_ < failures_) {
       failed_ = true;
       throw std::bad_alloc();
     }
@@ -37,9 +41,11 @@ class FailingMemory final : public Memory {
   }
 
  private:
-  static constexpr int kNever = -1;
+  static constexpr int kNever = std::numeric_limits<int>::max();
 
-  std::atomic<int> left_ = kNever;  ///< successful allocations before the one that fails
+  std::atomic<int> allocations_ = 0;  ///< since fail_after()
+  std::atomic<int> before_ = kNever;  ///< number of successful allocations before those that fail
+  std::atomic<int> failures_ = 1;
   std::atomic<bool> failed_ = false;
   std::atomic<int> blocks_ = 0;
 };

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <utility>
 
 namespace relume::testing {
 namespace {
@@ -107,12 +108,13 @@ WalledMemory::Blocks::iterator WalledMemory::find(const std::byte* address) {
 void WalledMemory::open(const std::byte* address, Access access) {
   const std::lock_guard lock(mutex_);
   const auto block = find(address);
-  if (block == blocks_.end() || block->second.access >= access) return;
-  if (block->second.bytes > host_limit_) {
+  if (block == blocks_.end()) return;
+  if (!in_launch_ && block->second.bytes > host_limit_ && !unlimited_.contains(block->second.bytes)) {
     violations_.push_back("host code opened a block of " + std::to_string(block->second.bytes) +
                           " bytes after the launch of '" + last_launch_ + "'; process it in a launch");
     print_calls();
   }
+  if (block->second.access >= access) return;
   block->second.access = access;
   protect(*block, access);
 }
@@ -139,9 +141,10 @@ void WalledMemory::end_launch() {
   }
 }
 
-void WalledMemory::limit_host_access(size_t bytes) {
+void WalledMemory::limit_host_access(size_t bytes, std::set<size_t> except) {
   const std::lock_guard lock(mutex_);
   host_limit_ = bytes;
+  unlimited_ = std::move(except);
 }
 
 void WalledMemory::permit(const void* handle) {

@@ -41,8 +41,9 @@ class WalledMemory final : public Memory {
   void end_launch();
 
   /// Records a violation for each block of more than `bytes` that host code opens between launches. Larger blocks hold
-  /// data of a frame, which launches process. Unlimited at first.
-  void limit_host_access(size_t bytes);
+  /// data of a frame, which launches process. `except`: sizes of larger blocks that it may open, bytes. Unlimited at
+  /// first.
+  void limit_host_access(size_t bytes, std::set<size_t> except = {});
   void permit_host_access() { limit_host_access(std::numeric_limits<size_t>::max()); }
 
   /// Permits one address in kernels: a handle of the host. Null: nothing.
@@ -85,6 +86,7 @@ class WalledMemory final : public Memory {
   std::set<const std::byte*> permitted_;
   bool in_launch_ = true;
   size_t host_limit_ = std::numeric_limits<size_t>::max();  ///< largest block that host code may open
+  std::set<size_t> unlimited_;                              ///< sizes of larger blocks that it may open
   std::string last_launch_ = "none";
   std::vector<std::string> violations_;
   struct sigaction previous_action_ {};
