@@ -1,5 +1,5 @@
-// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique, the primitives and
-// the scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique, the primitives
+// and the scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
 #include "accel/bvh/traverse.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"

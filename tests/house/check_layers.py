@@ -46,7 +46,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "path": "octree primary_hits",
     "bdpt": "path",
     "directional_quadtree": "octree",
-    "direction_view": "directional_quadtree path",
+    "direction_view": "directional_quadtree octree path",
     "visibility_light_cache": "octree",
     "features": "path primary_hits reprojection",
     "shared": "features path primary_hits reprojection",  # by denoisers

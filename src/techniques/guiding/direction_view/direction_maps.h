@@ -3,6 +3,7 @@
 
 #include "core/octahedral.h"
 #include "techniques/guiding/direction_view/incident_light.h"
+#include "techniques/spatial/octree/octree.h"
 
 namespace relume {
 

@@ -36,8 +36,8 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
 
 /// The point whose directions are shown.
 struct ViewedPoint {
-  Ray ray;  ///< to the point
-  Hit hit;  ///< invalid: the pixel has no hit
+  Ray ray;               ///< to the point
+  Hit hit;               ///< invalid: the pixel has no hit
   float cone_width = 0;  ///< of the ray at the point, metres
   uint32_t region = kNoRegion;
 
