@@ -21,7 +21,7 @@ struct HostAccel {
 struct AccelView {
   BvhView bvh;     ///< empty if Embree answers
   HostAccel host;  ///< Embree's scene, and the opacity of surfaces
-  AccelChoice answered_by = AccelChoice::bvh;
+  AccelChoice choice = AccelChoice::bvh;
 };
 
 /// Nearest hit along the ray; no hit if the ray is not finite. `ray_id` seeds stochastic alpha: equal (ray id,

@@ -93,13 +93,13 @@ bool blocked_in_embree(const HostAccelData& accel, const Ray& ray, uint32_t ray_
 }
 
 Hit nearest(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
-  return accel.answered_by == AccelChoice::bvh ? nearest_in_bvh(accel, ray, ray_id, flags)
-                                               : nearest_in_embree(*accel.host.data, ray, ray_id, flags);
+  return accel.choice == AccelChoice::bvh ? nearest_in_bvh(accel, ray, ray_id, flags)
+                                          : nearest_in_embree(*accel.host.data, ray, ray_id, flags);
 }
 
 bool blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
-  return accel.answered_by == AccelChoice::bvh ? blocked_in_bvh(accel, ray, ray_id, flags)
-                                               : blocked_in_embree(*accel.host.data, ray, ray_id, flags);
+  return accel.choice == AccelChoice::bvh ? blocked_in_bvh(accel, ray, ray_id, flags)
+                                          : blocked_in_embree(*accel.host.data, ray, ray_id, flags);
 }
 
 /// A ray that ends before it begins. Without AVX-512, Embree 3 checks the numbers of all lanes of a packet, also of
@@ -124,7 +124,7 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigne
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       unsigned flags) {
-  if (accel.answered_by == AccelChoice::bvh) {
+  if (accel.choice == AccelChoice::bvh) {
     for (int i = 0; i < count; ++i) hits[i] = nearest_in_bvh(accel, rays[i], ray_ids[i], flags);
     return;
   }
@@ -173,7 +173,7 @@ void intersect_packet_from_camera(const AccelView& accel, const Ray* rays, const
 }
 
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
-  if (accel.answered_by == AccelChoice::bvh) {
+  if (accel.choice == AccelChoice::bvh) {
     for (int i = 0; i < count; ++i) result[i] = blocked_in_bvh(accel, rays[i], ray_ids[i], 0);
     return;
   }

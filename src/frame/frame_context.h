@@ -107,23 +107,23 @@ class FrameContext : public FrameState {
   }
 
   /// Runs a kernel for every rendered pixel and ignores stop requests.
-  template <LaunchedKernel K>
+  template <LaunchableKernel K>
   void launch(std::string_view name, const K& kernel) const {
     relume::launch(backend, name, kernel, rendered());
   }
   /// Runs a kernel for every element of `grid`.
-  template <LaunchedKernel K>
+  template <LaunchableKernel K>
   void launch(std::string_view name, const K& kernel, const Grid& grid) const {
     relume::launch(backend, name, kernel, grid.width, grid.height, {}, grid.tile_size);
   }
   /// Runs a kernel for every rendered pixel. Returns false if a stop was requested first; the pass must then return
   /// false.
-  template <LaunchedKernel K>
+  template <LaunchableKernel K>
   [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel) const {
     return relume::launch(backend, name, kernel, rendered(), stop);
   }
   /// The same for every element of `grid`.
-  template <LaunchedKernel K>
+  template <LaunchableKernel K>
   [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel, const Grid& grid) const {
     return relume::launch(backend, name, kernel, grid.width, grid.height, stop, grid.tile_size);
   }

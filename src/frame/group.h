@@ -68,11 +68,17 @@ concept HostFormKernel = GroupKernel<K> && requires(const K& kernel, uint32_t x)
   { kernel.on_host(x, x) } -> std::same_as<void>;
 };
 
-/// Executes one element of a group kernel on the calling thread. `host_form`: by the form for the host if there is one.
+/// The form of kernels that a backend runs, where they have two. Both give the same bits.
+enum class KernelForm : uint8_t {
+  host,    ///< several elements in vector registers or ray packets, or on_host()
+  device,  ///< one element, or one group, per call
+};
+
+/// Executes one element of a group kernel on the calling thread, in the form `form` if the kernel has two.
 template <GroupKernel K>
-void run_group(const K& kernel, uint32_t x, uint32_t y, [[maybe_unused]] bool host_form) {
+void run_group(const K& kernel, uint32_t x, uint32_t y, [[maybe_unused]] KernelForm form) {
   if constexpr (HostFormKernel<K>) {
-    if (host_form) return kernel.on_host(x, y);
+    if (form == KernelForm::host) return kernel.on_host(x, y);
   }
   typename K::Shared shared;
   kernel(ThreadGroup<K::kThreads>{}, shared, x, y);

@@ -70,7 +70,7 @@ class Rows {
 };
 
 TEST(Group, LaunchesExecuteEachElementOnce) {
-  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+  for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
     for (const uint32_t length : {1u, 31u, 32u, 33u, 100u}) {
       Rows rows(length, 37);
       Backend backend(2, form);
@@ -81,13 +81,13 @@ TEST(Group, LaunchesExecuteEachElementOnce) {
 }
 
 TEST(Group, LaunchesUseTheFormOfTheBackend) {
-  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+  for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
     Rows rows(5, 3);
     Backend backend(1, form);
     TwoFormsKernel kernel;
     static_cast<ReverseKernel&>(kernel) = rows.kernel();
     launch(backend, "forms", kernel, 1, rows.rows());
-    EXPECT_EQ(rows.values()[5], form == KernelForm::tile ? 1000u : rows.reversed()[5]);
+    EXPECT_EQ(rows.values()[5], form == KernelForm::host ? 1000u : rows.reversed()[5]);
   }
 }
 
@@ -126,7 +126,7 @@ TEST(Group, ShufflingFindsCallsThatDependOnEachOther) {
 
   std::vector<uint32_t> in_order(64, 1);
   std::vector<uint32_t> shuffled = in_order;
-  run_group(RunningSumKernel{mutable_view_of(in_order)}, 0, 0, false);
+  run_group(RunningSumKernel{mutable_view_of(in_order)}, 0, 0, KernelForm::device);
   testing::run_shuffled(RunningSumKernel{mutable_view_of(shuffled)}, 1, 1, 1);
   EXPECT_TRUE(std::is_sorted(in_order.begin(), in_order.end()));
   EXPECT_NE(shuffled, in_order);

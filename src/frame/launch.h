@@ -54,13 +54,7 @@ concept PassKernel = KernelArgument<K> && requires(const K& k, uint32_t x, uint3
 
 /// Kernels that can be launched.
 template <typename K>
-concept LaunchedKernel = PassKernel<K> || GroupKernel<K>;
-
-/// Which form a backend runs of kernels that have two. Both give the same bits.
-enum class KernelForm : uint8_t {
-  tile,    ///< the forms for the host: several elements in vector registers or ray packets
-  scalar,  ///< the forms for a device
-};
+concept LaunchableKernel = PassKernel<K> || GroupKernel<K>;
 
 /// Total time of the launches with one name, without launches in them that have times of their own.
 struct LaunchTime {
@@ -102,7 +96,7 @@ struct LaunchEvent {
 class Backend {
  public:
   /// `threads` 0: one per core. `memory` must outlive the backend.
-  explicit Backend(int threads = 0, KernelForm form = KernelForm::tile, Memory& memory = host_memory());
+  explicit Backend(int threads = 0, KernelForm form = KernelForm::host, Memory& memory = host_memory());
   ~Backend();
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
@@ -178,7 +172,7 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
 }
 
 /// Reports a copy of `kernel` with zeroed padding to the backend's hook.
-template <LaunchedKernel K>
+template <LaunchableKernel K>
 [[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
   K argument = kernel;
 #if __has_builtin(__builtin_clear_padding)
@@ -189,18 +183,18 @@ template <LaunchedKernel K>
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
 /// missing. `tile_size`: as for launch_tiles().
-template <LaunchedKernel K>
+template <LaunchableKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   if (backend.watches_launches()) report_kernel(backend, name, kernel);
   const auto run = [&](const Tile& tile) {
     if constexpr (TileKernel<K>) {
-      if (backend.form() == KernelForm::tile) return kernel(tile);
+      if (backend.form() == KernelForm::host) return kernel(tile);
     }
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
       for (uint32_t x = tile.x0; x < tile.x1; ++x) {
         if constexpr (GroupKernel<K>) {
-          run_group(kernel, x, y, backend.form() == KernelForm::tile);
+          run_group(kernel, x, y, backend.form());
         } else {
           kernel(x, y);
         }
@@ -211,7 +205,7 @@ bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile
 }
 
 /// Runs `kernel` over a width × height grid.
-template <LaunchedKernel K>
+template <LaunchableKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   return launch(backend, name, kernel, Tile{0, 0, width, height}, stop, tile_size);

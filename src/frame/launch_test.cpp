@@ -84,13 +84,13 @@ struct TwoFormsKernel {
 };
 
 TEST(Backend, RunsTheChosenForm) {
-  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+  for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
     std::atomic<int> elements = 0;
     std::atomic<int> tiles = 0;
     Backend backend(2, form);
     launch(backend, "forms", TwoFormsKernel{&elements, &tiles}, 2 * kTileSize, kTileSize + 1);
-    EXPECT_EQ(tiles, form == KernelForm::tile ? 4 : 0);
-    EXPECT_EQ(elements, form == KernelForm::tile ? 0 : 2 * kTileSize * (kTileSize + 1));
+    EXPECT_EQ(tiles, form == KernelForm::host ? 4 : 0);
+    EXPECT_EQ(elements, form == KernelForm::host ? 0 : 2 * kTileSize * (kTileSize + 1));
   }
 }
 

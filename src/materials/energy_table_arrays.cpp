@@ -24,7 +24,7 @@ std::span<const T> elements_of(const View<const T>& table) {
 
 }  // namespace
 
-void EnergyTableArrays::hold(const LayerTables& needed) {
+void EnergyTableArrays::update(const LayerTables& needed) {
   const EnergyTables& source = layered_energy_tables(needed);
   if (copied_ == &source) return;
   EnergyTables tables = source;

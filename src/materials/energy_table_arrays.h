@@ -6,16 +6,17 @@
 
 namespace relume {
 
+/// Owns the copies. Keeps them until other tables are needed.
 class EnergyTableArrays {
  public:
   explicit EnergyTableArrays(Memory& memory = host_memory()) : shares_(memory), sheen_(memory) {}
   EnergyTableArrays(const EnergyTableArrays&) = delete;
   EnergyTableArrays& operator=(const EnergyTableArrays&) = delete;
 
-  /// Copies layered_energy_tables(needed), unless that is the content already. Changes nothing if memory is missing.
-  void hold(const LayerTables& needed);
+  /// Copies layered_energy_tables(needed), unless the arrays already contain it. Changes nothing if it throws.
+  void update(const LayerTables& needed);
 
-  /// The copies; valid until hold() changes them.
+  /// The copies; valid until update() changes them.
   EnergyTables view() const { return view_; }
   /// Makes the arrays of view() readable by the host until the next launch.
   void open_for_host() const;

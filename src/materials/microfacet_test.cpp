@@ -188,7 +188,7 @@ TEST(EnergyTables, AreExactForSmoothSurfaces) {
 TEST(EnergyTables, CopiesHaveTheSameLookUps) {
   EnergyTableArrays copies;
   for (const bool layered : {false, true, false}) {
-    copies.hold({.anisotropic = layered, .sheen = layered});
+    copies.update({.anisotropic = layered, .sheen = layered});
     const EnergyTables tables = copies.view();
     const EnergyTables& expected = layered_energy_tables({.anisotropic = layered, .sheen = layered});
     for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {

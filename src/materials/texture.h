@@ -33,7 +33,7 @@ struct alignas(16) TexelBytes {
 
 /// Size and layout of one texture. Texels are stored in 4 × 4 blocks, to keep most bilinear look-ups within one cache
 /// line.
-struct TextureData {
+struct TextureRecord {
   uint32_t first = 0;                         ///< its first element of TexturesView::texels
   uint32_t level_offset[kMaxMipLevels] = {};  ///< first texel of each level
   int width = 0;
@@ -53,37 +53,37 @@ struct TextureData {
 class TextureSampler {
  public:
   /// `texels`: of all textures.
-  RELUME_HD_INLINE TextureSampler(const TextureData& data, const View<const TexelBytes>& texels,
+  RELUME_HD_INLINE TextureSampler(const TextureRecord& record, const View<const TexelBytes>& texels,
                                   const View<const float>& srgb_table)
-      : data_(data), texels_{texels.data + data.first, texels.size - data.first}, srgb_table_(srgb_table) {}
+      : record_(record), texels_{texels.data + record.first, texels.size - record.first}, srgb_table_(srgb_table) {}
 
-  RELUME_HD const TextureData& data() const { return data_; }
+  RELUME_HD const TextureRecord& record() const { return record_; }
 
   /// Texel of a level, linear RGBA. Coordinates must be in range.
   RELUME_HD Vec4 texel(int level, int x, int y) const {
     const Vec4 stored = stored_texel(level, x, y);
-    return data_.encoded ? decode(stored) : stored;
+    return record_.encoded ? decode(stored) : stored;
   }
 
   /// Bilinear (or nearest) look-up in one level.
   RELUME_HD Vec4 sample_level(const Vec2& uv, int level) const {
-    const int w = data_.level_width(level);
-    const int h = data_.level_height(level);
-    const float x = wrap_coordinate(uv.x, data_.wrap_u) * static_cast<float>(w);
-    const float y = wrap_coordinate(uv.y, data_.wrap_v) * static_cast<float>(h);
-    if (data_.nearest) return texel(level, clamp_index(static_cast<int>(x), w), clamp_index(static_cast<int>(y), h));
+    const int w = record_.level_width(level);
+    const int h = record_.level_height(level);
+    const float x = wrap_coordinate(uv.x, record_.wrap_u) * static_cast<float>(w);
+    const float y = wrap_coordinate(uv.y, record_.wrap_v) * static_cast<float>(h);
+    if (record_.nearest) return texel(level, clamp_index(static_cast<int>(x), w), clamp_index(static_cast<int>(y), h));
     const float fx = std::floor(x - 0.5f);
     const float fy = std::floor(y - 0.5f);
     const float tx = x - 0.5f - fx;
     const float ty = y - 0.5f - fy;
-    const int x0 = wrap_index(static_cast<int>(fx), w, data_.wrap_u);
-    const int x1 = wrap_index(static_cast<int>(fx) + 1, w, data_.wrap_u);
-    const int y0 = wrap_index(static_cast<int>(fy), h, data_.wrap_v);
-    const int y1 = wrap_index(static_cast<int>(fy) + 1, h, data_.wrap_v);
+    const int x0 = wrap_index(static_cast<int>(fx), w, record_.wrap_u);
+    const int x1 = wrap_index(static_cast<int>(fx) + 1, w, record_.wrap_u);
+    const int y0 = wrap_index(static_cast<int>(fy), h, record_.wrap_v);
+    const int y1 = wrap_index(static_cast<int>(fy) + 1, h, record_.wrap_v);
     const Vec4 top = stored_texel(level, x0, y0) * (1.0f - tx) + stored_texel(level, x1, y0) * tx;
     const Vec4 bottom = stored_texel(level, x0, y1) * (1.0f - tx) + stored_texel(level, x1, y1) * tx;
     const Vec4 value = top * (1.0f - ty) + bottom * ty;
-    return data_.encoded ? decode(value) : value;
+    return record_.encoded ? decode(value) : value;
   }
 
   /// Look-up with a footprint of `lod` = log2(texels) at level 0. A hash of the coordinates dithers the level, with the
@@ -91,22 +91,22 @@ class TextureSampler {
   RELUME_HD Vec4 sample(const Vec2& uv, float lod) const {
     if (!(lod > 0.0f)) return sample_level(uv, 0);
     const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
-    const float last = static_cast<float>(data_.level_count - 1);
+    const float last = static_cast<float>(record_.level_count - 1);
     return sample_level(uv, static_cast<int>(clamp(lod + dither, 0.0f, last)));
   }
 
  private:
   /// Texel as used by interpolation: linear, or sRGB codes in [0, 1] if `encoded`.
   RELUME_HD Vec4 stored_texel(int level, int x, int y) const {
-    const uint32_t blocks = (static_cast<uint32_t>(data_.level_width(level)) + 3) / 4;
+    const uint32_t blocks = (static_cast<uint32_t>(record_.level_width(level)) + 3) / 4;
     const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
     const uint32_t index =
-        data_.level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
-    if (data_.format == PixelFormat::rgba32_float) return reinterpret_cast<const Vec4*>(texels_.data)[index];
+        record_.level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
+    if (record_.format == PixelFormat::rgba32_float) return reinterpret_cast<const Vec4*>(texels_.data)[index];
     const uint8_t* c = reinterpret_cast<const uint8_t*>(texels_.data) + static_cast<size_t>(index) * 4;
     constexpr float kScale = 1.0f / 255.0f;
     const float alpha = static_cast<float>(c[3]) * kScale;
-    if (data_.format == PixelFormat::rgba8_srgb && !data_.encoded)
+    if (record_.format == PixelFormat::rgba8_srgb && !record_.encoded)
       return {srgb_table_[c[0]], srgb_table_[c[1]], srgb_table_[c[2]], alpha};
     return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale,
             alpha};
@@ -138,18 +138,18 @@ class TextureSampler {
     return i < 0 ? count - 1 : (i >= count ? (i == count ? 0 : count - 1) : i);
   }
 
-  const TextureData& data_;
-  View<const TexelBytes> texels_;  ///< from the first of this texture on
+  const TextureRecord& record_;
+  View<const TexelBytes> texels_;  ///< of this texture and those after it
   View<const float> srgb_table_;
 };
 
-/// All textures of a scene. Their texels are in one array, so that records refer to them by index.
+/// All textures of a scene. Their texels share one array, and records refer to it by index.
 struct TexturesView {
-  View<const TextureData> data;
+  View<const TextureRecord> records;
   View<const TexelBytes> texels;
   View<const float> srgb_table;  ///< linear value of each 8-bit sRGB code
 
-  RELUME_HD_INLINE TextureSampler operator[](uint32_t i) const { return {data[i], texels, srgb_table}; }
+  RELUME_HD_INLINE TextureSampler operator[](uint32_t i) const { return {records[i], texels, srgb_table}; }
 };
 
 /// A material's use of a texture.

@@ -13,8 +13,8 @@ class BackendSceneLauncher final : public SceneLauncher {
   /// `backend` may be replaced by another one with the same memory.
   explicit BackendSceneLauncher(const std::unique_ptr<Backend>& backend) : backend_(backend) {}
 
-  void run(const DeformVertices& kernel, uint32_t count) override { launch_row(kernel, count); }
-  void run(const KeepPositions& kernel, uint32_t count) override { launch_row(kernel, count); }
+  void run(const DeformVerticesKernel& kernel, uint32_t count) override { launch_row(kernel, count); }
+  void run(const StorePreviousPositionsKernel& kernel, uint32_t count) override { launch_row(kernel, count); }
 
  private:
   template <typename Kernel>

@@ -51,7 +51,7 @@ inline uint64_t next_session_number() {
 }
 
 inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory) {
-  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::scalar : KernelForm::tile,
+  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::device : KernelForm::host,
                                    memory);
 }
 

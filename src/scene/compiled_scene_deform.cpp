@@ -79,8 +79,8 @@ void CompiledScene::keep_previous_positions() {
     const DeformingMeshes::Source& source = deforming_.source(number);
     const uint32_t count = source.vertex_count;
     const uint32_t first_previous = meshes_.read()[source.compiled_mesh].first_previous + source.first_vertex;
-    launcher_.run(KeepPositions{{vertices_.view().data + source.first_vertex, count},
-                                {previous_positions_.mutable_view().data + first_previous, count}},
+    launcher_.run(StorePreviousPositionsKernel{{vertices_.view().data + source.first_vertex, count},
+                                               {previous_positions_.mutable_view().data + first_previous, count}},
                   count);
   }
   deformed_.clear();

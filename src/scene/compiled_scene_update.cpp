@@ -282,7 +282,7 @@ void CompiledScene::refresh_view() {
   view_.lights = lights_.view();
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
-  energy_tables_.hold(
+  energy_tables_.update(
       {.anisotropic = std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
        .sheen =
            std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});

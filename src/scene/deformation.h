@@ -88,7 +88,7 @@ RELUME_HD inline DeformedVertex deform(const DeformableMesh& mesh, uint32_t vert
 
 /// Pass kernel: writes the vertices of one mesh into the array that kernels read. Texture coordinates stay unchanged.
 /// Tangents keep their handedness: Instance::orientation marks mirroring skins.
-struct DeformVertices {
+struct DeformVerticesKernel {
   DeformableMesh mesh;
   View<Vertex> vertices;  ///< of this mesh
 
@@ -102,7 +102,7 @@ struct DeformVertices {
 };
 
 /// Pass kernel: copies the positions of a mesh's vertices.
-struct KeepPositions {
+struct StorePreviousPositionsKernel {
   View<const Vertex> vertices;
   View<Vec3> positions;
 

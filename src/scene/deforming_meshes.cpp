@@ -291,7 +291,7 @@ std::vector<uint32_t> DeformingMeshes::update(const Scene& scene, const JointMat
   for (const uint32_t number : moved) {
     const Deforming& mesh = meshes_[number];
     const uint32_t count = mesh.source.vertex_count;
-    launcher.run(DeformVertices{mesh.view(), {vertices.data + mesh.source.first_vertex, count}}, count);
+    launcher.run(DeformVerticesKernel{mesh.view(), {vertices.data + mesh.source.first_vertex, count}}, count);
   }
   for (const uint32_t number : moved) meshes_[number].posed = true;
   return moved;

@@ -8,10 +8,10 @@
 namespace relume {
 
 EmissionMask::EmissionMask(const TextureSampler& texture)
-    : width_(texture.data().width),
-      height_(texture.data().height),
-      wrap_u_(texture.data().wrap_u),
-      wrap_v_(texture.data().wrap_v),
+    : width_(texture.record().width),
+      height_(texture.record().height),
+      wrap_u_(texture.record().wrap_u),
+      wrap_v_(texture.record().wrap_v),
       sums_(static_cast<size_t>(width_ + 1) * static_cast<size_t>(height_ + 1)) {
   const auto row = [&](int y) { return sums_.data() + static_cast<size_t>(y) * static_cast<size_t>(width_ + 1); };
   parallel_for(height_, [&](int y) {

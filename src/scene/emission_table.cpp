@@ -21,8 +21,8 @@ TexelExtent texel_extent(const TexturedEmission& e, const TexturedTriangle& t) {
   TexelExtent extent;
   const auto count = [&](int32_t texture, const Vec2 uv[3]) {
     if (texture < 0) return;
-    const TextureData& data = e.textures.data[static_cast<uint32_t>(texture)];
-    const Vec2 size(static_cast<float>(data.width), static_cast<float>(data.height));
+    const TextureRecord& record = e.textures.records[static_cast<uint32_t>(texture)];
+    const Vec2 size(static_cast<float>(record.width), static_cast<float>(record.height));
     const Vec2 d1 = (uv[1] - uv[0]) * size;
     const Vec2 d2 = (uv[2] - uv[0]) * size;
     extent.area = relume::max(0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x), extent.area);
@@ -134,7 +134,7 @@ float filtered_opacity(const TexturedEmission& e, const TexturedTriangle& t, con
   if (t.opacity_texture < 0) return 1;
   const TextureSampler texture = e.textures[static_cast<uint32_t>(t.opacity_texture)];
   const float alpha =
-      texture.sample_level(interpolate_corners(t.opacity_uv, b), std::min(level, texture.data().level_count - 1)).w;
+      texture.sample_level(interpolate_corners(t.opacity_uv, b), std::min(level, texture.record().level_count - 1)).w;
   return saturate(alpha * interpolate_corners(t.alpha_factor, b));
 }
 
@@ -143,7 +143,8 @@ Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint
   constexpr int kPoints = 3;
   const TextureSampler texture = e.textures[static_cast<uint32_t>(t.emission_texture)];
   const float spacing = longest_edge / static_cast<float>(t.grid * kPoints);
-  const int level = std::clamp(static_cast<int>(std::log2(std::max(spacing, 1.0f))), 0, texture.data().level_count - 1);
+  const int level =
+      std::clamp(static_cast<int>(std::log2(std::max(spacing, 1.0f))), 0, texture.record().level_count - 1);
   Rgb sum(0);
   for (int i = 0; i < kPoints; ++i) {
     for (int j = 0; j < kPoints; ++j) {

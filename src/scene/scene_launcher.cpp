@@ -10,8 +10,8 @@ namespace {
 
 class HostSceneLauncher final : public SceneLauncher {
  public:
-  void run(const DeformVertices& kernel, uint32_t count) override { run_row(kernel, count); }
-  void run(const KeepPositions& kernel, uint32_t count) override { run_row(kernel, count); }
+  void run(const DeformVerticesKernel& kernel, uint32_t count) override { run_row(kernel, count); }
+  void run(const StorePreviousPositionsKernel& kernel, uint32_t count) override { run_row(kernel, count); }
 
  private:
   template <typename Kernel>

@@ -11,8 +11,8 @@ namespace relume {
 class SceneLauncher {
  public:
   virtual ~SceneLauncher() = default;
-  virtual void run(const DeformVertices& kernel, uint32_t count) = 0;
-  virtual void run(const KeepPositions& kernel, uint32_t count) = 0;
+  virtual void run(const DeformVerticesKernel& kernel, uint32_t count) = 0;
+  virtual void run(const StorePreviousPositionsKernel& kernel, uint32_t count) = 0;
 };
 
 /// Runs kernels on all cores, for scenes on memory of the host. Lives as long as the process.

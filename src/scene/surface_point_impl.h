@@ -72,7 +72,7 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
   const TextureSampler texture = scene.textures[static_cast<uint32_t>(use.texture)];
   const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area *
-                       static_cast<float>(texture.data().width) * static_cast<float>(texture.data().height);
+                       static_cast<float>(texture.record().width) * static_cast<float>(texture.record().height);
   const float lod = texels > 1.0f ? 0.5f * math::log2(texels) : 0.0f;
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }

@@ -75,21 +75,21 @@ struct Footprint {
 
 /// Computes the mean of the covered texels in linear space, weighted by area only, so every level has the same mean.
 void filter_level(const TextureSampler& texture, int level, std::byte* texels) {
-  const TextureData& data = texture.data();
-  const int w = data.level_width(level);
-  const int h = data.level_height(level);
-  std::byte* target = texels + static_cast<size_t>(data.level_offset[level]) * texel_size(data.format);
+  const TextureRecord& record = texture.record();
+  const int w = record.level_width(level);
+  const int h = record.level_height(level);
+  std::byte* target = texels + static_cast<size_t>(record.level_offset[level]) * texel_size(record.format);
   for (int y = 0; y < h; ++y) {
-    const Footprint rows(y, h, data.level_height(level - 1));
+    const Footprint rows(y, h, record.level_height(level - 1));
     for (int x = 0; x < w; ++x) {
-      const Footprint columns(x, w, data.level_width(level - 1));
+      const Footprint columns(x, w, record.level_width(level - 1));
       Vec4 sum(0);
       for (int j = rows.first(); j < rows.last(); ++j) {
         for (int i = columns.first(); i < columns.last(); ++i) {
           sum += texture.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
         }
       }
-      store(target, data.format, w, x, y, sum);
+      store(target, record.format, w, x, y, sum);
     }
   }
 }
@@ -98,26 +98,26 @@ void filter_level(const TextureSampler& texture, int level, std::byte* texels) {
 size_t elements_of(size_t texels, PixelFormat format) { return texels * texel_size(format) / sizeof(TexelBytes); }
 
 /// Layout of a texture whose texels begin at element `first`.
-TextureData layout_of(const Texture& texture, size_t first) {
-  TextureData data;
-  data.first = static_cast<uint32_t>(first);
-  data.width = texture.width;
-  data.height = texture.height;
-  data.format = texture.format;
-  data.wrap_u = texture.wrap_u;
-  data.wrap_v = texture.wrap_v;
-  data.nearest = texture.filter == FilterMode::nearest;
-  return data;
+TextureRecord layout_of(const Texture& texture, size_t first) {
+  TextureRecord record;
+  record.first = static_cast<uint32_t>(first);
+  record.width = texture.width;
+  record.height = texture.height;
+  record.format = texture.format;
+  record.wrap_u = texture.wrap_u;
+  record.wrap_v = texture.wrap_v;
+  record.nearest = texture.filter == FilterMode::nearest;
+  return record;
 }
 
 /// Sets the levels. Returns the number of texels.
-size_t lay_out_levels(TextureData& data) {
+size_t lay_out_levels(TextureRecord& record) {
   uint32_t count = 0;
   for (int level = 0; level < static_cast<int>(kMaxMipLevels); ++level) {
-    data.level_offset[level] = count;
-    count += padded_texels(data.level_width(level), data.level_height(level));
-    data.level_count = level + 1;
-    if (data.level_width(level) == 1 && data.level_height(level) == 1) break;
+    record.level_offset[level] = count;
+    count += padded_texels(record.level_width(level), record.level_height(level));
+    record.level_count = level + 1;
+    if (record.level_width(level) == 1 && record.level_height(level) == 1) break;
   }
   return count;
 }
@@ -133,37 +133,37 @@ void fill_srgb_table(Array<float>& table) {
 TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter, Memory& memory)
     : TextureStore(memory) {
   fill_srgb_table(srgb_table_);
-  data_.reset(textures.size());
-  const std::span<TextureData> data = data_.write();
+  records_.reset(textures.size());
+  const std::span<TextureRecord> records = records_.write();
   std::vector<size_t> first(textures.size() + 1, 0);
   for (size_t i = 0; i < textures.size(); ++i) {
-    data[i] = layout_of(textures[i], first[i]);
-    first[i + 1] = first[i] + elements_of(lay_out_levels(data[i]), data[i].format);
+    records[i] = layout_of(textures[i], first[i]);
+    first[i + 1] = first[i] + elements_of(lay_out_levels(records[i]), records[i].format);
   }
   texels_.reset(first.back(), kUninitialized);
   const std::span<TexelBytes> texels = texels_.write();
-  const TexturesView view{view_of(std::span<const TextureData>(data)), view_of(std::span<const TexelBytes>(texels)),
-                          view_of(srgb_table_.read())};
+  const TexturesView view{view_of(std::span<const TextureRecord>(records)),
+                          view_of(std::span<const TexelBytes>(texels)), view_of(srgb_table_.read())};
   Activity activity("filtering textures", textures.size());
   parallel_for(textures.size(), [&](size_t i) {
     const std::span<std::byte> own = std::as_writable_bytes(texels.subspan(first[i], first[i + 1] - first[i]));
     std::fill(own.begin(), own.end(), std::byte{0});
     copy_base(textures[i], own.data());
-    for (int level = 1; level < data[i].level_count; ++level)
+    for (int level = 1; level < records[i].level_count; ++level)
       filter_level(view[static_cast<uint32_t>(i)], level, own.data());
     activity.part_done();
     if (filter == TextureFilter::linear) return;
-    data[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
-    data[i].level_count = 1;
+    records[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
+    records[i].level_count = 1;
   });
 }
 
 TextureSampler TextureStore::operator[](size_t i) const {
-  return {data_.read()[i], view_of(texels_.read()), view_of(srgb_table_.read())};
+  return {records_.read()[i], view_of(texels_.read()), view_of(srgb_table_.read())};
 }
 
 void TextureStore::open_for_host() const {
-  data_.read();
+  records_.read();
   texels_.read();
   srgb_table_.read();
 }

@@ -90,10 +90,10 @@ TEST(Texture, DecodesSrgbButNotAlpha) {
 
 double mean_of_level(const TextureSampler& t, int level) {
   double sum = 0;
-  for (int y = 0; y < t.data().level_height(level); ++y) {
-    for (int x = 0; x < t.data().level_width(level); ++x) sum += t.texel(level, x, y).x;
+  for (int y = 0; y < t.record().level_height(level); ++y) {
+    for (int x = 0; x < t.record().level_width(level); ++x) sum += t.texel(level, x, y).x;
   }
-  return sum / (t.data().level_width(level) * t.data().level_height(level));
+  return sum / (t.record().level_width(level) * t.record().level_height(level));
 }
 
 TEST(Texture, LevelsKeepTheMean) {
@@ -102,8 +102,8 @@ TEST(Texture, LevelsKeepTheMean) {
     for (int i = 0; i < size.x * size.y; ++i)
       texels.emplace_back(to_unit_float(hash(static_cast<uint32_t>(i))), 0, 0, 1);
     const TextureStore s = store(float_texture(size.x, size.y, texels));
-    const int last = s[0].data().level_count - 1;
-    EXPECT_EQ(s[0].data().level_width(last) * s[0].data().level_height(last), 1);
+    const int last = s[0].record().level_count - 1;
+    EXPECT_EQ(s[0].record().level_width(last) * s[0].record().level_height(last), 1);
     for (int level = 1; level <= last; ++level) {
       EXPECT_NEAR(mean_of_level(s[0], level), mean_of_level(s[0], 0), 1e-5)
           << size.x << 'x' << size.y << ", level " << level;
@@ -128,7 +128,7 @@ TEST(Texture, DitheredLevelHasTheTrilinearMean) {
     EXPECT_NEAR(dithered / trilinear, 1.0, 0.01);  // the standard deviation of the levels is about one: 5/√200000
   }
   EXPECT_EQ(s[0].sample({0.3f, 0.4f}, -1).x, s[0].sample_level({0.3f, 0.4f}, 0).x);
-  EXPECT_EQ(s[0].sample({0.3f, 0.4f}, 99).x, s[0].sample_level({0.3f, 0.4f}, s[0].data().level_count - 1).x);
+  EXPECT_EQ(s[0].sample({0.3f, 0.4f}, 99).x, s[0].sample_level({0.3f, 0.4f}, s[0].record().level_count - 1).x);
 }
 
 }  // namespace

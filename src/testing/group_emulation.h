@@ -53,7 +53,7 @@ class ThreadedGroup {
 
 /// Sets all bytes to 0xff: NaN as floats.
 template <typename Shared>
-void make_unusable(Shared& shared) {
+void poison(Shared& shared) {
   std::memset(static_cast<void*>(&shared), 0xff, sizeof(Shared));
 }
 
@@ -64,7 +64,7 @@ void run_shuffled(const Kernel& kernel, uint32_t width, uint32_t height, uint32_
   const auto shared = std::make_unique<typename Kernel::Shared>();
   for (uint32_t y = 0; y < height; ++y) {
     for (uint32_t x = 0; x < width; ++x) {
-      make_unusable(*shared);
+      poison(*shared);
       kernel(group, *shared, x, y);
     }
   }
@@ -79,7 +79,7 @@ void run_threaded(const Kernel& kernel, uint32_t width, uint32_t height) {
   const auto run = [&](uint32_t thread) {
     const ThreadedGroup group(barrier, thread, kThreads);
     for (uint32_t i = 0; i < width * height; ++i) {
-      if (thread == 0) make_unusable(*shared);
+      if (thread == 0) poison(*shared);
       barrier.arrive_and_wait();
       kernel(group, *shared, i % width, i / width);
       barrier.arrive_and_wait();

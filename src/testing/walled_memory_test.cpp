@@ -35,7 +35,7 @@ class WalledMemoryTest : public ::testing::Test {
   static uint32_t sum(std::span<const uint32_t> values) { return std::accumulate(values.begin(), values.end(), 0u); }
 
   testing::WalledMemory memory_;
-  Backend backend_{2, KernelForm::tile, memory_};
+  Backend backend_{2, KernelForm::host, memory_};
   Array<uint32_t> from_{memory_};
   Array<uint32_t> to_{memory_};
 };

@@ -19,10 +19,9 @@ namespace relume::support {
 namespace {
 
 constexpr int kFrames = 6;
-constexpr double kMostShare = 0.03;     // of a frame
-constexpr double kMostRest_s = 100e-6;  // more per frame, which matters for tiny frames only
-// Growth of the rest with the image, per pixel and frame. Without loops it is 1 to 4 ns, because larger images displace
-// more of the host's data from caches.
+constexpr double kMostShare = 0.03;      // of a frame
+constexpr double kAllowance_s = 100e-6;  // added per frame; matters only where a frame takes less than a few ms
+// Growth of the time outside of launches with the image, per pixel and frame. Without loops, 1 to 4 ns were measured.
 constexpr double kMostPerPixel_s = 8e-9;
 
 struct Size {
@@ -54,7 +53,7 @@ struct FrameTimes {
   double outside_s = 0;                                              ///< outside of launches
   double least_outside_s = std::numeric_limits<double>::infinity();  ///< of one frame
 
-  bool add_up() const { return outside_s <= kMostShare * all_s + kMostRest_s * (kFrames - 1); }
+  bool add_up() const { return outside_s <= kMostShare * all_s + kAllowance_s * (kFrames - 1); }
 };
 
 /// Moves the scene and renders frames, and measures those after the first, which allocates. `after_pass`: called after

@@ -223,13 +223,13 @@ void check_records(testing::WalledMemory& memory, const SceneView& scene) {
   memory.check_elements("instances", scene.instances);
   memory.check_elements("materials", scene.materials);
   memory.check_elements("layers", scene.layers);
-  memory.check_elements("textures", scene.textures.data);
+  memory.check_elements("textures", scene.textures.records);
   memory.check_elements("textured emitters", scene.lights.textured.triangles);
   memory.check_elements("instances of the BVH", scene.accel.bvh.instances);
 }
 
 /// Searches the launches of a session on `memory` for forbidden accesses. Between launches, the memory is closed.
-void wall(Session& session, testing::WalledMemory& memory) {
+void watch_accesses(Session& session, testing::WalledMemory& memory) {
   on_launch(session, [&](const LaunchEvent& event) {
     const SceneView& scene = compiled_scene(session).view();
     switch (event.kind) {
@@ -258,7 +258,7 @@ TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
     settings.accel = scalar ? AccelChoice::bvh : AccelChoice::embree;  // the forms of a device, and those of the host
     {
       Session walled = make_session(build("turntable"), settings, memory);
-      wall(walled, memory);
+      watch_accesses(walled, memory);
       render(walled, 0, kShown, memory);
       walled.statistics();
       for (const RecordTable& table : walled.record_tables()) walled.records(table.name);
@@ -287,7 +287,7 @@ TEST(DeformingScene, HostAndKernelsKeepToTheirMemory) {
     {
       const Scene scene = testing::figure({.morphs = true});
       Session walled = make_session(scene, settings, memory);
-      wall(walled, memory);
+      watch_accesses(walled, memory);
       Session plain(scene, settings);
       for (const float time_s : {0.0f, 0.3f, 0.6f}) {
         for (Session* session : {&walled, &plain}) {

@@ -112,7 +112,7 @@ class Poisoned {
     CacheBuildOptions options;
     options.bucket_size = 1;
     caches_.build(backend_, tree_, stream.groups(), view_of(summaries), options);
-    exploration_.examine(backend_, view_of(summaries));
+    exploration_.update_digest(backend_, view_of(summaries));
     exploration_.build(backend_, view_of(summaries), lights.bounds.radius, scene_.view().camera.position, {}, 4);
     infinite_ = build_infinite_lights(lights, LightsAtInfinity::worth_sampling);
     compact_ = compact_lights(lights);

@@ -94,12 +94,12 @@ struct OrderByKeyKernel {
   }
 };
 
-/// Number of indices per part. The counts of all parts take at most as many words as the indices; with the tile form an
+/// Number of indices per part. The counts of all parts take at most as many words as the indices; in the host form an
 /// eighth, because fewer threads need fewer parts. The order of the result does not depend on it.
 inline uint32_t key_part_size(uint32_t key_count, KernelForm form) {
-  const bool tiles = form == KernelForm::tile;
-  return std::max(tiles ? 8 * kPrimitiveBlock : kPrimitiveBlock,
-                  static_cast<uint32_t>(std::min<uint64_t>((tiles ? 8 : 1) * uint64_t{key_count}, 1u << 31)));
+  const bool on_host = form == KernelForm::host;
+  return std::max(on_host ? 8 * kPrimitiveBlock : kPrimitiveBlock,
+                  static_cast<uint32_t>(std::min<uint64_t>((on_host ? 8 : 1) * uint64_t{key_count}, 1u << 31)));
 }
 
 /// Orders the indices [0, size) by keys(i). Indices with a key of `key_count` or more are left out. The order is that

@@ -62,9 +62,9 @@ std::vector<float> random_reals(uint32_t size) {
 template <typename Test>
 void for_each_backend(const Test& test) {
   PrimitiveScratch scratch;
-  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+  for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
     for (const int threads : {1, 2, 5}) {
-      SCOPED_TRACE((form == KernelForm::tile ? "tile form, threads: " : "scalar form, threads: ") +
+      SCOPED_TRACE((form == KernelForm::host ? "host form, threads: " : "device form, threads: ") +
                    std::to_string(threads));
       Backend backend(threads, form);
       test(PrimitiveLaunch{backend, "test", scratch});
@@ -236,7 +236,7 @@ void expect_stable_groups(const std::vector<uint32_t>& keys, uint32_t key_count)
 }
 
 TEST(GroupByKey, IsAStableSort) {
-  const uint32_t part = key_part_size(1, KernelForm::tile);
+  const uint32_t part = key_part_size(1, KernelForm::host);
   for (const uint32_t key_count : {1u, 7u, kPrimitiveBlock, 5000u}) {
     for (const uint32_t size : {0u, 1u, kPrimitiveBlock - 1, kPrimitiveBlock + 1, part - 1, part, part + 1, 10 * part})
       expect_stable_groups(random_words(size, key_count), key_count);

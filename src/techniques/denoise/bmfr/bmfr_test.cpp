@@ -133,7 +133,7 @@ struct Surface {
     kernel.height = kHeight;
     std::fill(fitted.begin(), fitted.end(), Rgb(4));
     for (uint32_t y = 0; y < BlockRegressionKernel::blocks(kHeight); ++y) {
-      for (uint32_t x = 0; x < BlockRegressionKernel::blocks(kWidth); ++x) run_group(kernel, x, y, true);
+      for (uint32_t x = 0; x < BlockRegressionKernel::blocks(kWidth); ++x) run_group(kernel, x, y, KernelForm::host);
     }
   }
 

@@ -58,9 +58,9 @@ struct Image {
     const uint32_t columns = BlockRegressionKernel::blocks(width);
     const uint32_t rows = BlockRegressionKernel::blocks(height);
     std::vector<Rgb> fits[3];
-    for (const bool scalar : {false, true}) {
-      Backend backend(1, scalar ? KernelForm::scalar : KernelForm::tile);
-      launch(backend, "fit", kernel(fits[scalar ? 1 : 0]), columns, rows, {}, 1);
+    for (const bool on_device : {false, true}) {
+      Backend backend(1, on_device ? KernelForm::device : KernelForm::host);
+      launch(backend, "fit", kernel(fits[on_device ? 1 : 0]), columns, rows, {}, 1);
     }
     testing::run_shuffled(kernel(fits[2]), columns, rows, width);
     const size_t bytes = light.size() * sizeof(Rgb);

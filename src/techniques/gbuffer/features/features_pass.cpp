@@ -38,11 +38,11 @@ ReflectionViews reflection_views(const FrameContext& frame) {
 /// Writes the features of surfaces that paths hand over.
 class FeaturesPass::FromPaths final : public FirstSurfaces {
  public:
-  /// Expects the surfaces of this frame. Returns false if it cannot use them. Only the tile form of paths hands them
+  /// Expects the surfaces of this frame. Returns false if it cannot use them. Only the host form of paths hands them
   /// over. With dispersion, a path sees surfaces at one wavelength. Hooks read complete features after the pass.
   bool expect(const FeatureKernel& kernel, const FrameContext& frame) {
     kernel_ = kernel;
-    expected_ = frame.backend.form() == KernelForm::tile && !frame.scene.disperses && !frame.observed;
+    expected_ = frame.backend.form() == KernelForm::host && !frame.scene.disperses && !frame.observed;
     return expected_;
   }
 

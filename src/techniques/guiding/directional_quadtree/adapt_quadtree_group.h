@@ -19,8 +19,8 @@ struct GroupAdaption {
                            const QuadtreeAdaption& options) {
     group.each(kBits, [&](uint32_t bit) { weights.scale(bit, options.kept); });
     if (options.spread > 0.0f) {
-      group.each(kBits, [&](uint32_t bit) { other_.set(bit, 0); });
-      add_squares(group, tree, other_, samples, count);
+      group.each(kBits, [&](uint32_t bit) { scratch_.set(bit, 0); });
+      add_squares(group, tree, scratch_, samples, count);
       add_spread(group, tree, options.spread);
     } else {
       add_squares(group, tree, weights, samples, count);
@@ -60,21 +60,21 @@ struct GroupAdaption {
     }
   }
 
-  /// Adds the sums in `other_` to the weights, and a share of them around each leaf. One thread adds what one leaf
+  /// Adds the sums in `scratch_` to the weights, and a share of them around each leaf. One thread adds what one leaf
   /// receives.
   template <typename Group>
   RELUME_HD void add_spread(const Group& group, const DirectionalQuadtree& tree, float share) {
     group.each(tree.bit_count, [&](uint32_t bit) {
-      if (other_.found[bit] > 0.0f) around_[bit].find(tree, share, bit);
+      if (scratch_.found[bit] > 0.0f) around_[bit].find(tree, share, bit);
     });
     group.each(tree.bit_count, [&](uint32_t leaf) {
       for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
-        if (!(other_.found[bit] > 0.0f)) continue;
+        if (!(scratch_.found[bit] > 0.0f)) continue;
         const QuadtreeSpread& around = around_[bit];
         const uint32_t k = bit == leaf ? around.count : around.index_of(leaf);
         if (bit != leaf && k == around.count) continue;
         const float part = bit == leaf ? 1.0f : around.parts[k];
-        weights.add(leaf, part * other_.found[bit], part * other_.largest[bit]);
+        weights.add(leaf, part * scratch_.found[bit], part * scratch_.largest[bit]);
       }
     });
   }
@@ -111,16 +111,16 @@ struct GroupAdaption {
     return choice;
   }
 
-  /// As the other migrate(). The weights pass through `other_`.
+  /// As the other migrate(). The weights pass through `scratch_`.
   template <typename Group>
   RELUME_HD uint32_t migrate(const Group& group, DirectionalQuadtree& tree, const MigrationChoice& choice,
                              float share) {
     const uint32_t removed = tree.bits.rank(choice.inner + 1);
     group.each(tree.bit_count, [&](uint32_t i) {
       if (i == choice.inner) {
-        other_.join(i, weights, removed);
+        scratch_.join(i, weights, removed);
       } else {
-        other_.copy(i, weights, i >= 4 * removed && i + 4 < tree.bit_count ? i + 4 : i);
+        scratch_.copy(i, weights, i >= 4 * removed && i + 4 < tree.bit_count ? i + 4 : i);
       }
     });
     tree.bits.clear(choice.inner);
@@ -129,18 +129,18 @@ struct GroupAdaption {
     tree.bits.set(leaf);
     const uint32_t inserted = tree.bits.rank(leaf + 1);
     tree.bits.insert_nibble(inserted);
-    const float inherits = share * other_.held(leaf);
+    const float inherits = share * scratch_.held(leaf);
     group.each(tree.bit_count, [&](uint32_t i) {
       if (i == leaf || i >> 2 == inserted) {
         weights.set(i, i == leaf ? 0.0f : inherits);
       } else {
-        weights.copy(i, other_, i > 4 * inserted ? i - 4 : i);
+        weights.copy(i, scratch_, i > 4 * inserted ? i - 4 : i);
       }
     });
     return inserted;
   }
 
-  QuadtreeWeights other_;         ///< sums of this call, or weights during a migration
+  QuadtreeWeights scratch_;       ///< sums of this call, or weights during a migration
   QuadtreeSpread around_[kBits];  ///< of leaves with a sum
   uint32_t leaves_[kBatch];       ///< of samples
   float squares_[kBatch];

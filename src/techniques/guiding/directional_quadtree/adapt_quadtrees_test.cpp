@@ -79,9 +79,9 @@ uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, floa
   std::vector<Trees> trees(3, Trees(bit_count, regions, remembers));
   for (uint32_t frame = 0; frame < 8; ++frame) {
     const Samples samples(counts, frame % 3);
-    for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+    for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
       Backend backend(1, form);
-      launch(backend, "adapt", trees[form == KernelForm::tile ? 0 : 1].kernel(samples, options, guided_fraction),
+      launch(backend, "adapt", trees[form == KernelForm::host ? 0 : 1].kernel(samples, options, guided_fraction),
              regions, 1);
     }
     testing::run_shuffled(trees[2].kernel(samples, options, guided_fraction), regions, 1, frame);

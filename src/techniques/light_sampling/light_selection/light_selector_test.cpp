@@ -91,7 +91,7 @@ struct Selectors {
     c.bucket_size = 8;
     const std::vector<LightSummary> summaries = light_summaries(lights);
     Backend backend(1);
-    explored.examine(backend, view_of(summaries));
+    explored.update_digest(backend, view_of(summaries));
     explored.build(backend, view_of(summaries), lights.bounds.radius, Vec3(0), {}, 3);
     c.all = explored.grid();
     c.infinite = make_infinite_lights(lights, view_of(infinite), true);

@@ -27,7 +27,7 @@ RELUME_HD void DeduplicateLightsKernel::operator()(const Group& group, Shared& s
     group.each(size, [&](uint32_t i) { shared.batch[i] = visible_light(region, first + i, read); });
     if (set.count + size <= kMaxSeenLights) {
       group.each(size, [&](uint32_t i) {
-        if (shared.batch[i] != kFree) set.insert_together(shared.batch[i]);
+        if (shared.batch[i] != kFree) set.insert_concurrently(shared.batch[i]);
       });
     } else {  // which lights are dropped depends on the order
       group.each(1, [&](uint32_t) {

@@ -71,9 +71,9 @@ TEST(DeduplicateLights, FormsAgree) {
   for (const uint32_t max_samples : {1u, 100u, 4096u, 1u << 24}) {
     std::vector<Scene> scenes(3, Scene(regions));
     const auto count = static_cast<uint32_t>(regions.size());
-    for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+    for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
       Backend backend(1, form);
-      launch(backend, "deduplicate", scenes[form == KernelForm::tile ? 0 : 1].kernel(max_samples), count, 1);
+      launch(backend, "deduplicate", scenes[form == KernelForm::host ? 0 : 1].kernel(max_samples), count, 1);
     }
     testing::run_shuffled(scenes[2].kernel(max_samples), count, 1, max_samples);
     EXPECT_TRUE(scenes[0].same_output(scenes[1])) << max_samples;

@@ -6,8 +6,8 @@
 namespace relume {
 namespace {
 
-/// Least squared distance to the camera: 1 % of the scene's radius.
-float nearest_to_camera(float scene_radius) { return sqr(0.01f * scene_radius); }
+/// Lower bound on squared distances to the camera, m²: the square of 1 % of the scene's radius.
+float min_squared_distance(float scene_radius) { return sqr(0.01f * scene_radius); }
 
 /// Hash of all inputs of the tables. `camera` and `scene_radius` determine a single table only.
 uint64_t fingerprint_of(const LightsDigest& lights, const ExplorationWeights& weights, const UVec3& cells,
@@ -55,7 +55,7 @@ std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& 
   kernel.weights = weights;
   kernel.by_camera = true;
   kernel.camera = camera;
-  kernel.nearest2 = nearest_to_camera(lights.bounds.radius);
+  kernel.min_distance2 = min_squared_distance(lights.bounds.radius);
   kernel.entries = mutable_view_of(entries);
   kernel.shares = mutable_view_of(shares);
   kernel.stack = mutable_view_of(stack);
@@ -65,8 +65,8 @@ std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& 
   return entries;
 }
 
-void ExplorationTables::examine(Backend& backend, View<const LightSummary> summaries) {
-  digest_ = reduce<CombineDigests>({backend, "vlc.exploration", scratch_}, LightDigests{summaries}, summaries.size);
+void ExplorationTables::update_digest(Backend& backend, View<const LightSummary> summaries) {
+  digest_ = reduce<CombineDigests>({backend, "vlc.exploration", scratch_}, DigestOfLight{summaries}, summaries.size);
 }
 
 void ExplorationTables::build(Backend& backend, View<const LightSummary> summaries, float scene_radius,
@@ -83,13 +83,13 @@ void ExplorationTables::build(Backend& backend, View<const LightSummary> summari
   kernel.weights = weights;
   kernel.by_camera = count == 1;
   kernel.camera = camera;
-  kernel.nearest2 = nearest_to_camera(scene_radius);
+  kernel.min_distance2 = min_squared_distance(scene_radius);
   kernel.cells = dims;
   if (count > 1) {
     kernel.low = digest_.low;
     kernel.edge = extent / Vec3(dims);
     // The distance is at least half the diagonal of the cell.
-    kernel.nearest2 = 0.25f * length_squared(kernel.edge);
+    kernel.min_distance2 = 0.25f * length_squared(kernel.edge);
   }
   fingerprint_ = 0;  // until the tables are complete: allocation may fail
   const size_t size = size_t{count} * summaries.size;

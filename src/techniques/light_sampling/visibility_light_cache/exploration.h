@@ -34,7 +34,7 @@ struct LightSummariesKernel {
   }
 };
 
-/// Properties of all lights together.
+/// Bounds and hash of all lights; the hash detects changes.
 struct LightsDigest {
   Vec3 low{kInfinity};  ///< bounds of the positions
   Vec3 high{-kInfinity};
@@ -42,8 +42,8 @@ struct LightsDigest {
   uint64_t hash = 0;      ///< of all summaries
 };
 
-/// The digest of one light, as the input of a reduction.
-struct LightDigests {
+/// Digest of each light; input of the reduction to a LightsDigest.
+struct DigestOfLight {
   View<const LightSummary> summaries;
 
   RELUME_HD LightsDigest operator()(size_t i) const {
@@ -57,6 +57,7 @@ struct LightDigests {
   }
 };
 
+/// Associative combination of two digests.
 struct CombineDigests {
   using Value = LightsDigest;
   RELUME_HD static LightsDigest identity() { return {}; }
@@ -109,7 +110,7 @@ struct ExplorationTablesKernel {
   Vec3 low{0};   ///< low corner of the grid, metres
   Vec3 edge{0};  ///< of a cell, metres
   UVec3 cells{1};
-  float nearest2 = 0;  ///< least squared distance, m²
+  float min_distance2 = 0;  ///< lower bound on squared distances, m²
   View<AliasEntry> entries;
   View<double> shares;  ///< temporary, parallel to `entries`
   View<uint32_t> stack;
@@ -127,8 +128,8 @@ struct ExplorationTablesKernel {
  private:
   /// Weight of a light that emits by distance to the camera, or to the middle of a cell.
   RELUME_HD float nearness(const LightSummary& light, const Vec3& middle) const {
-    return by_camera ? 1.0f / relume::max(length_squared(light.position - camera), nearest2)
-                     : light.watts / relume::max(length_squared(light.position - middle), nearest2);
+    return by_camera ? 1.0f / relume::max(length_squared(light.position - camera), min_distance2)
+                     : light.watts / relume::max(length_squared(light.position - middle), min_distance2);
   }
 
   /// Writes the weights of the mixture to `table`.
@@ -145,13 +146,13 @@ struct ExplorationTablesKernel {
       sums[1] += light.changed ? 1.0 : 0.0;
       sums[2] += static_cast<double>(table[i].keep);
     }
-    const float parts[3] = {weights.energy, weights.change, weights.distance};
+    const float mixture[3] = {weights.energy, weights.change, weights.distance};
     for (uint32_t i = 0; i < lights.size; ++i) {
       float weight = 0;
       if (lights[i].watts > 0.0f) {
-        const float guesses[3] = {lights[i].watts, lights[i].changed ? 1.0f : 0.0f, table[i].keep};
+        const float values[3] = {lights[i].watts, lights[i].changed ? 1.0f : 0.0f, table[i].keep};
         for (int d = 0; d < 3; ++d) {
-          if (sums[d] > 0) weight += parts[d] * static_cast<float>(static_cast<double>(guesses[d]) / sums[d]);
+          if (sums[d] > 0) weight += mixture[d] * static_cast<float>(static_cast<double>(values[d]) / sums[d]);
         }
       }
       table[i].pmf = weight;
@@ -164,10 +165,10 @@ class ExplorationTables {
  public:
   explicit ExplorationTables(Memory& memory) : entries_(memory), shares_(memory), stack_(memory), filled_(memory) {}
 
-  /// Call when lights may have changed. `summaries`: light_summaries(lights).
-  void examine(Backend& backend, View<const LightSummary> summaries);
-  /// Rebuilds the tables where an input changed, for the lights of the last examine(). `cells`: along the longest side,
-  /// reduced for very many lights; 1: a single table by distance to the camera, as in the paper. `scene_radius`:
+  /// Call before build() when lights may have changed. `summaries`: light_summaries(lights).
+  void update_digest(Backend& backend, View<const LightSummary> summaries);
+  /// Rebuilds the tables where an input changed, for the lights of the last update_digest(). `cells`: along the longest
+  /// side, reduced for very many lights; 1: a single table by distance to the camera, as in the paper. `scene_radius`:
   /// metres.
   void build(Backend& backend, View<const LightSummary> summaries, float scene_radius, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);

@@ -42,7 +42,7 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   ExplorationTables tables(host_memory());
   const auto build = [&](uint32_t cells) {
     const std::vector<LightSummary> summaries = light_summaries(view);
-    tables.examine(backend, view_of(summaries));
+    tables.update_digest(backend, view_of(summaries));
     tables.build(backend, view_of(summaries), view.bounds.radius, Vec3(0), {}, cells);
   };
   build(5);

@@ -48,8 +48,8 @@ struct LightSet {
       return 0;
     }
   }
-  /// Inserts while other threads insert. The set must have room for the lights of all threads.
-  RELUME_HD void insert_together(LightId light) {
+  /// Thread-safe insertion. The set must have room for the lights of all threads.
+  RELUME_HD void insert_concurrently(LightId light) {
     for (uint32_t i = hash(light) & mask;; i = (i + 1) & mask) {
       const uint32_t found = atomic_compare_exchange(&slots[i], kFree, light);
       if (found == kFree) return atomic_add(&count, 1u);

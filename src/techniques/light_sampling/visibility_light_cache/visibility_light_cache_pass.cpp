@@ -10,7 +10,7 @@
 namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
-  examine_lights(frame);
+  update_lights(frame);
   if (loaded_) drop_inconsistent(frame);
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, caches_);
   if (!octree_.begins_again()) {
@@ -26,7 +26,7 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
   return true;
 }
 
-void VisibilityLightCachePass::examine_lights(const FrameContext& frame) {
+void VisibilityLightCachePass::update_lights(const FrameContext& frame) {
   const bool rebuilds = includes(frame.changes, kRebuildsLights);
   // Changed lights are unchanged again one frame later.
   if (!std::exchange(lights_changed_, rebuilds) && !rebuilds && built_) return;
@@ -35,7 +35,7 @@ void VisibilityLightCachePass::examine_lights(const FrameContext& frame) {
   summaries_.reset(lights.first_infinite, kUninitialized);
   frame.launch("vlc.lights", LightSummariesKernel{lights, summaries_.mutable_view()}, {lights.first_infinite, 1});
   write_compact_lights(frame.backend, "vlc.lights", lights, compact_);
-  all_.examine(frame.backend, summaries_.view());
+  all_.update_digest(frame.backend, summaries_.view());
   frame.backend.run("vlc.lights", [&] { infinite_.assign(build_infinite_lights(lights, selection_.infinity())); });
   built_ = true;
 }

@@ -45,8 +45,8 @@ class VisibilityLightCachePass final : public Pass {
   const LightCaches& caches() const { return caches_; }
 
  private:
-  /// Writes the data of lights if they have changed.
-  void examine_lights(const FrameContext& frame);
+  /// Recomputes summaries, compact forms and lights at infinity if lights have changed.
+  void update_lights(const FrameContext& frame);
   /// Clears the caches that a damaged checkpoint left inconsistent.
   void drop_inconsistent(const FrameContext& frame);
   void build_caches(const FrameContext& frame);

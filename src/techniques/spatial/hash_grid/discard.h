@@ -12,15 +12,16 @@
 
 namespace relume {
 
-/// The order in which cells are discarded, as a number of kBytes bytes: old cells first, among these the ones with few
-/// samples. The key makes it a total order, so the choice does not depend on slots.
-struct CellRank {
+/// Sort key of a cell, kBytes bytes long. Cells with larger keys are discarded first: older cells, and among cells of
+/// equal age those with fewer samples. Fingerprint and bucket hash make the order total, so the choice does not depend
+/// on slots.
+struct DiscardKey {
   static constexpr uint32_t kBytes = 20;
 
   uint32_t words[kBytes / 4] = {};  ///< the most significant first
 
-  RELUME_HD static CellRank of(const CellHistory& history, const CellAddress& address) {
-    const uint32_t count = float_bits(history.moments.count);  // ascending, because counts of cells are positive
+  RELUME_HD static DiscardKey of(const CellHistory& history, const CellAddress& address) {
+    const uint32_t count = float_bits(history.moments.count);  // positive floats sort like their bits
     return {{history.age, ~count, static_cast<uint32_t>(address.fingerprint >> 32),
              static_cast<uint32_t>(address.fingerprint), address.bucket_hash}};
   }
@@ -28,12 +29,12 @@ struct CellRank {
   RELUME_HD uint32_t byte(uint32_t i) const { return (words[i / 4] >> shift(i)) & 0xffu; }
   RELUME_HD void set_byte(uint32_t i, uint32_t value) { words[i / 4] |= value << shift(i); }
   /// Whether the first `bytes` bytes are those of `other`.
-  RELUME_HD bool begins_as(const CellRank& other, uint32_t bytes) const {
+  RELUME_HD bool has_prefix(const DiscardKey& other, uint32_t bytes) const {
     for (uint32_t i = 0; i < bytes / 4; ++i)
       if (words[i] != other.words[i]) return false;
     return bytes % 4 == 0 || ((words[bytes / 4] ^ other.words[bytes / 4]) >> (32 - 8 * (bytes % 4))) == 0;
   }
-  RELUME_HD bool is_below(const CellRank& other) const {
+  RELUME_HD bool operator<(const DiscardKey& other) const {
     for (uint32_t i = 0; i < kBytes / 4; ++i)
       if (words[i] != other.words[i]) return words[i] < other.words[i];
     return false;
@@ -43,72 +44,72 @@ struct CellRank {
   RELUME_HD static uint32_t shift(uint32_t i) { return 24 - 8 * (i % 4); }
 };
 
-/// The cells of a grid with their ranks.
-struct RankedCells {
+/// The cells of a grid with their keys.
+struct KeyedCells {
   View<const uint64_t> fingerprints;
   View<const uint32_t> bucket_hashes;
   View<const CellHistory> histories;
 
   RELUME_HD bool is_live(uint32_t slot) const { return !histories[slot].empty(); }
-  RELUME_HD CellRank rank(uint32_t slot) const {
-    return CellRank::of(histories[slot], {fingerprints[slot], bucket_hashes[slot]});
+  RELUME_HD DiscardKey key(uint32_t slot) const {
+    return DiscardKey::of(histories[slot], {fingerprints[slot], bucket_hashes[slot]});
   }
 };
 
-/// Number of values of a rank's byte.
-inline constexpr uint32_t kRankValues = 256;
+/// Number of values of a byte.
+inline constexpr uint32_t kByteValues = 256;
 
-/// Counts the values of byte `place` of the ranks that begin with that many bytes of `prefix`; one call per
+/// Counts the values of byte `place` of the keys that begin with that many bytes of `prefix`; one call per
 /// kPrimitiveBlock slots.
-struct CountRankBytesKernel {
-  RankedCells cells;
-  CellRank prefix;
+struct CountKeyBytesKernel {
+  KeyedCells cells;
+  DiscardKey prefix;
   uint32_t place = 0;
-  View<uint32_t> counts;  ///< kRankValues
+  View<uint32_t> counts;  ///< kByteValues
 
   RELUME_HD void operator()(uint32_t index, uint32_t) const {
-    uint32_t counts_here[kRankValues] = {};
+    uint32_t counts_here[kByteValues] = {};
     const PrimitiveBlock block(index, cells.histories.size);
     for (size_t i = block.begin; i < block.end; ++i) {
       const auto slot = static_cast<uint32_t>(i);
       if (!cells.is_live(slot)) continue;
-      const CellRank rank = cells.rank(slot);
-      if (rank.begins_as(prefix, place)) ++counts_here[rank.byte(place)];
+      const DiscardKey key = cells.key(slot);
+      if (key.has_prefix(prefix, place)) ++counts_here[key.byte(place)];
     }
-    for (uint32_t value = 0; value < kRankValues; ++value)
+    for (uint32_t value = 0; value < kByteValues; ++value)
       if (counts_here[value] > 0) atomic_add(&counts[value], counts_here[value]);
   }
 };
 
-/// Empties cells whose rank is not below `least`; one call per slot.
+/// Empties cells whose key is not below `threshold`; one call per slot.
 struct DiscardCellsKernel {
-  RankedCells cells;
-  CellRank least;
+  KeyedCells cells;
+  DiscardKey threshold;
   View<CellHistory> histories;
 
   RELUME_HD void operator()(uint32_t slot, uint32_t) const {
-    if (cells.is_live(slot) && !cells.rank(slot).is_below(least)) histories[slot] = {};
+    if (cells.is_live(slot) && !(cells.key(slot) < threshold)) histories[slot] = {};
   }
 };
 
-/// The least rank of the `count` cells with the highest ranks; 0 < count ≤ number of live cells. Determines one byte
-/// after another, and stops as soon as all cells with the bytes so far are among them.
-inline CellRank least_discarded(Backend& backend, std::string_view name, const RankedCells& cells, uint64_t count,
-                                Memory& memory) {
+/// Key below which all cells are except the `count` with the largest keys; 0 < count ≤ number of live cells. Determines
+/// one byte at a time, and stops as soon as all cells with that prefix are among them; later bytes are then 0.
+inline DiscardKey discard_threshold(Backend& backend, std::string_view name, const KeyedCells& cells, uint64_t count,
+                                    Memory& memory) {
   Array<uint32_t> counts(memory);
-  CellRank least;
+  DiscardKey threshold;
   uint64_t left = count;
-  for (uint32_t place = 0; place < CellRank::kBytes; ++place) {
-    reset(backend, name, counts, kRankValues, 0u);
-    const CountRankBytesKernel kernel{cells, least, place, counts.mutable_view()};
+  for (uint32_t place = 0; place < DiscardKey::kBytes; ++place) {
+    reset(backend, name, counts, kByteValues, 0u);
+    const CountKeyBytesKernel kernel{cells, threshold, place, counts.mutable_view()};
     launch(backend, name, kernel, primitive_blocks(cells.histories.size), 1);
     const std::span<const uint32_t> found = counts.read();
-    uint32_t value = kRankValues - 1;
+    uint32_t value = kByteValues - 1;
     for (; value > 0 && found[value] < left; --value) left -= found[value];
-    least.set_byte(place, value);
+    threshold.set_byte(place, value);
     if (found[value] == left) break;
   }
-  return least;
+  return threshold;
 }
 
 /// Inserts the keys of waiting samples into a set, until it is half full; one call per sample.
@@ -130,8 +131,8 @@ struct CountDistinctKeysKernel {
   }
 };
 
-/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; larger numbers are at least that. `set`:
-/// memory for the keys, two to four per sample.
+/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; above, at least 2 kMostSlots. `set`: memory for
+/// the keys, two to four per sample.
 inline uint64_t distinct_keys(Backend& backend, std::string_view name, View<const WaitingSample> samples,
                               const CellKeys& keys, Array<uint64_t>& set) {
   KernelValue<uint64_t> distinct(set.memory());

@@ -26,7 +26,7 @@ struct Cells {
       histories.write()[i].moments.count = static_cast<float>(hash(i, 5u) % 3);  // 0: an empty cell
     }
   }
-  RankedCells view() const { return {fingerprints.view(), bucket_hashes.view(), histories.view()}; }
+  KeyedCells view() const { return {fingerprints.view(), bucket_hashes.view(), histories.view()}; }
   /// Slots of live cells, in the order in which they are kept.
   std::vector<uint32_t> kept_order() const {
     std::vector<uint32_t> slots;
@@ -46,14 +46,14 @@ struct Cells {
 };
 
 TEST(DiscardCells, EmptiesTheOldestCells) {
-  for (const KernelForm form : {KernelForm::tile, KernelForm::scalar}) {
+  for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
     Backend backend(2, form);
     const std::vector<uint32_t> order = Cells(5000).kept_order();
     ASSERT_GT(order.size(), 1000u);
     for (const size_t count : {size_t{1}, size_t{2}, size_t{777}, order.size() - 1, order.size()}) {
       Cells cells(5000);
-      const CellRank least = least_discarded(backend, "cells", cells.view(), count, host_memory());
-      launch(backend, "cells", DiscardCellsKernel{cells.view(), least, cells.histories.mutable_view()}, 5000, 1);
+      const DiscardKey threshold = discard_threshold(backend, "cells", cells.view(), count, host_memory());
+      launch(backend, "cells", DiscardCellsKernel{cells.view(), threshold, cells.histories.mutable_view()}, 5000, 1);
       const std::set<uint32_t> kept(order.begin(), order.end() - static_cast<std::ptrdiff_t>(count));
       for (uint32_t i = 0; i < 5000; ++i)
         ASSERT_EQ(!cells.histories.read()[i].empty(), kept.count(i) == 1) << i << " of " << count;

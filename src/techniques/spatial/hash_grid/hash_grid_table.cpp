@@ -23,7 +23,7 @@ uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintena
 /// Maximum number of cells between frames: seven eighths of the slots, so that probing ends.
 uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slots} * 7 / 8); }
 
-/// Array::reset() in launches.
+/// For Slots::reset(): resets arrays in launches.
 auto in_launches(Backend& backend) {
   return [&backend](auto& array, uint32_t count, const auto& value) { reset(backend, "cells", array, count, value); };
 }
@@ -232,9 +232,9 @@ void HashGrid::adjust_size(Backend& backend) {
 }
 
 void HashGrid::discard_oldest(Backend& backend, uint64_t count) {
-  const RankedCells cells{fingerprints_.view(), bucket_hashes_.view(), histories_.view()};
-  const CellRank least = least_discarded(backend, "cells", cells, count, fingerprints_.memory());
-  launch(backend, "cells", DiscardCellsKernel{cells, least, histories_.mutable_view()}, cells.histories.size, 1, {},
+  const KeyedCells cells{fingerprints_.view(), bucket_hashes_.view(), histories_.view()};
+  const DiscardKey threshold = discard_threshold(backend, "cells", cells, count, fingerprints_.memory());
+  launch(backend, "cells", DiscardCellsKernel{cells, threshold, histories_.mutable_view()}, cells.histories.size, 1, {},
          kFillTile);
   tally_.write().census.live -= count;
   discarded_ += count;
@@ -242,15 +242,15 @@ void HashGrid::discard_oldest(Backend& backend, uint64_t count) {
 
 void HashGrid::clear(Backend& backend) {
   allocate(first_slots_, in_launches(backend));
-  forget_cells();
+  reset_counters();
 }
 
 void HashGrid::clear() {
   allocate(first_slots_);
-  forget_cells();
+  reset_counters();
 }
 
-void HashGrid::forget_cells() {
+void HashGrid::reset_counters() {
   tally_.write().census = {};
   tally_.write().overflow_count = 0;
   tally_.write().counters.made = 0;

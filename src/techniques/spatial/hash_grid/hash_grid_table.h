@@ -93,8 +93,9 @@ class HashGrid {
   }
   /// Call when a frame ends before advance(). The next adjust_size() discards its samples.
   void abandon_frame();
-  /// Removes all cells, in launches or on the host.
+  /// Removes all cells in launches.
   void clear(Backend& backend);
+  /// Removes all cells on the host.
   void clear();
 
   HashGridStatistics statistics() const;
@@ -116,7 +117,7 @@ class HashGrid {
   /// Arrays with an element per slot.
   struct Slots {
     explicit Slots(Memory& memory);
-    /// Makes `count` empty slots. `reset_array(array, count, value)`: as Array::reset(), with values.
+    /// Makes `count` empty slots. `reset_array(array, count, value)` sets the size and all elements of an array.
     template <typename Reset>
     void reset(uint32_t count, const Reset& reset_array);
 
@@ -132,8 +133,8 @@ class HashGrid {
   template <typename Reset>
   void allocate(uint32_t count, const Reset& reset_array);
   void allocate(uint32_t count);
-  /// Resets the numbers of a table without cells.
-  void forget_cells();
+  /// Resets the census and the counters of inserted keys and overflows; the slots must be empty.
+  void reset_counters();
   const HashGridCounters& counters() const { return tally_.read().counters; }
   const HashGridCensus& census() const { return tally_.read().census; }
   void settle(Backend& backend);
