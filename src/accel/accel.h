@@ -11,15 +11,15 @@ namespace relume {
 
 struct HostAccelData;
 
-/// The data of an acceleration structure outside of kernel memory (accel/host_accel.h). This is the only pointer in a
-/// kernel that is no view; code for devices never reads it.
+/// Handle to data outside of kernel memory (accel/host_accel.h). The only pointer in a kernel that is not part of a
+/// View. Device code never reads it.
 struct HostAccel {
   const HostAccelData* data = nullptr;
 };
 
-/// The acceleration structure of a compiled scene. Rays hit nothing in a default one.
+/// The acceleration structure of a compiled scene. A default view is empty: rays hit nothing.
 struct AccelView {
-  BvhView bvh;     ///< empty if Embree answers
+  BvhView bvh;     ///< empty with Embree
   HostAccel host;  ///< Embree's scene, and the opacity of surfaces
   AccelChoice choice = AccelChoice::bvh;
 };

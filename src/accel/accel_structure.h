@@ -83,7 +83,7 @@ class AccelStructure {
   virtual void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
                            bool culls_back_faces) = 0;
 
-  /// Valid until update() or set_filters(), also if they throw.
+  /// Invalid after update() or set_filters(), even if they throw.
   virtual AccelView view() const = 0;
 
   /// Makes the structure readable by host code, which may trace rays until the next launch.

@@ -1,11 +1,11 @@
-// Data that ray queries on the host need besides the arrays of kernels.
+// Data that only ray queries on the host read.
 #pragma once
 
 #include "accel/accel_structure.h"
 
 namespace relume {
 
-/// Belongs to an acceleration structure. Its address stays the same as long as the structure exists.
+/// Owned by an acceleration structure. Keeps its address while the structure exists.
 struct HostAccelData {
   void* embree_scene = nullptr;              ///< RTCScene; null: relume's own BVH
   const AccelMesh* meshes = nullptr;         ///< of Embree's scene

@@ -169,13 +169,13 @@ RELUME_HD inline int32_t round_to_int(float x) {
   return whole + (rest >= 0.5f ? 1 : 0) - (rest <= -0.5f ? 1 : 0);
 }
 
-/// The integer next to x towards zero. Saturates, for infinities too. NaN and negative numbers give 0.
+/// x rounded towards zero and clamped to the range of uint32_t; 0 for NaN.
 RELUME_HD inline uint32_t truncate_to_uint(float x) {
   if (!(x > 0.0f)) return 0;
   return x < 4294967296.0f ? static_cast<uint32_t>(x) : UINT32_MAX;
 }
 
-/// The integer next to x towards zero. Saturates, for infinities too. NaN gives the least number.
+/// x rounded towards zero and clamped to the range of int64_t; the minimum for NaN.
 RELUME_HD inline int64_t truncate_to_int64(double x) {
   if (!(x > -9223372036854775808.0)) return INT64_MIN;
   return x < 9223372036854775808.0 ? static_cast<int64_t>(x) : INT64_MAX;

@@ -44,8 +44,8 @@ void write_array(std::ostream& out, const Array<T>& array) {
   detail::write_elements<T>(out, array.read());
 }
 namespace detail {
-/// Reads a number of elements, of which the rest of the stream has at least that many. Otherwise sets failbit and
-/// returns 0. A false size thus allocates no memory.
+/// Reads a number of elements. Sets failbit and returns 0 if it exceeds `most`, or if the rest of the stream is
+/// shorter. A damaged number therefore allocates no memory.
 template <typename T>
 uint64_t read_count(std::istream& in, uint64_t most) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -74,8 +74,8 @@ void read_vector(std::istream& in, std::vector<T>& v) {
   detail::read_elements<T>(in, v);
   if (!in) v.clear();
 }
-/// The same for an array, which takes the elements without a copy. A stream that declares more than Array<T>::kMaxSize
-/// elements sets its failbit, too.
+/// Reads what write_array() wrote, without an intermediate copy. Also sets failbit if there are more than
+/// Array<T>::kMaxSize elements.
 template <typename T>
 void read_array(std::istream& in, Array<T>& array) {
   array = Array<T>(array.memory());  // gives back the old elements' memory first

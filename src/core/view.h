@@ -20,7 +20,7 @@ struct View {
   RELUME_HD bool empty() const { return size == 0; }
 };
 
-/// View of one element; valid as long as it.
+/// View of one element; valid while the element exists.
 template <typename T>
 RELUME_HD View<T> view_of_one(T& element) {
   return {&element, 1};

@@ -1,5 +1,5 @@
-// Group kernels: pass kernels whose elements each need a group of threads that share memory and wait for each other. A
-// group kernel is plain data, like a pass kernel, with
+// Group kernels: each element is the work of a group of threads (a thread block in CUDA) with shared memory and
+// barriers. A group kernel is plain data, like a pass kernel, with
 //
 //   static constexpr uint32_t kThreads = 128;  // threads of a group on a device
 //   struct Shared { … };                       // memory of the group, uninitialised: plain data of at most 48 KiB
@@ -8,10 +8,10 @@
 //
 // called once for each element of a grid. group.each(n, f) calls f(i) for every i < n. Its rules:
 //
-// - The calls are independent of each other. They may use the same atomic counters and sets if the result does not
-//   depend on the order.
-// - Code outside of each() is executed by every thread alike. It writes nothing but its own variables, and all threads
-//   reach the same calls of each().
+// - The calls of one each() are independent. They may use common atomic counters and sets if the result does not depend
+//   on the order.
+// - Every thread executes the code outside of each(). It writes local variables only. All threads must reach the same
+//   calls of each(), because each() has barriers.
 //
 // On the host, one thread executes a group. A kernel may provide a faster form of one element for the host, which must
 // compute the same bits:
@@ -34,8 +34,8 @@ inline constexpr size_t kMaxSharedBytes = size_t{48} * 1024;
 /// The threads that execute one element of a group kernel: a block on a device, one thread on the host.
 template <uint32_t threads>
 struct ThreadGroup {
-  /// Calls f(i) for every i < n, and returns when all calls have ended. Threads see what others have written before,
-  /// and read what they need before others overwrite it in the next call.
+  /// Calls f(i) for every i < n, distributed over the threads, with a barrier before and after. Calls therefore see all
+  /// earlier writes, and never overwrite values that another thread still reads outside of each().
   template <typename Function>
   RELUME_HD_INLINE void each(uint32_t n, const Function& f) const {
 #if RELUME_DEVICE_CODE

@@ -36,7 +36,7 @@ struct BsdfSample {
 
 /// Lobes of one surface point, prepared for wo. Those of make_bsdf() use the first 320 bytes only.
 struct Bsdf {
-  const EnergyTables* tables;  ///< of the kernel; a BSDF lives within one call of it
+  const EnergyTables* tables;  ///< a member of the kernel's SceneView, which must outlive the BSDF
   int lobe_count;
   float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat
   bool layered;           ///< whether `sheen` and `detail` are used; set by make_layered_bsdf() only

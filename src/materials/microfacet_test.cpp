@@ -207,16 +207,16 @@ TEST(EnergyTables, CopiesHaveTheSameLookUps) {
 TEST(EnergyTables, CopiesStayIfMemoryIsMissing) {
   testing::FailingMemory memory;
   EnergyTableArrays copies(memory);
-  copies.hold({.anisotropic = false, .sheen = false});
+  copies.update({.anisotropic = false, .sheen = false});
   const auto look_up = [&] { return copies.view().ggx.directional_shares(0.3f, 0.4f).total; };
   const float expected = look_up();
   for (int before = 0; before < 2; ++before) {
     memory.fail_after(before);
-    EXPECT_THROW(copies.hold({.anisotropic = true, .sheen = true}), std::bad_alloc);
+    EXPECT_THROW(copies.update({.anisotropic = true, .sheen = true}), std::bad_alloc);
     EXPECT_EQ(look_up(), expected);
     EXPECT_TRUE(copies.view().sheen.albedo.empty());
   }
-  copies.hold({.anisotropic = true, .sheen = true});
+  copies.update({.anisotropic = true, .sheen = true});
   EXPECT_EQ(look_up(), expected);
   EXPECT_FALSE(copies.view().sheen.albedo.empty());
 }

@@ -10,7 +10,7 @@ namespace relume {
 
 class BackendSceneLauncher final : public SceneLauncher {
  public:
-  /// `backend` may be replaced by another one with the same memory.
+  /// Refers to the pointer, because the session may replace the backend by one with the same memory.
   explicit BackendSceneLauncher(const std::unique_ptr<Backend>& backend) : backend_(backend) {}
 
   void run(const DeformVerticesKernel& kernel, uint32_t count) override { launch_row(kernel, count); }

@@ -41,8 +41,8 @@ SettingList describe_image(RenderSettings& s) {
        {.min = 0, .max = 1024, .resets_history = false}},
       {"scalar-kernels",
        &s.scalar_kernels,
-       "Run the form of kernels for GPUs, one pixel per call, instead of the host's form for several pixels at once: "
-       "the same bits, slower; for comparison",
+       "Run the device form of kernels on the host, instead of the form for vector registers and ray packets: the same "
+       "bits, slower; for comparison",
        {.resets_history = false}},
   };
 }

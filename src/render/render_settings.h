@@ -46,7 +46,7 @@ struct RenderSettings {
   int height = 720;
   int seed = 0;
   int threads = 0;              ///< 0: all cores
-  bool scalar_kernels = false;  ///< whether the host runs the one-element form of kernels (KernelForm::device)
+  bool scalar_kernels = false;  ///< whether the host runs the device form of kernels (KernelForm::device)
   std::string camera;           ///< name or index; empty: the file's first
   std::string animation;        ///< clips to play, as for select_animation(); empty: the file's first
   float time_s = 0;             ///< time of the animation

@@ -244,7 +244,7 @@ struct Session::State {
     return index;
   }
 
-  /// The tile of blue noise, if paths choose pixels by it.
+  /// Blue noise that chooses the pixels with indirect light; empty if all have it.
   View<const uint16_t> blue_noise_of_frame() {
     return settings.path.indirect_rate < 1 ? blue_noise_tile(blue_noise) : View<const uint16_t>{};
   }
@@ -276,8 +276,8 @@ struct Session::State {
     return relume::sum({*backend, name, scratch}, values);
   }
 
-  /// Counts a frame that all passes completed. Throws before it changes anything but the scene; the passes have then
-  /// undone the frame.
+  /// Adds a completed frame to the counters. If it throws, the passes have undone the frame, and only the scene may
+  /// have changed.
   void end_frame() {
     uint64_t paths = rendered_pixels();
     uint64_t rays = 0;

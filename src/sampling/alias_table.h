@@ -38,8 +38,9 @@ struct AliasTable {
   RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }
 };
 
-/// Computes entries for the weights ≥ 0 in `pmf` of each entry ([Vose91]). Returns false if the weights' sum is zero or
-/// not finite; the entries are then invalid. `shares`, `stack`: temporary memory, an element per entry.
+/// Builds an alias table in place ([Vose91]). On input, `pmf` of each entry is its weight ≥ 0. Returns false, with
+/// invalid entries, if the sum of the weights is zero or not finite. `shares`, `stack`: temporary memory, one element
+/// per entry.
 RELUME_HD inline bool fill_alias_table(View<AliasEntry> entries, View<double> shares, View<uint32_t> stack) {
   const uint32_t n = entries.size;
   double sum = 0;

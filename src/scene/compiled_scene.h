@@ -128,10 +128,11 @@ class CompiledScene {
   /// Throws Error if the material with that index, which may be a new one, would mix missing materials or itself.
   void check_mixture(Index material, const Material& value) const;
   Change replace_material(Index material, const Material& value);
-  /// Updates vertices from the current joints and weights. Returns the changed meshes of the view. Spans of arrays
-  /// become invalid.
+  /// Updates vertices from the current joints and weights. Returns the changed meshes of the view. Launches
+  /// kernels, which invalidates spans from read() and write().
   std::vector<uint32_t> deform_meshes();
-  /// Copies the vertices of deformed meshes to the previous positions. Spans of arrays become invalid.
+  /// Copies the vertices of deformed meshes to the previous positions. Launches kernels, which invalidates spans from
+  /// read() and write().
   void keep_previous_positions();
   /// Throws Error if a joint of the node is to be removed.
   void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;

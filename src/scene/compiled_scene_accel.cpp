@@ -48,7 +48,7 @@ void CompiledScene::build_accel() {
 }
 
 void CompiledScene::update_accel(std::span<const uint32_t> deformed) {
-  view_.accel = {};  // the arrays may move: if this fails, no ray may read them
+  view_.accel = {};  // update() may move the arrays; if it throws, rays must not read the old ones
   accel_->update(accel_instances(), deformed);
   view_.accel = accel_->view();
 }

@@ -6,10 +6,10 @@
 
 namespace relume {
 
-/// No displacements.
+/// Offset of a morph target that does not displace this attribute.
 inline constexpr uint32_t kNoDisplacements = 0xffffffffu;
 
-/// Where the displacements of a morph target begin in DeformableMesh::displacements, one per vertex.
+/// Offsets of a morph target's displacements, one per vertex and attribute, in DeformableMesh::displacements.
 struct MorphTargetData {
   uint32_t positions = kNoDisplacements;
   uint32_t normals = kNoDisplacements;
@@ -43,7 +43,7 @@ RELUME_HD inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   return length > 0.0f && is_finite(length) ? v / length : otherwise;
 }
 
-/// Adds weight · displacement. `first`: the displacement of the first vertex.
+/// Adds weight · displacement. `first`: offset of the displacements, or kNoDisplacements.
 RELUME_HD inline void displace(Vec3& v, const DeformableMesh& mesh, uint32_t first, uint32_t vertex, float weight) {
   if (first != kNoDisplacements) v += weight * mesh.displacements[first + vertex];
 }
@@ -101,7 +101,7 @@ struct DeformVerticesKernel {
   }
 };
 
-/// Pass kernel: copies the positions of a mesh's vertices.
+/// Pass kernel: copies the vertex positions of a mesh to its previous positions, for motion vectors.
 struct StorePreviousPositionsKernel {
   View<const Vertex> vertices;
   View<Vec3> positions;

@@ -16,7 +16,8 @@ constexpr size_t kBoxVertices = 1024;  // of one task of deformed_box()
 
 Affine affine_of(const Mat4& m) { return {Mat3(m), Vec3(m[3])}; }
 
-/// The record of a morph target whose displacements `append(values)` adds behind `count` others.
+/// Appends the displacements of a morph target by `append(values)`, and adds their number to `count`. Returns their
+/// offsets.
 template <typename Append>
 MorphTargetData place_target(const MorphTarget& target, size_t& count, const Append& append) {
   const auto place = [&](const std::vector<Vec3>& values) {
@@ -35,7 +36,7 @@ MorphTargetData place_target(const MorphTarget& target, size_t& count, const App
 
 /// The inputs of deform() for a node's mesh at one time, on the host. `mesh` refers to the other members.
 struct Pose {
-  std::vector<MorphTargetData> targets;  ///< with a weight
+  std::vector<MorphTargetData> targets;  ///< those with a nonzero weight
   std::vector<Vec3> displacements;
   std::vector<Affine> joints;
   DeformableMesh mesh;

@@ -1,4 +1,5 @@
-// Launches the kernels that update a compiled scene. The folder `frame`, which launches kernels, builds on this one.
+// Launches the kernels that update a compiled scene. An interface, because `frame`, which launches kernels, depends on
+// `scene`.
 #pragma once
 
 #include <cstdint>

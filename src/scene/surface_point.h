@@ -10,8 +10,8 @@ namespace relume {
 /// Minimum cosine of the viewer to the interpolated and mapped normal. Below, the shading frame is bent to the viewer.
 inline constexpr float kMinShadingCosine = 1e-3f;
 
-/// Filled by make_surface_point. Its BSDF refers to the tables of the scene. Members have no defaults, for the same
-/// reason as in Lobe.
+/// Filled by make_surface_point() from a SceneView. Its BSDF points into that view, and must not outlive it. Members
+/// have no defaults, for the same reason as in Lobe.
 struct SurfacePoint {
   Vec3 position;           ///< metres, world space
   float position_error;    ///< bound on the rounding error per component, metres

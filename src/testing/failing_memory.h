@@ -9,7 +9,7 @@
 
 namespace relume::testing {
 
-/// Memory of the processor in which allocations fail.
+/// Host memory in which allocations fail.
 class FailingMemory final : public Memory {
  public:
   /// The allocation after `before` others fails, and `failures` − 1 after it. Later ones succeed.

@@ -32,7 +32,7 @@ class ShuffledGroup {
   mutable std::mt19937 generator_;
 };
 
-/// One of several threads that share the calls.
+/// One thread of a group. Calls are distributed over the threads.
 class ThreadedGroup {
  public:
   ThreadedGroup(std::barrier<>& barrier, uint32_t thread, uint32_t threads)
@@ -51,13 +51,13 @@ class ThreadedGroup {
   uint32_t threads_;
 };
 
-/// Sets all bytes to 0xff: NaN as floats.
+/// Fills shared memory with 0xff bytes, which are NaN as floats, so that reads before writes change the result.
 template <typename Shared>
 void poison(Shared& shared) {
   std::memset(static_cast<void*>(&shared), 0xff, sizeof(Shared));
 }
 
-/// Runs a width × height grid of groups by ShuffledGroup. The shared memory of each is unusable at first.
+/// Runs a width × height grid of groups, each by a ShuffledGroup. Shared memory is poisoned first.
 template <typename Kernel>
 void run_shuffled(const Kernel& kernel, uint32_t width, uint32_t height, uint32_t seed) {
   const ShuffledGroup group(seed);
@@ -70,10 +70,10 @@ void run_shuffled(const Kernel& kernel, uint32_t width, uint32_t height, uint32_
   }
 }
 
-/// The same by ThreadedGroup.
+/// Runs a width × height grid of groups, each on several threads. Shared memory is poisoned first.
 template <typename Kernel>
 void run_threaded(const Kernel& kernel, uint32_t width, uint32_t height) {
-  constexpr uint32_t kThreads = 3;
+  constexpr uint32_t kThreads = 3;  // fewer than on a device; an odd number divides most sizes unevenly
   std::barrier<> barrier(kThreads);
   const auto shared = std::make_unique<typename Kernel::Shared>();
   const auto run = [&](uint32_t thread) {

@@ -83,7 +83,7 @@ FrameTimes measure(const DeterminismCheck& technique, const Size& size = {},
   return times;
 }
 
-/// The shortest time outside of launches of up to three tries: caches that other processes use make it longer.
+/// Best of up to three measurements. Cache contention with other processes lengthens the time outside of launches.
 FrameTimes shortest(const DeterminismCheck& technique) {
   FrameTimes best = measure(technique);
   for (int i = 0; i < 2 && !best.add_up(); ++i) {

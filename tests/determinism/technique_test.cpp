@@ -217,7 +217,7 @@ TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
   std::filesystem::remove(file);
 }
 
-/// Searches the records of the scene except lights for addresses. Lights have unused bytes, which may look like one.
+/// Searches the records of the scene for addresses, except lights, whose unused bytes may look like one.
 void check_records(testing::WalledMemory& memory, const SceneView& scene) {
   memory.check_elements("meshes", scene.meshes);
   memory.check_elements("instances", scene.instances);
@@ -228,7 +228,7 @@ void check_records(testing::WalledMemory& memory, const SceneView& scene) {
   memory.check_elements("instances of the BVH", scene.accel.bvh.instances);
 }
 
-/// Searches the launches of a session on `memory` for forbidden accesses. Between launches, the memory is closed.
+/// Records forbidden accesses of a session on `memory`, which stays closed to the host between launches.
 void watch_accesses(Session& session, testing::WalledMemory& memory) {
   on_launch(session, [&](const LaunchEvent& event) {
     const SceneView& scene = compiled_scene(session).view();
@@ -244,7 +244,8 @@ void watch_accesses(Session& session, testing::WalledMemory& memory) {
 }
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,
-/// host code reads and writes only a few numbers there: every loop over pixels, cells, regions or samples is a launch.
+/// host code may open only blocks smaller than a buffer of pixels there. The limit cannot detect loops over smaller
+/// arrays.
 TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
 #if !__has_builtin(__builtin_clear_padding)
   GTEST_SKIP() << "the compiler cannot clear padding, which may look like an address";

@@ -14,11 +14,11 @@ import house
 # Types that may have pointers -> why.
 POINTER_HOLDERS = {
     "View": "gives access to arrays",
-    "HostAccel": "refers to data of the host; code for devices never reads it",
+    "HostAccel": "refers to data of the host; device code never reads it",
 }
 
 VIEW_FOLDERS = ("src/scene/", "src/accel/", "src/materials/")
-LISTED = re.compile(r"\bRELUME_KERNEL\(([^;]*)\);")
+LISTED = re.compile(r"\bRELUME_(?:GROUP_)?KERNEL\(([^;]*)\);")
 TYPE = re.compile(r"\b(?:struct|class|union)\b(?:\s+alignas\s*\([^)]*\))?\s+(\w+)(?:<[^{;]*>)?\s*(?:final\s*)?(?::(?!:)([^{;]*))?$")
 ALIAS = re.compile(r"\busing\s+(\w+)\s*=\s*([^;]+);")
 WORD = re.compile(r"[A-Za-z_]\w*")
@@ -104,6 +104,7 @@ def read_types(root):
             if type_name.endswith("View") and name.startswith(VIEW_FOLDERS):
                 roots.add(type_name)
         for match in ALIAS.finditer(house.without_comments(text)):
+            # Many structs have aliases of these names. Types are matched by name, so these would connect unrelated types.
             if not match[1].startswith(("Policy", "Policies", "Value")):
                 types.setdefault(match[1], Type()).words.update(WORD.findall(match[2]))
     return types, roots

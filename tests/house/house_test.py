@@ -133,7 +133,7 @@ class Repository(unittest.TestCase):
             "a.cpp:7: std::filesystem::remove", "a.cpp:8: std::filesystem::directory_iterator", "a.cpp:9: std::filesystem::temp_directory_path")
 
     def test_kernels(self):
-        self.write("src/techniques/transport/path/kernels.inc", "RELUME_KERNEL(relume::OwnKernel);\n// RELUME_KERNEL(relume::Forgotten);\nRELUME_KERNEL(relume::Copy<relume::Light>);\n")
+        self.write("src/techniques/transport/path/kernels.inc", "RELUME_KERNEL(relume::OwnKernel);\n// RELUME_KERNEL(relume::Forgotten);\nRELUME_KERNEL(relume::Copy<relume::Light>);\nRELUME_GROUP_KERNEL(relume::GroupKernel);\n")
         self.write("src/techniques/transport/path/a.h", "\n".join((
             "struct OwnKernel : Base {",
             "  SceneView scene;  // int* a;",
@@ -148,6 +148,7 @@ class Repository(unittest.TestCase):
             "struct Walker { const OwnKernel* kernel; };",
             "struct Forgotten { int* a; };",
             "template <typename T> struct Copy { T value; };",
+            "struct GroupKernel { float* sums; };",
             "")))
         self.write("src/scene/a.h", "\n".join((
             "struct alignas(32) Record { View<float> values; int mesh; };",
@@ -163,7 +164,7 @@ class Repository(unittest.TestCase):
         self.assert_finds(
             check_kernels.check, "core/view.h:2: Far, which kernel or view OwnKernel reaches, holds a pointer: int (*f)(int)",
             "scene/a.h:1: Record, an element of an array that OwnKernel reaches, holds a view: View<float> values", "scene/a.h:2: SceneView", "scene/a.h:2: SceneView",
-            "scene/a.h:5: Entry", "a.h:4: OwnKernel, which kernel or view OwnKernel reaches, holds a pointer: uint32_t* longest", "a.h:8: OwnKernel")
+            "scene/a.h:5: Entry", "a.h:14: GroupKernel", "a.h:4: OwnKernel, which kernel or view OwnKernel reaches, holds a pointer: uint32_t* longest", "a.h:8: OwnKernel")
 
     def test_files(self):
         self.write("src/techniques/transport/path/README.md", "# Path\n| When to use it | always |\n")

@@ -137,7 +137,7 @@ struct BlockRegression : BlockPanel {
   }
 };
 
-/// The same in the shared memory of a group, with the same bits: one thread adds the elements of one lane.
+/// BlockRegression in the shared memory of a group. One thread adds the elements of one lane, so the bits are the same.
 struct GroupRegression : BlockPanel {
   /// Call before the first panel.
   template <typename Group>

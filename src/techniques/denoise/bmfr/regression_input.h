@@ -1,4 +1,4 @@
-// What the regression of a block reads: buffers of the image, and pixels as rows of the system of equations.
+// Input of the block regression: buffers of the image, and pixels as rows of the system of equations.
 #pragma once
 
 #include "frame/launch.h"

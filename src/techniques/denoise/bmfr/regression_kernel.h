@@ -26,7 +26,7 @@ struct BlockRegressionKernel : RegressionInput {
     GroupRegression regression;
     BlockFit fit;
     PositionScale scale[3];
-    bool filtered;                                                 ///< whether any pixel is
+    bool filtered;                                                 ///< whether any pixel has a surface to filter
     float extremes[6 * kLanes];                                    ///< maxima of p and −p by lane
     float differences[kDetailCells * kDetailCells * kDetailCell];  ///< by cell and column
     float variances[kDetailCells * kDetailCells * kDetailCell];

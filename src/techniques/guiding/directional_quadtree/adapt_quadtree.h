@@ -25,8 +25,8 @@ struct QuadtreeAdaption {
 
 /// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes. Sums that outlast a call
 /// are used with more care than in the paper. A leaf is split for the squares since its parent was split, without the
-/// largest one. A single bright sample therefore does not attract leaves frame after frame. Uninitialised without {},
-/// as memory of a group.
+/// largest one. A single bright sample therefore does not attract leaves frame after frame. Has no initialisers,
+/// because it is also shared memory of a group; elsewhere, initialise it with {}.
 struct QuadtreeWeights {
   static constexpr uint32_t kBits = BitField::kWords * 32;
   static constexpr float kMost = 1e37f;  ///< limit of sums; eight of them are still finite
@@ -129,8 +129,10 @@ RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tre
   return choice;
 }
 
-/// The leaf that the sample's square is added to; kNoLeaf for values and squares that are not positive and finite.
-inline constexpr uint32_t kNoLeaf = ~0u;
+inline constexpr uint32_t kNoLeaf = ~0u;  ///< not a bit of a tree
+
+/// Bit of the leaf that receives the square of the sample; kNoLeaf if the value is not positive or its square not
+/// finite.
 RELUME_HD inline uint32_t leaf_of(const DirectionalQuadtree& tree, const DirectionSample& s) {
   const bool counts = s.value > 0.0f && is_finite(s.value * s.value);
   return counts ? tree.find(unpack_square(s.direction)).bit : kNoLeaf;

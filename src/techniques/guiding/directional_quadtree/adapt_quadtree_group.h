@@ -6,14 +6,14 @@
 
 namespace relume {
 
-/// Adapts one quadtree in the shared memory of a group. Every thread holds the tree.
+/// Adapts one quadtree in the shared memory of a group.
 struct GroupAdaption {
   static constexpr uint32_t kBits = QuadtreeWeights::kBits;
-  static constexpr uint32_t kBatch = 128;  ///< samples between two waits
+  static constexpr uint32_t kBatch = 128;  ///< samples between two barriers
 
   QuadtreeWeights weights;  ///< of the tree; the caller sets them
 
-  /// As the other adapt().
+  /// As the free function adapt(), by all threads of the group. Each thread passes its own copy of the tree.
   template <typename Group, typename Samples>
   RELUME_HD uint32_t adapt(const Group& group, DirectionalQuadtree& tree, const Samples& samples, uint32_t count,
                            const QuadtreeAdaption& options) {
@@ -79,7 +79,7 @@ struct GroupAdaption {
     });
   }
 
-  /// As the other choose_migration().
+  /// As the free function choose_migration().
   template <typename Group>
   RELUME_HD MigrationChoice choose_migration(const Group& group, const DirectionalQuadtree& tree,
                                              const QuadtreeAdaption& options) {
@@ -111,7 +111,7 @@ struct GroupAdaption {
     return choice;
   }
 
-  /// As the other migrate(). The weights pass through `scratch_`.
+  /// As the free function migrate(). Builds the joined weights in `scratch_`.
   template <typename Group>
   RELUME_HD uint32_t migrate(const Group& group, DirectionalQuadtree& tree, const MigrationChoice& choice,
                              float share) {
@@ -140,7 +140,7 @@ struct GroupAdaption {
     return inserted;
   }
 
-  QuadtreeWeights scratch_;       ///< sums of this call, or weights during a migration
+  QuadtreeWeights scratch_;       ///< sums of this call; during a migration, the joined weights
   QuadtreeSpread around_[kBits];  ///< of leaves with a sum
   uint32_t leaves_[kBatch];       ///< of samples
   float squares_[kBatch];

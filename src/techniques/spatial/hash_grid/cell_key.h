@@ -103,7 +103,8 @@ struct CellKeys {
     return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser);
   }
 
-  /// Address of the cell at `position` with the other inputs of `p`. Cells beyond ±2^63 coincide with the last one.
+  /// Address of the cell at `position` with the other inputs of `p`. Cell indices are
+  /// clamped to 64 bits per axis, so all cells beyond share the address of the last one.
   RELUME_HD CellAddress address_at(const glm::dvec3& position, const CellPoint& p, int level, int coarser) const {
     const glm::dvec3 cell = glm::floor(grid_position(position, level));
     const glm::i64vec3 whole(math::truncate_to_int64(cell.x), math::truncate_to_int64(cell.y),

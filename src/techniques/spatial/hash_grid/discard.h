@@ -92,8 +92,8 @@ struct DiscardCellsKernel {
   }
 };
 
-/// Key below which all cells are except the `count` with the largest keys; 0 < count ≤ number of live cells. Determines
-/// one byte at a time, and stops as soon as all cells with that prefix are among them; later bytes are then 0.
+/// Lower bound on the `count` largest keys, above all other keys; 0 < count ≤ number of live cells. Determines one byte
+/// at a time, and stops as soon as all cells with that prefix are among the `count`; later bytes are then 0.
 inline DiscardKey discard_threshold(Backend& backend, std::string_view name, const KeyedCells& cells, uint64_t count,
                                     Memory& memory) {
   Array<uint32_t> counts(memory);
