@@ -131,8 +131,8 @@ struct CountDistinctKeysKernel {
   }
 };
 
-/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; above, at least 2 kMostSlots. `set`: memory for
-/// the keys, two to four per sample.
+/// Number of distinct keys of waiting samples. Exact up to 2 kMostSlots; above, at least 2 kMostSlots. `set`: memory
+/// for the keys, two to four per sample.
 inline uint64_t distinct_keys(Backend& backend, std::string_view name, View<const WaitingSample> samples,
                               const CellKeys& keys, Array<uint64_t>& set) {
   KernelValue<uint64_t> distinct(set.memory());
