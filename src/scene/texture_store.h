@@ -22,7 +22,7 @@ class TextureStore {
   TextureSampler operator[](size_t i) const;
   /// Makes the arrays of view() readable by the host until the next launch.
   void open_for_host() const;
-  size_t memory_bytes() const { return data_.memory_bytes() + texels_.memory_bytes() + srgb_table_.memory_bytes(); }
+  size_t memory_bytes() const { return records_.memory_bytes() + texels_.memory_bytes() + srgb_table_.memory_bytes(); }
 
  private:
   Array<TextureRecord> records_;

@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// Cells in random slots; few ages, counts and buckets, so that every part of a rank decides somewhere.
+/// Cells in random slots; few ages, counts and buckets, so that every part of a key decides somewhere.
 struct Cells {
   explicit Cells(uint32_t slots) {
     fingerprints.reset(slots);
@@ -32,11 +32,11 @@ struct Cells {
     std::vector<uint32_t> slots;
     for (uint32_t i = 0; i < histories.size(); ++i)
       if (!histories.read()[i].empty()) slots.push_back(i);
-    const auto rank = [&](uint32_t i) {
+    const auto key = [&](uint32_t i) {
       const CellHistory& cell = histories.read()[i];
       return std::tuple(cell.age, -cell.moments.count, fingerprints.read()[i], bucket_hashes.read()[i]);
     };
-    std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
+    std::sort(slots.begin(), slots.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
     return slots;
   }
 
