@@ -55,8 +55,8 @@ inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Mem
                                    memory);
 }
 
-/// Name of a session's own work in timings: in a frame, it clears, copies and restores
-/// buffers, rebuilds edited parts of the scene, and advances the scene.
+/// Name of a session's own work in timings: in a frame, it clears, copies and restores buffers, rebuilds edited parts
+/// of the scene, and advances the scene.
 inline constexpr std::string_view kSessionWork = "session";
 
 /// Name of changes of the scene between frames in timings.

@@ -100,8 +100,8 @@ INSTANTIATE_TEST_SUITE_P(Some, FailingMemory,
                          ::testing::Values("vlc_cdq_combination", "apsf_apg", "reproject", "svgf", "static_lists"),
                          [](const auto& instance) { return std::string(instance.param); });
 
-// A failed frame leaves what a stopped one does, after which all histories end. Octrees are an exception: one that has
-// not adapted to the samples of the frame before loses them.
+// A failed frame leaves what a stopped one does, after which all histories end. Techniques with an octree are left out:
+// their images differ, though both are unbiased.
 class FailedFrame : public FailingMemory {};
 TEST_P(FailedFrame, EqualsAStopAndAChangeOfSettings) {
   const RenderSettings settings = settings_of(GetParam());

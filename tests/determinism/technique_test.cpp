@@ -244,8 +244,8 @@ void watch_accesses(Session& session, testing::WalledMemory& memory) {
 }
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,
-/// host code may open only blocks smaller than a buffer of pixels there. The limit cannot detect loops over smaller
-/// arrays.
+/// host code may open only small blocks there, and tables of constants. Loops over vectors of the host are not
+/// detected.
 TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
 #if !__has_builtin(__builtin_clear_padding)
   GTEST_SKIP() << "the compiler cannot clear padding, which may look like an address";
