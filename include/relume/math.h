@@ -1,7 +1,7 @@
 // Vectors and matrices of the public interface, from glm.
 #pragma once
 
-#if defined(__CUDACC__)
+#if defined(__CUDACC__) && !defined(CUDA_VERSION)
 #include <cuda.h>  // glm 0.9.9 finds the CUDA version only through this header
 #endif
 

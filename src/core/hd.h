@@ -17,7 +17,7 @@
 
 // The same, never inlined: keeps rare surface features out of the inlined common path.
 #if defined(__CUDACC__)
-#define RELUME_HD_NOINLINE __host__ __device__ __noinline__
+#define RELUME_HD_NOINLINE __host__ __device__ __attribute__((noinline))
 #else
 #define RELUME_HD_NOINLINE [[gnu::noinline]]
 #endif
