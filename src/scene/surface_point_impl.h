@@ -41,6 +41,7 @@ struct UvSet {
 
   RELUME_HD UvSet() = default;
   RELUME_HD UvSet(const Vec2& a, const Vec2& b, const Vec2& c) : origin(a), d1(b - a), d2(c - a) {}
+  RELUME_HD Vec2 at(const Vec3& weights) const { return origin + d1 * weights.y + d2 * weights.z; }
   RELUME_HD float determinant() const { return d1.x * d2.y - d1.y * d2.x; }
 };
 
@@ -62,7 +63,7 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
   for (uint32_t set = 0; set < 2; ++set) {
     if (set == 0 ? !mesh.has_uv : !mesh.has_uv1) continue;
     const UvSet corners = uv_set(scene, mesh, t, set);
-    result.uv[set] = corners.origin + corners.d1 * t.weights.y + corners.d2 * t.weights.z;
+    result.uv[set] = corners.at(t.weights);
     result.density[set] = std::fabs(corners.determinant()) / twice_area;
   }
   return result;
@@ -380,9 +381,9 @@ RELUME_HD inline float opacity(const SceneView& scene, uint32_t instance_index, 
   const TriangleAt t = triangle_at(scene, mesh, primitive, u, v);
   float alpha = material.alpha;
   if (material.base_color_texture.used()) {
-    const Uv uv = uv_at(scene, mesh, t, 1.0f);
     const TextureUse& use = material.base_color_texture;
-    alpha *= scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0).w;
+    const Vec2 uv = uv_set(scene, mesh, t, use.uv_set).at(t.weights);
+    alpha *= scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv), 0).w;
   }
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;
