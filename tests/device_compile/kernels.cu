@@ -1,6 +1,5 @@
 // Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique, the primitives
 // and the scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
-#include "accel/bvh/traverse.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"
 #include "core/hash.h"
@@ -52,23 +51,6 @@ struct CoreKernel {
   }
 };
 
-/// Opacity of a scene without textures.
-struct Opaque {
-  RELUME_HD float operator()(uint32_t, uint32_t, float, float) const { return 1.0f; }
-};
-
-/// Queries a BVH by the traversal that host and device share.
-struct BvhKernel {
-  BvhView bvh;
-  View<const Ray> rays;
-  View<Hit> hits;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t) const {
-    hits[x] = bvh_intersect(bvh, rays[x], x, kFromCamera, Opaque{});
-    if (bvh_occluded(bvh, rays[x], x, 0u, Opaque{})) hits[x].primitive = kNoHit;
-  }
-};
-
 }  // namespace relume::device
 
 /// Compiles a kernel of the given type.
@@ -78,6 +60,5 @@ struct BvhKernel {
 #define RELUME_GROUP_KERNEL(...) template __global__ void relume::device::run_group(__VA_ARGS__)
 
 RELUME_KERNEL(relume::device::CoreKernel);
-RELUME_KERNEL(relume::device::BvhKernel);
 
 #include "all_kernels.inc"

@@ -53,33 +53,34 @@ class BoxRay {
   }
 
   /// Bit i of the result is set if the ray enters child i before `t_max`, at a distance of at least entries[i] ≥ 0.
-  RELUME_HD_INLINE uint32_t enter(const BvhNode& node, float t_max, float* entries) const {
-#if defined(__CUDACC__)
-    return enter_one_by_one(node, t_max, entries);
-#else
-    return enter_at_once(node, t_max, entries);
-#endif
-  }
-
-  RELUME_HD_INLINE uint32_t enter_one_by_one(const BvhNode& node, float t_max, float* entries) const {
-    uint32_t entered = 0;
+  RELUME_HD_INLINE uint32_t enter_one_by_one(const BvhNode& node, float t_max, float (&entries)[kBvhWidth]) const {
+    float last[kBvhWidth];
     for (uint32_t i = 0; i < kBvhWidth; ++i) {
-      float first = 0.0f;
-      float last = t_max;
-      for (int axis = 0; axis < 3; ++axis) {
-        const uint32_t row = near_row_[axis];
-        first = max(node.bounds[row][i] * inverse_[axis] + near_[axis], first);
-        last = min(node.bounds[row ^ 1u][i] * inverse_[axis] + far_[axis], last);
-      }
-      entries[i] = first;
-      entered |= (first <= last ? 1u : 0u) << i;
+      entries[i] = 0.0f;
+      last[i] = t_max;
     }
+    clip_all(node, 0, entries, last);
+    clip_all(node, 1, entries, last);
+    clip_all(node, 2, entries, last);
+    uint32_t entered = 0;
+    for (uint32_t i = 0; i < kBvhWidth; ++i) entered |= (entries[i] <= last[i] ? 1u : 0u) << i;
     return entered;
   }
 
+  /// Whether the ray enters child `i` before `t_max`.
+  RELUME_HD_INLINE bool enters(const BvhNode& node, uint32_t i, float t_max) const {
+    float first = 0.0f;
+    float last = t_max;
+    for (int axis = 0; axis < 3; ++axis) {
+      const uint32_t row = near_row_[axis];
+      clip(axis, node.bounds[row][i], node.bounds[row ^ 1u][i], first, last);
+    }
+    return first <= last;
+  }
+
 #if !defined(__CUDACC__)
-  /// Host: the same in vector registers.
-  RELUME_HD_INLINE uint32_t enter_at_once(const BvhNode& node, float t_max, float* entries) const {
+  /// Host: enter_one_by_one() in vector registers.
+  RELUME_HD_INLINE uint32_t enter_at_once(const BvhNode& node, float t_max, float (&entries)[kBvhWidth]) const {
     using namespace bvh_detail;
     Floats4 first{0, 0, 0, 0};
     Floats4 last{t_max, t_max, t_max, t_max};
@@ -94,6 +95,24 @@ class BoxRay {
 #endif
 
  private:
+  /// Clips [first, last] to the planes of an axis that face the origin and that face away.
+  RELUME_HD_INLINE void clip(int axis, float near_plane, float far_plane, float& first, float& last) const {
+    first = max(near_plane * inverse_[axis] + near_[axis], first);
+    last = min(far_plane * inverse_[axis] + far_[axis], last);
+  }
+
+  /// Clips the intervals [first[i], last[i]] to the planes of children i.
+  RELUME_HD_INLINE void clip_all(const BvhNode& node, int axis, float (&first)[kBvhWidth],
+                                 float (&last)[kBvhWidth]) const {
+    static_assert(kBvhWidth == 4);
+    const uint32_t r = near_row_[axis];
+    const uint32_t s = r ^ 1u;
+    // By constant columns, so that device compilers know the alignment and load a row at once.
+    const float near_planes[] = {node.bounds[r][0], node.bounds[r][1], node.bounds[r][2], node.bounds[r][3]};
+    const float far_planes[] = {node.bounds[s][0], node.bounds[s][1], node.bounds[s][2], node.bounds[s][3]};
+    for (uint32_t i = 0; i < kBvhWidth; ++i) clip(axis, near_planes[i], far_planes[i], first[i], last[i]);
+  }
+
   Vec3 inverse_;
   Vec3 near_;             ///< ray parameter of the plane through 0, less the margin
   Vec3 far_;              ///< the same, plus the margin

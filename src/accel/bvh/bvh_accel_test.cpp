@@ -129,7 +129,7 @@ TEST(BvhAccel, FindsGridsThatAreSquashed) {
   }
 }
 
-TEST(BvhAccel, BothFormsOfTheBoxTestAgree) {
+TEST(BvhAccel, FormsOfTheBoxTestAgree) {
   Random random(81);
   for (int i = 0; i < 20000; ++i) {
     BvhNode node;
@@ -149,7 +149,10 @@ TEST(BvhAccel, BothFormsOfTheBoxTestAgree) {
     float entries[2][kBvhWidth];
     const uint32_t entered = ray.enter_one_by_one(node, t_max, entries[0]);
     ASSERT_EQ(ray.enter_at_once(node, t_max, entries[1]), entered) << i;
-    for (uint32_t child = 0; child < kBvhWidth; ++child) ASSERT_EQ(entries[0][child], entries[1][child]) << i;
+    for (uint32_t child = 0; child < kBvhWidth; ++child) {
+      ASSERT_EQ(entries[0][child], entries[1][child]) << i;
+      ASSERT_EQ(ray.enters(node, child, t_max), (entered >> child & 1u) != 0) << i;
+    }
   }
 }
 

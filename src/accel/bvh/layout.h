@@ -17,8 +17,7 @@ inline constexpr uint32_t kBvhWidth = 4;  ///< children of a node
 /// Maximum number of nodes from the root of a tree to a leaf, ensured by the builder.
 inline constexpr uint32_t kTopDepth = 16;
 inline constexpr uint32_t kMeshDepth = 24;
-/// A ray postpones at most three children of each node on its path.
-inline constexpr uint32_t kBvhStackSize = (kBvhWidth - 1) * (kTopDepth + kMeshDepth);
+inline constexpr uint32_t kBvhDepth = kTopDepth + kMeshDepth;  ///< through both levels
 
 /// A child of a node, or the root of a tree: an inner node, a range of triangles, an instance, or nothing.
 struct BvhChild {

@@ -1,5 +1,6 @@
 #include "accel/bvh/queries.h"
 
+#include "accel/bvh/postponed_children.h"
 #include "accel/bvh/traverse.h"
 #include "accel/host_accel.h"
 
@@ -19,11 +20,11 @@ struct SceneOpacity {
 }  // namespace
 
 Hit nearest_in_bvh(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned camera) {
-  return bvh_intersect(accel.bvh, ray, ray_id, camera, SceneOpacity{accel.host});
+  return bvh_intersect<PostponedChildren>(accel.bvh, ray, ray_id, camera, SceneOpacity{accel.host});
 }
 
 bool blocked_in_bvh(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned camera) {
-  return bvh_occluded(accel.bvh, ray, ray_id, camera, SceneOpacity{accel.host});
+  return bvh_occluded<PostponedChildren>(accel.bvh, ray, ray_id, camera, SceneOpacity{accel.host});
 }
 
 }  // namespace relume

@@ -4,8 +4,6 @@
 // only. So results do not depend on the shape of the tree or the order of visits.
 #pragma once
 
-#include <bit>
-
 #include "accel/bvh/box_ray.h"
 #include "accel/bvh/layout.h"
 #include "accel/bvh/sheared_ray.h"
@@ -24,16 +22,20 @@ RELUME_HD_INLINE TriangleCorners placed_corners(const BvhTriangle& triangle, con
   return {place(triangle.p0), place(triangle.p1), place(triangle.p2)};
 }
 
-/// One query. `opacity(instance, primitive, u, v)` returns the opacity of a point, in [0, 1].
-template <bool kAnyHit, typename Opacity>
+/// One query. `opacity(instance, primitive, u, v)` returns the opacity of a point, in [0, 1]. `postponed`: a stack for
+/// the children of nodes that the ray visits later: PostponedChildren or PostponedNodes. It is outside of the object,
+/// because compilers keep objects with arrays in memory.
+template <bool kAnyHit, typename Postponed, typename Opacity>
 class BvhTraversal {
  public:
-  RELUME_HD BvhTraversal(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera, const Opacity& opacity)
+  RELUME_HD BvhTraversal(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera, const Opacity& opacity,
+                         Postponed& postponed)
       : bvh_(bvh),
         ray_(ray),
         ray_id_(ray_id),
         camera_(camera),
         opacity_(opacity),
+        postponed_(postponed),
         sheared_(ray.origin, ray.direction),
         boxes_(ray.origin, ray.direction, Vec3(kBoxMargin), max_component(abs(ray.origin)),
                max_component(abs(ray.direction))),
@@ -41,24 +43,25 @@ class BvhTraversal {
         t_(ray.t_max) {}
 
   /// Finds the nearest hit, or any.
-  RELUME_HD void run() {
+  RELUME_HD_INLINE void run() {
     BvhChild child = bvh_.root;
     while (!child.is_none()) {
       if (child.is_node()) {
-        child = descend(bvh_.nodes[child.node_index()]);
+        if (postponed_.descend(bvh_.nodes, boxes_, t_, size_, child)) continue;
       } else if (child.is_instance()) {
         child = enter(bvh_.instances[child.index()]);
+        continue;
       } else {
         test(child);
         if (kAnyHit && found()) return;
-        child = pop();
       }
+      child = pop();
     }
   }
 
   RELUME_HD bool found() const { return primitive_ != kNoHit; }
 
-  RELUME_HD Hit hit() const {
+  RELUME_HD_INLINE Hit hit() const {
     if (!found()) return {};
     const TriangleCorners c = placed_corners(bvh_.triangles[triangle_], hit_node_);
     const TriangleHit on = intersect_triangle(ray_.origin, ray_.direction, c.p0, c.p1, c.p2);
@@ -66,52 +69,13 @@ class BvhTraversal {
   }
 
  private:
-  /// A postponed child. `entry`: lower bound of the distance of any hit below it.
-  struct Entry {
-    BvhChild child;
-    float entry;
-  };
-
-  /// Keeps the entered children for later, except the nearest, which is returned.
-  RELUME_HD_INLINE BvhChild descend(const BvhNode& node) {
-    float entries[kBvhWidth];
-    uint32_t entered = boxes_.enter(node, t_, entries);
-    if (entered == 0) return pop();
-    uint32_t i = lowest(entered);
-    entered &= entered - 1;
-    Entry nearest{node.children[i], entries[i]};
-    if (entered == 0) return nearest.child;
-    const uint32_t first = size_;
-    for (; entered != 0; entered &= entered - 1) {
-      i = lowest(entered);
-      Entry next{node.children[i], entries[i]};
-      if (next.entry < nearest.entry) {
-        const Entry swapped = nearest;
-        nearest = next;
-        next = swapped;
-      }
-      uint32_t at = size_++;
-      for (; at > first && stack_[at - 1].entry < next.entry; --at) stack_[at] = stack_[at - 1];
-      stack_[at] = next;
-    }
-    return nearest.child;
-  }
-
-  /// Position of the lowest set bit.
-  RELUME_HD_INLINE static uint32_t lowest(uint32_t bits) {
-#if RELUME_DEVICE_CODE
-    return static_cast<uint32_t>(__ffs(static_cast<int>(bits)) - 1);
-#else
-    return static_cast<uint32_t>(std::countr_zero(bits));
-#endif
-  }
-
+  /// The next postponed child that the ray enters before the nearest hit so far.
   RELUME_HD_INLINE BvhChild pop() {
     for (;;) {
       if (node_ && size_ == node_floor_) leave();
       if (size_ == 0) return BvhChild::none();
-      const Entry& last = stack_[--size_];
-      if (last.entry <= t_) return last.child;
+      BvhChild child;
+      if (postponed_.pop(bvh_.nodes, boxes_, t_, size_, child)) return child;
     }
   }
 
@@ -169,6 +133,7 @@ class BvhTraversal {
   uint32_t ray_id_;
   unsigned camera_;  ///< kFromCamera, kToCamera or 0
   const Opacity& opacity_;
+  Postponed& postponed_;
   ShearedRay sheared_;
   BoxRay boxes_;        ///< in the space of the current tree
   BoxRay world_boxes_;  ///< saved while in an instance
@@ -181,7 +146,6 @@ class BvhTraversal {
   uint32_t primitive_ = kNoHit;
   uint32_t triangle_ = 0;
   const BvhInstance* hit_node_ = nullptr;
-  Entry stack_[kBvhStackSize];
 };
 
 /// Whether the BVH can answer the ray; others hit nothing.
@@ -190,21 +154,23 @@ RELUME_HD inline bool bvh_can_trace(const Ray& ray) {
 }
 
 /// As intersect() and intersect_from_camera() of accel.h. `camera`: kFromCamera or 0.
-template <typename Opacity>
-RELUME_HD Hit bvh_intersect(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
-                            const Opacity& opacity) {
+template <typename Postponed, typename Opacity>
+RELUME_HD_INLINE Hit bvh_intersect(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
+                                   const Opacity& opacity) {
   if (!bvh_can_trace(ray)) return {};
-  BvhTraversal<false, Opacity> traversal(bvh, ray, ray_id, camera, opacity);
+  Postponed postponed;
+  BvhTraversal<false, Postponed, Opacity> traversal(bvh, ray, ray_id, camera, opacity, postponed);
   traversal.run();
   return traversal.hit();
 }
 
 /// As occluded() and occluded_to_camera() of accel.h. `camera`: kToCamera or 0.
-template <typename Opacity>
-RELUME_HD bool bvh_occluded(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
-                            const Opacity& opacity) {
+template <typename Postponed, typename Opacity>
+RELUME_HD_INLINE bool bvh_occluded(const BvhView& bvh, const Ray& ray, uint32_t ray_id, unsigned camera,
+                                   const Opacity& opacity) {
   if (!bvh_can_trace(ray)) return false;
-  BvhTraversal<true, Opacity> traversal(bvh, ray, ray_id, camera, opacity);
+  Postponed postponed;
+  BvhTraversal<true, Postponed, Opacity> traversal(bvh, ray, ray_id, camera, opacity, postponed);
   traversal.run();
   return traversal.found();
 }

@@ -5,11 +5,32 @@
 
 #include <gtest/gtest.h>
 
+#include "accel/bvh/postponed_nodes.h"
+#include "accel/bvh/traverse.h"
 #include "accel/testing/soup.h"
 
 namespace relume::testing {
 
 inline constexpr uint32_t kRayId = 7;
+
+/// The traversals of device code must return the hits of an exhaustive search, too. `nearest`, `from_camera`: those
+/// hits. `to_camera`: whether anything blocks the ray to the camera.
+inline void expect_device_hits(const Soup& soup, const AccelView& accel, const Ray& ray, const Hit& nearest,
+                               const Hit& from_camera, bool to_camera) {
+  const auto opacity = [&](uint32_t instance, uint32_t primitive, float u, float v) {
+    return soup.opacity_of(instance, primitive, u, v);
+  };
+  const Hit hit = bvh_intersect<PostponedNodes>(accel.bvh, ray, kRayId, 0, opacity);
+  ASSERT_EQ(hit.instance, nearest.instance);
+  ASSERT_EQ(hit.primitive, nearest.primitive);
+  ASSERT_EQ(hit.t, nearest.t);
+  ASSERT_EQ(hit.u, nearest.u);
+  ASSERT_EQ(hit.v, nearest.v);
+  ASSERT_EQ(bvh_intersect<PostponedNodes>(accel.bvh, ray, kRayId, kFromCamera, opacity).primitive,
+            from_camera.primitive);
+  ASSERT_EQ(bvh_occluded<PostponedNodes>(accel.bvh, ray, kRayId, 0, opacity), nearest.valid());
+  ASSERT_EQ(bvh_occluded<PostponedNodes>(accel.bvh, ray, kRayId, kToCamera, opacity), to_camera);
+}
 
 /// Every query of `accel` must return the hits of an exhaustive search, bit for bit.
 inline void expect_exhaustive_hit(const Soup& soup, const AccelView& accel, const Ray& ray) {
@@ -25,7 +46,8 @@ inline void expect_exhaustive_hit(const Soup& soup, const AccelView& accel, cons
   const Hit expected_from_camera = exhaustive_hit(soup, ray, kRayId, kFromCamera);
   ASSERT_EQ(from_camera.instance, expected_from_camera.instance);
   ASSERT_EQ(from_camera.primitive, expected_from_camera.primitive);
-  ASSERT_EQ(occluded_to_camera(accel, ray, kRayId), exhaustive_hit(soup, ray, kRayId, kToCamera).valid());
+  const bool to_camera = exhaustive_hit(soup, ray, kRayId, kToCamera).valid();
+  ASSERT_EQ(occluded_to_camera(accel, ray, kRayId), to_camera);
   Hit in_packet;
   bool blocked = false;
   intersect_packet(accel, &ray, &kRayId, &in_packet, 1);
@@ -33,6 +55,7 @@ inline void expect_exhaustive_hit(const Soup& soup, const AccelView& accel, cons
   ASSERT_EQ(in_packet.primitive, expected.primitive);
   ASSERT_EQ(in_packet.t, expected.t);
   ASSERT_EQ(blocked, expected.valid());
+  if (accel.choice == AccelChoice::bvh) expect_device_hits(soup, accel, ray, expected, expected_from_camera, to_camera);
 }
 
 /// All world-space corners of the scene.

@@ -31,9 +31,6 @@ struct dim3 {
 };
 #include <__clang_cuda_builtin_vars.h>
 
-/// Position of the lowest bit that is set, from 1 on; 0 for 0.
-static __device__ __forceinline__ int __ffs(int bits) { return __builtin_ffs(bits); }
-
 static __device__ __forceinline__ unsigned atomicAdd(unsigned* word, unsigned value) {
   return __atomic_fetch_add(word, value, __ATOMIC_RELAXED);
 }
