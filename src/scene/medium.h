@@ -2,6 +2,7 @@
 // around it.
 #pragma once
 
+#include "scene/ray_queries.h"
 #include "scene/surface_point.h"
 
 namespace relume {
@@ -55,7 +56,7 @@ RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
   uint32_t count = 0;
   Rgb sum(0);
   for (uint32_t step = 0; step < kMaxSteps && scene.absorbs; ++step) {
-    const Hit hit = intersect(scene.accel, ray, step);
+    const Hit hit = intersect(scene, ray, step);
     if (!hit.valid()) break;
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, 0.0f, sp);

@@ -131,8 +131,7 @@ class Poisoned {
 
   std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index) {
     std::vector<Hit> hits(kPixels);
-    const PrimaryHitsKernel primary{
-        context.scene.accel, context.scene.camera, index, mutable_view_of(hits), {}, kWidth};
+    const PrimaryHitsKernel primary{context.scene, index, mutable_view_of(hits), {}, kWidth};
     launch(backend_, "gbuffer", primary, kWidth, kHeight);
     std::vector<VertexSample> samples(kPixels);
     PathRecording recording{.octree = tree_.view(), .sampled = tree_.view(), .samples = mutable_view_of(samples)};

@@ -61,7 +61,7 @@ struct MeasureEdgesKernel {
     return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       const Ray ray = camera_ray(scene.camera, x, y, sampler);
       const uint32_t ray_id = sampler.camera_ray_id();
-      return tracer.trace(ray, intersect_from_camera(scene.accel, ray, ray_id), ray_id).emission;
+      return tracer.trace(ray, intersect_from_camera(scene, ray, ray_id), ray_id).emission;
     });
   }
 };

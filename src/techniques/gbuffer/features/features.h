@@ -193,7 +193,7 @@ struct FeatureTracer {
       if (next.reflected) unfold = unfold * mirror_matrix(sp.frame.n);
       const Ray ray = sp.spawn_ray(next.wi);
       medium = medium_along(scene, sp, next.wi, medium);
-      hit = intersect(scene.accel, ray, hash(ray_id, step));
+      hit = intersect(scene, ray, hash(ray_id, step));
       if (!hit.valid()) {
         reach_background(camera_ray, ray, seen, path_id, f);
         return f;

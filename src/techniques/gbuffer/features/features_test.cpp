@@ -209,8 +209,7 @@ TEST(Features, TilesMatchSinglePixels) {
   for (const char* name : {"cornell-mirror", "mine"}) {
     const CompiledScene scene(find_builtin_scene(name)->build(), CompileOptions{.width = kWidth, .height = kHeight});
     std::vector<Hit> hits(kPixels);
-    const PrimaryHitsKernel primary{
-        scene.view().accel, scene.view().camera, FeatureBuffers::kIndex, mutable_view_of(hits), {}, kWidth};
+    const PrimaryHitsKernel primary{scene.view(), FeatureBuffers::kIndex, mutable_view_of(hits), {}, kWidth};
     FeatureBuffers single;
     FeatureBuffers tiles;
     const FeatureKernel one = single.kernel(scene, hits);

@@ -2,6 +2,7 @@
 // lobe's width. Reflections move with that image, not with the surface.
 #pragma once
 
+#include "scene/ray_queries.h"
 #include "scene/surface_point.h"
 #include "techniques/temporal/reprojection/backward.h"
 
@@ -90,7 +91,7 @@ struct ReflectionTracer {
   RELUME_HD void trace(const Vec3& wi, bool reflected, float alpha, uint32_t ray_id, Reflection& r) const {
     using namespace reflection_detail;
     const Ray ray = sp.spawn_ray(wi);
-    const Hit seen = intersect(scene.accel, ray, ray_id);
+    const Hit seen = intersect(scene, ray, ray_id);
     const float distance = seen.valid() ? seen.t : kBackgroundDistance;
     const float bend = reflected ? curvature(scene, hit, sp.frame.n) : 0.0f;
     const float behind = image_distance(distance, bend);

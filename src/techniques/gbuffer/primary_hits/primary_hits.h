@@ -1,6 +1,7 @@
 // The first vertex of every path: traces camera rays and writes the surface properties of hits.
 #pragma once
 
+#include "scene/ray_queries.h"
 #include "scene/surface_point.h"
 #include "techniques/gbuffer/primary_hits/camera_packet.h"
 
@@ -8,8 +9,7 @@ namespace relume {
 
 /// Traces the camera rays of pixels that receive a sample; other pixels get no hit.
 struct PrimaryHitsKernel {
-  AccelView accel;
-  CameraView camera;
+  SceneView scene;
   SampleIndex index;
   View<Hit> hits;
   View<const uint32_t> allocation;  ///< samples of each pixel, 0 or 1; empty: 1
@@ -21,8 +21,8 @@ struct PrimaryHitsKernel {
       return;
     }
     Sampler sampler = index.sampler(x, y);
-    const Ray ray = lone_camera_ray(camera, x, y, sampler);
-    hits[y * width + x] = intersect_from_camera(accel, ray, sampler.camera_ray_id());
+    const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    hits[y * width + x] = intersect_from_camera(scene, ray, sampler.camera_ray_id());
   }
 
   /// Traces packets of two rows, or of the pixels that receive a sample.
@@ -54,9 +54,9 @@ struct PrimaryHitsKernel {
   }
   void trace(CameraPacket& packet) const {
     if (packet.count == 0) return;
-    packet.generate(camera, index);
+    packet.generate(scene.camera, index);
     Hit found[kPacketSize];
-    intersect_packet_from_camera(accel, packet.rays, packet.ids, found, packet.count);
+    intersect_packet_from_camera(scene.accel, packet.rays, packet.ids, found, packet.count);
     for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
   }
   RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }

@@ -23,12 +23,8 @@ void bm_primary_hits(benchmark::State& state) {
   Backend backend(1);
   uint32_t sample = 0;
   for (auto _ : state) {
-    const PrimaryHitsKernel kernel{cornell().view().accel,
-                                   cornell().view().camera,
-                                   SampleIndex{.sample = sample++},
-                                   mutable_view_of(hits),
-                                   {},
-                                   kWidth};
+    const PrimaryHitsKernel kernel{
+        cornell().view(), SampleIndex{.sample = sample++}, mutable_view_of(hits), {}, kWidth};
     launch(backend, "gbuffer", kernel, kWidth, kHeight);
   }
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
@@ -38,8 +34,7 @@ BENCHMARK(bm_primary_hits);
 /// Computes the surface points of a frame's hits.
 void bm_make_surface_point(benchmark::State& state) {
   std::vector<Hit> hits(kWidth * kHeight);
-  const PrimaryHitsKernel kernel{
-      cornell().view().accel, cornell().view().camera, SampleIndex{}, mutable_view_of(hits), {}, kWidth};
+  const PrimaryHitsKernel kernel{cornell().view(), SampleIndex{}, mutable_view_of(hits), {}, kWidth};
   Backend backend(1);
   launch(backend, "gbuffer", kernel, kWidth, kHeight);
   std::vector<Ray> rays;

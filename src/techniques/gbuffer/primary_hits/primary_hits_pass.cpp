@@ -12,7 +12,7 @@ PassDeclaration PrimaryHitsPass::declaration() const {
 }
 
 bool PrimaryHitsPass::run(const FrameContext& frame) {
-  PrimaryHitsKernel kernel{frame.scene.accel, frame.scene.camera, frame.index, {}, {}, frame.width()};
+  PrimaryHitsKernel kernel{frame.scene, frame.index, {}, {}, frame.width()};
   kernel.hits = frame.write(kPrimaryHits);
   if (only_samples_) kernel.allocation = frame.read(kAllocation);
   return frame.launch_or_stop("gbuffer", kernel);

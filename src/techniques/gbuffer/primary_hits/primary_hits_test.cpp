@@ -20,10 +20,10 @@ CompiledScene compile(const char* name, int width = kWidth, int height = kHeight
 }
 
 PrimaryHitsKernel kernel_for(const CompiledScene& scene, std::vector<Hit>& hits) {
-  const CameraView& camera = scene.view().camera;
-  const auto width = static_cast<uint32_t>(camera.resolution.x);
-  hits.assign(size_t{width} * static_cast<uint32_t>(camera.resolution.y), Hit{});
-  return {scene.view().accel, camera, SampleIndex{.seed = 3, .sample = 5}, mutable_view_of(hits), {}, width};
+  const Vec2 resolution = scene.view().camera.resolution;
+  const auto width = static_cast<uint32_t>(resolution.x);
+  hits.assign(size_t{width} * static_cast<uint32_t>(resolution.y), Hit{});
+  return {scene.view(), SampleIndex{.seed = 3, .sample = 5}, mutable_view_of(hits), {}, width};
 }
 
 /// Hits of all pixels must be equal, also at shared edges and coincident faces.

@@ -30,7 +30,7 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   SurfacePoint points[2];
   points[0] = sp;
   IncidentPolicy policy;
-  walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, policy);
+  walk(c, intersect(c.scene, path.ray, sampler.ray_id()), points, path, sampler, policy);
   return path.radiance - policy.nee_radiance;
 }
 

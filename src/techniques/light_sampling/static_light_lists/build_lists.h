@@ -9,7 +9,7 @@
 #include "core/fixed_point.h"
 #include "frame/launch.h"
 #include "frame/primitives/primitive.h"
-#include "scene/scene_view.h"
+#include "scene/ray_queries.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists.h"
 
 namespace relume {
@@ -125,7 +125,7 @@ struct CellVisibilityKernel {
     const uint32_t light = k % lights;
     if (k / lights % 2 == 1) {
       const Vec3 w = sphere_from_square({random(3), random(4)});
-      const Hit hit = intersect(scene.accel, {p, w, 2.0f * grid.cell_size}, hash(cell, k));
+      const Hit hit = intersect(scene, {p, w, 2.0f * grid.cell_size}, hash(cell, k));
       if (!hit.valid()) return;
       p += 0.999f * hit.t * w;
       if (grid.find(p) != cell) return;
@@ -134,7 +134,7 @@ struct CellVisibilityKernel {
     const LightSample s = sample_li(scene.lights, light, p, {random(5), random(6)});
     if (!s.valid()) return;
     const Ray ray{p, s.wi, 0.999f * s.distance};
-    if (occluded(scene.accel, ray, hash(cell, k, 1u))) return;
+    if (occluded(scene, ray, hash(cell, k, 1u))) return;
     atomic_or(&visible[cell * words + light / 64], uint64_t{1} << (light % 64));
   }
 };

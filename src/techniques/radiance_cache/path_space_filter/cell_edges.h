@@ -32,7 +32,7 @@ struct CellEdges {
     return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       PathState path = start_path(context, x, y, sampler);
       points[1].position = path.ray.origin;
-      const Hit hit = intersect_from_camera(context.scene.accel, path.ray, sampler.camera_ray_id());
+      const Hit hit = intersect_from_camera(context.scene, path.ray, sampler.camera_ray_id());
       arrive(context, hit, points[1], points[0], path, policy);
       return path.radiance;
     });

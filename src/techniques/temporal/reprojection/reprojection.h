@@ -137,7 +137,7 @@ struct DepthVoteKernel {
 
   /// Second validation: whether a shadow ray from the surface to the camera is blocked.
   RELUME_HD bool hidden(const Ray& ray, const SurfacePoint& sp, uint32_t index) const {
-    return occluded(scene.accel, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
+    return occluded(scene, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
   }
 
   /// Whether camera and surface keep their positions. A camera that only turns sees them from the same direction.
@@ -229,7 +229,7 @@ struct DepthVoteKernel {
     if (!light.valid()) return {};
     const float f = max_component(eval_pdf(sp, light.wi).f);
     if (!(f > 0.0f)) return {};
-    if (occluded(scene.accel, shadow_ray(sp, light), hash(seed, id))) return {};
+    if (occluded(scene, shadow_ray(sp, light), hash(seed, id))) return {};
     return {luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w, f};
   }
 };

@@ -15,8 +15,7 @@ void bm_depth_vote(benchmark::State& state) {
   constexpr uint32_t kSize = 256;
   const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
   std::vector<Hit> hits(kSize * kSize);
-  const PrimaryHitsKernel primary{
-      scene.view().accel, scene.view().camera, SampleIndex{}, mutable_view_of(hits), {}, kSize};
+  const PrimaryHitsKernel primary{scene.view(), SampleIndex{}, mutable_view_of(hits), {}, kSize};
   Backend backend(1);
   launch(backend, "gbuffer", primary, kSize, kSize);
   std::vector<StoredSample> stored(hits.size());

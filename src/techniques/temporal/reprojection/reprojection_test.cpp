@@ -40,7 +40,7 @@ struct Stage {
   void render() {
     std::fill(hits.begin(), hits.end(), Hit{});
     const SampleIndex index{.seed = 1, .sample = 3};
-    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kSize};
+    const PrimaryHitsKernel primary{scene.view(), index, mutable_view_of(hits), {}, kSize};
     PathKernel<RadianceOutput, FirstVertexOutput> kernel;
     kernel.context.scene = scene.view();
     kernel.context.selector.kind = LightSelectorKind::uniform;

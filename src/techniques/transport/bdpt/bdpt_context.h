@@ -82,7 +82,7 @@ struct ConnectionRoulette {
 /// Tests a path segment and counts the ray. Returns true if it is not blocked.
 RELUME_HD inline bool visible(const BdptContext& c, const Ray& ray, uint32_t ray_id, BdptCounters& counters) {
   ++counters.rays;
-  return !occluded(c.scene().accel, ray, ray_id);
+  return !occluded(c.scene(), ray, ray_id);
 }
 
 }  // namespace relume

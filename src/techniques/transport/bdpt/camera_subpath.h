@@ -227,7 +227,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) connect(c, sp, kept, e, sampler, roulette, counters);
     if (!continue_camera_subpath(c, sp, e, sampler)) break;
-    hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id());
+    hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
     ++counters.rays;
   }
   return e.path.radiance;

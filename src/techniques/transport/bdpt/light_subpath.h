@@ -92,7 +92,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
 RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnection& connection, const Rgb& contribution,
                                      BdptCounters& counters) {
   ++counters.rays;
-  if (!occluded_to_camera(c.scene().accel, connection.ray, connection.ray_id))
+  if (!occluded_to_camera(c.scene(), connection.ray, connection.ray_id))
     splat(c, connection.raster, contribution, counters);
 }
 
@@ -164,7 +164,7 @@ RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& len
   if (!c.scene().culls_back_faces) return false;
   Ray ray = l.path.ray;
   ray.t_max = lens.distance;
-  return !occluded_to_camera(c.scene().accel, ray, ray_id);
+  return !occluded_to_camera(c.scene(), ray, ray_id);
 }
 
 /// Samples the next direction. Returns false if the subpath ends here.
@@ -215,11 +215,11 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
       l.path.ray.t_max = lens_hit.distance;
       if (lens_hit.importance > 0.0f && !l.turned_away) {
         ++counters.rays;
-        if (!occluded_to_camera(c.scene().accel, l.path.ray, sampler.ray_id())) add_lens_hit(c, lens_hit, l, counters);
+        if (!occluded_to_camera(c.scene(), l.path.ray, sampler.ray_id())) add_lens_hit(c, lens_hit, l, counters);
       }
       break;
     }
-    const Hit hit = intersect(c.scene().accel, l.path.ray, sampler.ray_id());
+    const Hit hit = intersect(c.scene(), l.path.ray, sampler.ray_id());
     ++counters.rays;
     if (seen_through_lens(c, lens_hit, hit, sampler.ray_id(), l)) add_lens_hit(c, lens_hit, l, counters);
     SurfacePoint sp;

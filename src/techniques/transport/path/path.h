@@ -293,14 +293,14 @@ RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)
     }
     if (Connection connection; connect(c, sp, path, sampler, connection)) {
       ++path.rays;
-      const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
+      const bool visible = !occluded(c.scene, connection.ray, connection.ray_id);
       if (visible) path.radiance += connection.contribution;
       policy.connected(sp, path, connection, visible);
     }
     const BsdfSample s = c.directions.sample(sp, sampler);
     if (!follow(c, sp, s, path, sampler)) break;
     policy.scattered(sp, s, path);
-    hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
+    hit = intersect(c.scene, path.ray, sampler.ray_id());
     ++path.rays;
   }
   policy.finished(path);

@@ -78,7 +78,7 @@ class CachedFrames {
   void trace() {
     const SampleIndex index{.seed = settings_.seed, .sequence = frame_, .frame = frame_};
     const SceneView view = scene_.view();
-    run("gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits_), {}, width()});
+    run("gbuffer", PrimaryHitsKernel{view, index, mutable_view_of(hits_), {}, width()});
     PathContext context;
     context.scene = view;
     context.selector.uniform = make_uniform_lights(view.lights);

@@ -67,8 +67,7 @@ class BdptFrame {
   void run(uint32_t seed, uint32_t sample) {
     const SampleIndex index{.seed = seed, .sample = sample, .frame = sample, .age = sample};
     const SceneView& view = compiled.view();
-    launch(backend, "gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits), {}, width()},
-           width(), height());
+    launch(backend, "gbuffer", PrimaryHitsKernel{view, index, mutable_view_of(hits), {}, width()}, width(), height());
     launch(backend, "trace",
            BdptKernel{context(),
                       index,

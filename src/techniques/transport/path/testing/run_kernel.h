@@ -42,7 +42,7 @@ std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettin
   const SampleIndex index{.seed = 7, .sample = settings.sample};
   std::vector<Hit> hits(size_t{settings.width} * settings.height);
   std::vector<uint32_t> rays(hits.size());
-  const PrimaryHitsKernel primary{view.accel, view.camera, index, mutable_view_of(hits), {}, settings.width};
+  const PrimaryHitsKernel primary{view, index, mutable_view_of(hits), {}, settings.width};
   PathKernel<Outputs...> kernel;
   kernel.context.scene = view;
   kernel.context.selector.kind = LightSelectorKind::uniform;
