@@ -27,19 +27,9 @@
 #include "core/array.h"
 #include "core/hd.h"
 #include "frame/group.h"
+#include "frame/tile.h"
 
 namespace relume {
-
-/// Edge of a grid's tiles, elements.
-inline constexpr uint32_t kTileSize = 16;
-
-/// Elements [x0, x1) × [y0, y1) of a grid.
-struct Tile {
-  uint32_t x0 = 0;
-  uint32_t y0 = 0;
-  uint32_t x1 = 0;
-  uint32_t y1 = 0;
-};
 
 template <typename K>
 concept TileKernel = requires(const K& k, const Tile& tile) {

@@ -1,0 +1,12 @@
+// The compiled code of all kernels.
+#pragma once
+
+#include <string>
+
+namespace relume {
+
+/// PTX with an entry for each kernel (frame/cuda/device_entry.h). Inflates the copy in the library; empty if the build
+/// found no compiler for device code (RELUME_CUDA).
+std::string device_code();
+
+}  // namespace relume

@@ -1,0 +1,56 @@
+// A device that executes the compiled code of kernels: a GPU, or the device that tests emulate. Backend sends all
+// launches to it. Its code is the PTX of frame/cuda/device_code.h.
+//
+// A device has one queue. It executes launches one after the other, in their order, and while the host does other work.
+// Host code and launches access the same memory, at different times: the host waits for the queued launches first.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/array.h"
+#include "frame/tile.h"
+
+namespace relume {
+
+/// One call of a kernel for each element of a window.
+struct DeviceLaunch {
+  std::string_view name;    ///< of the launch, for messages
+  std::string_view kernel;  ///< the C++ type, as kernel_type_name() writes it: "relume::FillElementsKernel<float>"
+  uint32_t threads = 0;     ///< of a group, for group kernels; 0: a pass kernel, with one thread per element
+  std::span<const std::byte> argument = {};  ///< the kernel, with zeroed padding; at most 4 KiB
+  Tile window = {};                          ///< at least one element
+};
+
+/// Used by one backend. Its functions are called by one thread at a time; those of its memory by any.
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  /// Memory that its kernels and the host access. It lives as long as the device. deallocate(), open_for_reading() and
+  /// open_for_writing() wait for all queued launches first. The two last throw as finish().
+  virtual Memory& memory() = 0;
+
+  /// Number of threads that it executes at the same time: a launch of fewer threads hardly takes less time. At least 1.
+  virtual uint32_t parallel_threads() const = 0;
+
+  /// Queues a launch. Copies everything that `launch` refers to. Throws Error if the device cannot accept it, or as
+  /// finish() for an earlier launch.
+  virtual void launch(const DeviceLaunch& launch) = 0;
+
+  /// Waits until at most `launches` queued launches have not ended. Throws as finish().
+  virtual void wait(size_t launches) = 0;
+
+  /// Waits for all queued launches. Throws Error if one of them failed; those queued after it may not have run, and
+  /// none is queued any more. After an error that the device does not survive, every function throws it again.
+  virtual void finish() = 0;
+
+  /// Times that the device took for launches, seconds: one for each launch that has ended since the last call, in their
+  /// order. The times of launches before an error are lost.
+  virtual std::vector<double> take_times() = 0;
+};
+
+}  // namespace relume
