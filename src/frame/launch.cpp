@@ -12,6 +12,7 @@
 #include "core/clock.h"
 #include "core/flush_denormals.h"
 #include "core/parallel.h"
+#include "frame/device_queue.h"
 
 namespace relume {
 struct ThreadLimit::State {
@@ -41,11 +42,27 @@ struct Backend::State {
 
 Backend::Backend(int threads, KernelForm form, Memory& memory)
     : state_(std::make_unique<State>(threads)), form_(form), memory_(memory) {}
+Backend::Backend(Device& device, int threads)
+    : state_(std::make_unique<State>(threads)),
+      form_(KernelForm::device),
+      memory_(device.memory()),
+      queue_(std::make_unique<DeviceQueue>(
+          device, [this](std::string_view name, double seconds) { time_of(name).seconds += seconds; })) {}
 Backend::~Backend() = default;
 
 int Backend::threads() const { return state_->count; }
 
+LaunchTime& Backend::time_of(std::string_view name) {
+  const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
+  return found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});
+}
+
+void Backend::wait_for_device() {
+  if (queue_) queue_->finish();
+}
+
 void Backend::execute(const std::function<void()>& function) {
+  wait_for_device();
   state_->arena.execute([&] {
     const FlushDenormals guard;
     function();
@@ -87,6 +104,7 @@ class Backend::LaunchScope {
 
 template <typename Function>
 void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
+  wait_for_device();
   LaunchScope scope(*this, name);
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that runs `function`
@@ -97,12 +115,25 @@ void Backend::timed(std::string_view name, const Function& function, bool own_th
   });
   const double seconds = now_s() - start_s;
   const double busy_s = loops.busy_s + (seconds - loops.elapsed_s);  // one thread works outside of loops
-  const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
-  LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});
+  LaunchTime& entry = time_of(name);
   const NestedTimes own = scope.end({seconds, threads() * seconds - busy_s});
   entry.seconds += own.seconds;
   if (!own_threads) entry.idle_s += std::max(0.0, own.idle_s);
   ++entry.launches;
+}
+
+bool Backend::launch_on_device(const DeviceLaunch& launch, const std::stop_token& stop) {
+  LaunchScope scope(*this, launch.name);
+  const bool is_nested = launch_depth_ > 1;
+  const double start_s = now_s();
+  ++time_of(launch.name).launches;
+  const bool is_empty = launch.window.width() == 0 || launch.window.height() == 0;
+  const bool complete = is_empty || queue_->launch(launch, stop, tile_hook_);
+  if (is_nested) queue_->finish();  // the host code around it continues
+  // The host code around it neither works nor waits for threads in this time.
+  const double seconds = now_s() - start_s;
+  scope.end({seconds, (threads() - 1) * seconds});
+  return complete;
 }
 
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,

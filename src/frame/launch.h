@@ -2,10 +2,10 @@
 //
 //   RELUME_HD void operator()(uint32_t x, uint32_t y) const;
 //
-// called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads; in a CUDA
-// build the same struct is a kernel argument. A kernel may provide a second form for the host that processes a tile at
-// once (for example in ray packets). It must compute the same bits as the one-element form, which a backend may run
-// instead:
+// called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads. A device
+// (frame/device.h) executes the compiled code of the same struct. A kernel may provide a second form for the host that
+// processes a tile at once (for example in ray packets). It must compute the same bits as the one-element form, which a
+// backend may run instead:
 //
 //   void operator()(const Tile& tile) const;
 //
@@ -26,10 +26,14 @@
 
 #include "core/array.h"
 #include "core/hd.h"
+#include "frame/device.h"
 #include "frame/group.h"
+#include "frame/kernel_names.h"
 #include "frame/tile.h"
 
 namespace relume {
+
+class DeviceQueue;
 
 template <typename K>
 concept TileKernel = requires(const K& k, const Tile& tile) {
@@ -49,8 +53,8 @@ concept LaunchableKernel = PassKernel<K> || GroupKernel<K>;
 /// Total time of the launches with one name, without launches in them that have times of their own.
 struct LaunchTime {
   std::string name;
-  double seconds = 0;
-  double idle_s = 0;  ///< thread-seconds spent waiting for other threads
+  double seconds = 0;  ///< on the host or the device, whichever executed them
+  double idle_s = 0;   ///< thread-seconds spent waiting for other threads of the host
   uint64_t launches = 0;
 };
 
@@ -74,19 +78,23 @@ class ThreadLimit {
 struct LaunchEvent {
   enum class Kind : uint8_t {
     kernel,  ///< a kernel is about to be launched
-    begins,  ///< a kernel, or host code that is timed like one, begins
-    ends,    ///< the kernel or host code has ended, or thrown
+    begins,  ///< a kernel, or host code that is timed like one, begins; on a device, it is about to be queued
+    ends,    ///< the kernel or host code has ended, or thrown; on a device, the kernel may only be queued
   };
   Kind kind = Kind::begins;
   std::string_view name;
   std::span<const std::byte> argument = {};  ///< for Kind::kernel: a copy of the kernel with zeroed padding
 };
 
-/// Thread pool of the processor, and the memory that its kernels access.
+/// Executes kernels and host code: a thread pool of the processor, with or without a device for the kernels, and the
+/// memory that both access. With a device, host code waits for the queued launches: the functions below do, and
+/// Array::read() and write().
 class Backend {
  public:
-  /// `threads` 0: one per core. `memory` must outlive the backend.
+  /// Kernels run on the threads. `threads` 0: one per core. `memory` must outlive the backend.
   explicit Backend(int threads = 0, KernelForm form = KernelForm::host, Memory& memory = host_memory());
+  /// Kernels run on `device`, which must outlive the backend, and host code on the threads.
+  explicit Backend(Device& device, int threads = 0);
   ~Backend();
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
@@ -95,15 +103,22 @@ class Backend {
   KernelForm form() const { return form_; }
   /// Source of the memory that kernels access.
   Memory& memory() const { return memory_; }
+  /// Whether a device executes the kernels.
+  bool has_device() const { return queue_ != nullptr; }
+  /// Without those of launches that the device has not executed yet.
   const std::vector<LaunchTime>& times() const { return times_; }
+
+  /// Device: queues a launch. Returns false if `stop` was requested before all of it was queued. Throws as
+  /// Device::launch().
+  bool launch_on_device(const DeviceLaunch& launch, const std::stop_token& stop);
 
   /// Calls run_tile(context, tile) for every tile. Returns false if `stop` was requested before all were done.
   bool for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                      void (*run_tile)(const void* context, const Tile& tile), const void* context,
                      const std::stop_token& stop, uint32_t tile_size = kTileSize);
 
-  /// Calls `hook` before each tile, on the thread that runs the tile. Tests use it to stop frames at any tile. Empty:
-  /// no hook.
+  /// Calls `hook` before each tile, on the thread that runs the tile; with a device, before each band of a launch.
+  /// Tests use it to stop frames at any tile. Empty: no hook.
   void on_tile(std::function<void()> hook) { tile_hook_ = std::move(hook); }
 
   /// Calls `hook` at each step of each launch, on the launching thread. Nested launches belong to the outermost. Tests
@@ -134,9 +149,14 @@ class Backend {
   };
   class LaunchScope;
   struct State;
+  /// The times of the launches called `name`.
+  LaunchTime& time_of(std::string_view name);
+  void wait_for_device();
+
   std::unique_ptr<State> state_;
   KernelForm form_;
   Memory& memory_;
+  std::unique_ptr<DeviceQueue> queue_;  ///< nullptr without a device
   std::vector<LaunchTime> times_;
   std::function<void()> tile_hook_;
   std::function<void(const LaunchEvent&)> launch_hook_;
@@ -161,22 +181,44 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
-/// Reports a copy of `kernel` with zeroed padding to the backend's hook.
-template <LaunchableKernel K>
-[[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
+/// Calls use(bytes) with a copy of `kernel` with zeroed padding.
+template <LaunchableKernel K, typename Use>
+void with_argument(const K& kernel, const Use& use) {
   K argument = kernel;
 #if __has_builtin(__builtin_clear_padding)
   __builtin_clear_padding(&argument);
 #endif
-  backend.report({LaunchEvent::Kind::kernel, name, std::as_bytes(std::span(&argument, 1))});
+  use(std::as_bytes(std::span(&argument, 1)));
+}
+
+/// Reports a kernel to the backend's hook.
+template <LaunchableKernel K>
+[[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
+  with_argument(kernel, [&](std::span<const std::byte> argument) {
+    backend.report({LaunchEvent::Kind::kernel, name, argument});
+  });
+}
+
+/// launch() for backends with a device.
+template <LaunchableKernel K>
+[[gnu::cold, gnu::noinline]] bool launch_on_device(Backend& backend, std::string_view name, const K& kernel,
+                                                   const Tile& window, const std::stop_token& stop) {
+  uint32_t threads = 0;
+  if constexpr (GroupKernel<K>) threads = K::kThreads;
+  bool complete = false;
+  with_argument(kernel, [&](std::span<const std::byte> argument) {
+    complete = backend.launch_on_device({name, kernel_type_name<K>(), threads, argument, window}, stop);
+  });
+  return complete;
 }
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
-/// missing. `tile_size`: as for launch_tiles().
+/// missing. `tile_size`: as for launch_tiles(); a device ignores it.
 template <LaunchableKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   if (backend.watches_launches()) report_kernel(backend, name, kernel);
+  if (backend.has_device()) return launch_on_device(backend, name, kernel, window, stop);
   const auto run = [&](const Tile& tile) {
     if constexpr (TileKernel<K>) {
       if (backend.form() == KernelForm::host) return kernel(tile);

@@ -214,7 +214,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   s.edit(change);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
-    s.backend = make_backend(settings, s.backend->memory());
+    s.backend = make_backend(settings, s.backend->memory(), s.device.get());
   current = settings;
   if (resized) s.backend->run(kSceneChanges, [&] { s.scene->set_resolution(settings.width, settings.height); });
   if (fresh) {
@@ -279,14 +279,22 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
 struct SessionAccess {
   static const Session::State& state(const Session& session) { return *session.state_; }
   static Session::State& state(Session& session) { return *session.state_; }
-  static Session make(Scene scene, const RenderSettings& settings, Memory& memory) {
+  template <typename Target>
+  static Session make(Scene scene, const RenderSettings& settings, Target&& target) {
     check_size(settings);
-    return Session(std::make_unique<Session::State>(std::move(scene), settings, std::vector<Index>(), memory));
+    return Session(std::make_unique<Session::State>(std::move(scene), settings, std::vector<Index>(),
+                                                    std::forward<Target>(target)));
   }
 };
 
 Session make_session(Scene scene, const Settings& settings, Memory& memory) {
   return SessionAccess::make(std::move(scene), all_settings(settings).render, memory);
+}
+Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device) {
+  const RenderSettings& render = all_settings(settings).render;
+  if (render.accel != AccelChoice::bvh)
+    throw Error("a device cannot use Embree's acceleration structure; set --accel bvh");
+  return SessionAccess::make(std::move(scene), render, std::move(device));
 }
 
 void on_tile(Session& session, std::function<void()> hook) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
+#include "frame/device.h"
 #include "frame/pass.h"
 #include "framebuffer/buffer_table.h"
 #include "relume/session.h"
@@ -20,6 +22,9 @@ const BufferTable& buffer_table(const Session& session);
 std::vector<PassDeclaration> pass_declarations(const Session& session);
 /// A session whose kernels access `memory`, which must outlive it. Throws as the constructor of Session.
 Session make_session(Scene scene, const Settings& settings, Memory& memory);
+/// A session whose kernels run on `device`. Throws as the constructor of Session, and Error if the settings do not
+/// choose relume's BVH.
+Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device);
 /// Calls `hook` before each tile of a launch (Backend::on_tile()), until the number of threads changes.
 void on_tile(Session& session, std::function<void()> hook);
 /// Calls `hook` at each step of a launch (Backend::on_launch()), until the number of threads changes.

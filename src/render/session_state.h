@@ -14,6 +14,7 @@
 
 #include "core/clock.h"
 #include "core/hash.h"
+#include "frame/device.h"
 #include "frame/launch.h"
 #include "frame/primitives/reduce.h"
 #include "framebuffer/block_pool.h"
@@ -50,7 +51,9 @@ inline uint64_t next_session_number() {
   return ++last;
 }
 
-inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory) {
+/// `device`: executes the kernels; nullptr: the host does, on `memory`.
+inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory, Device* device) {
+  if (device) return std::make_unique<Backend>(*device, settings.threads);
   return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::device : KernelForm::host,
                                    memory);
 }
@@ -63,11 +66,20 @@ inline constexpr std::string_view kSessionWork = "session";
 inline constexpr std::string_view kSceneChanges = "scene";
 
 struct Session::State {
-  /// `memory`: for all data that kernels access; it must outlive the state.
+  /// The host executes the kernels. `memory`: for all data that kernels access; it must outlive the state.
   State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory)
+      : State(std::move(source), s, std::move(movable), memory, nullptr) {}
+  /// `executes` executes the kernels.
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable, std::unique_ptr<Device> executes)
+      : State(std::move(source), s, std::move(movable), executes->memory(), std::move(executes)) {}
+
+  /// The same, or without a device.
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory,
+        std::unique_ptr<Device>&& executes)
       : settings(s),
         hash(relume::scene_hash(source)),
-        backend(make_backend(s, memory)),
+        device(std::move(executes)),
+        backend(make_backend(s, memory, device.get())),
         scene_launcher(backend),
         blue_noise(memory),
         pool(BlockPool::create(memory)) {
@@ -305,6 +317,7 @@ struct Session::State {
   const uint64_t number = next_session_number();
   RenderSettings settings;
   uint64_t hash;
+  std::unique_ptr<Device> device;  ///< nullptr: the host executes the kernels
   std::unique_ptr<Backend> backend;
   BackendSceneLauncher scene_launcher;
   PrimitiveScratch scratch;
