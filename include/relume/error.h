@@ -1,8 +1,10 @@
 // Errors: a code for programs and a sentence for users.
 #pragma once
 
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "relume/export.h"
 
@@ -15,6 +17,7 @@ enum class ErrorCode {
   not_found,       ///< a file, camera, setting or layer that does not exist
   not_supported,   ///< valid, but not supported by this build
   io,              ///< a failed read or write
+  device,          ///< a GPU or driver that is missing, cannot be used, or failed
 };
 
 /// Thrown for unusable input, never inside kernels. `what()` is one sentence that names the location (file, line,
@@ -28,6 +31,17 @@ class RELUME_API Error : public std::runtime_error {
 
  private:
   ErrorCode code_ = ErrorCode::invalid_input;
+};
+
+/// Thrown where a device has too little memory. `what()` is one sentence as of Error.
+class RELUME_API DeviceMemoryError : public std::bad_alloc {
+ public:
+  explicit DeviceMemoryError(std::string message) : message_(std::move(message)) {}
+
+  const char* what() const noexcept override { return message_.c_str(); }
+
+ private:
+  std::string message_;
 };
 
 }  // namespace relume

@@ -21,6 +21,7 @@ const char* name_of(ErrorCode code) {
     case ErrorCode::not_found: return "not-found";
     case ErrorCode::not_supported: return "not-supported";
     case ErrorCode::io: return "io";
+    case ErrorCode::device: return "device";
   }
   return "invalid-input";
 }

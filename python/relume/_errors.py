@@ -5,7 +5,7 @@ class Error(RuntimeError):
     """An unusable file, setting, value or combination.
 
     The message names the place, the problem and the remedy. `code` is one of "invalid-input", "invalid-handle",
-    "not-found", "not-supported" and "io".
+    "not-found", "not-supported", "io" and "device".
     """
 
     def __init__(self, message: str, code: str = "invalid-input") -> None:
