@@ -1,0 +1,205 @@
+// NVIDIA's driver: the functions of its programming interface that relume calls, found at run time in libcuda.so.1.
+// They are declared here, so that builds need nothing of NVIDIA's.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace relume::cuda {
+
+/// Result of a function of the driver (CUresult). It may return others, too.
+enum class Result : int {
+  success = 0,
+  invalid_value = 1,
+  out_of_memory = 2,
+  stub_library = 34,
+  no_device = 100,
+  invalid_device = 101,
+  no_binary_for_device = 209,
+  ecc_uncorrectable = 214,
+  invalid_ptx = 218,
+  nvlink_uncorrectable = 220,
+  jit_compiler_not_found = 221,
+  unsupported_ptx_version = 222,
+  jit_compilation_disabled = 223,
+  not_ready = 600,
+  illegal_address = 700,
+  launch_out_of_resources = 701,
+  launch_timeout = 702,
+  context_is_destroyed = 709,
+  device_assert = 710,
+  hardware_stack_error = 714,
+  illegal_instruction = 715,
+  misaligned_address = 716,
+  invalid_address_space = 717,
+  invalid_pc = 718,
+  launch_failed = 719,
+  system_not_ready = 802,
+  system_driver_mismatch = 803,
+  compat_not_supported_on_device = 804,
+  unknown = 999,
+};
+
+/// Property of a device (CUdevice_attribute).
+enum class DeviceAttribute : int {
+  multiprocessor_count = 16,
+  compute_mode = 20,
+  max_threads_per_multiprocessor = 39,
+  compute_capability_major = 75,
+  compute_capability_minor = 76,
+  managed_memory = 83,
+  concurrent_managed_access = 89,
+};
+
+/// Property of a kernel (CUfunction_attribute).
+enum class FunctionAttribute : int {
+  local_size_bytes = 3,
+};
+
+/// Option of the driver's compiler (CUjit_option).
+enum class CompilerOption : int {
+  error_log_buffer = 5,
+  error_log_buffer_size_bytes = 6,
+};
+
+/// The compute mode of a device on which processes must not run kernels (CUcomputemode).
+inline constexpr int kComputeModeProhibited = 2;
+/// The processor, as a destination of cuMemPrefetchAsync() (CU_DEVICE_CPU).
+inline constexpr int kHostDevice = -1;
+/// Managed memory for all streams of all devices (CU_MEM_ATTACH_GLOBAL).
+inline constexpr unsigned kAttachGlobal = 1;
+/// A stream that does not wait for the default stream (CU_STREAM_NON_BLOCKING).
+inline constexpr unsigned kStreamNonBlocking = 1;
+
+// Objects of the driver.
+using DeviceNumber = int;
+using DeviceAddress = unsigned long long;
+struct ContextObject;
+struct ModuleObject;
+struct FunctionObject;
+struct StreamObject;
+struct EventObject;
+using Context = ContextObject*;
+using Module = ModuleObject*;
+using Function = FunctionObject*;
+using Stream = StreamObject*;
+using Event = EventObject*;
+
+/// Version of the driver's interface that PTX 6.3 needs, as cuDriverGetVersion() writes it: 10.0.
+inline constexpr int kMinDriverVersion = 10000;
+
+/// The functions, with the driver's names for them.
+struct Driver {
+  Result (*cuGetErrorName)(Result result, const char** name) = nullptr;
+  Result (*cuGetErrorString)(Result result, const char** text) = nullptr;
+  Result (*cuInit)(unsigned flags) = nullptr;
+  Result (*cuDriverGetVersion)(int* version) = nullptr;
+
+  Result (*cuDeviceGetCount)(int* count) = nullptr;
+  Result (*cuDeviceGet)(DeviceNumber* device, int index) = nullptr;
+  Result (*cuDeviceGetName)(char* name, int bytes, DeviceNumber device) = nullptr;
+  Result (*cuDeviceTotalMem)(size_t* bytes, DeviceNumber device) = nullptr;
+  Result (*cuDeviceGetAttribute)(int* value, DeviceAttribute attribute, DeviceNumber device) = nullptr;
+
+  Result (*cuDevicePrimaryCtxRetain)(Context* context, DeviceNumber device) = nullptr;
+  Result (*cuDevicePrimaryCtxRelease)(DeviceNumber device) = nullptr;
+  Result (*cuCtxPushCurrent)(Context context) = nullptr;
+  Result (*cuCtxPopCurrent)(Context* context) = nullptr;
+
+  Result (*cuMemGetInfo)(size_t* free, size_t* total) = nullptr;
+  Result (*cuMemAllocManaged)(DeviceAddress* address, size_t bytes, unsigned flags) = nullptr;
+  Result (*cuMemFree)(DeviceAddress address) = nullptr;
+  Result (*cuMemHostAlloc)(void** address, size_t bytes, unsigned flags) = nullptr;
+  Result (*cuMemFreeHost)(void* address) = nullptr;
+  /// Its first form: the second one needs driver 12.2.
+  Result (*cuMemPrefetchAsync)(DeviceAddress address, size_t bytes, DeviceNumber to, Stream stream) = nullptr;
+  Result (*cuMemcpyHtoDAsync)(DeviceAddress to, const void* from, size_t bytes, Stream stream) = nullptr;
+
+  Result (*cuModuleLoadDataEx)(Module* module, const void* image, unsigned options, CompilerOption* names,
+                               void** values) = nullptr;
+  Result (*cuModuleUnload)(Module module) = nullptr;
+  Result (*cuModuleGetFunction)(Function* function, Module module, const char* name) = nullptr;
+  Result (*cuModuleGetGlobal)(DeviceAddress* address, size_t* bytes, Module module, const char* name) = nullptr;
+  Result (*cuFuncGetAttribute)(int* value, FunctionAttribute attribute, Function function) = nullptr;
+  Result (*cuLaunchKernel)(Function function, unsigned grid_x, unsigned grid_y, unsigned grid_z, unsigned block_x,
+                           unsigned block_y, unsigned block_z, unsigned shared_bytes, Stream stream, void** parameters,
+                           void** extra) = nullptr;
+
+  Result (*cuStreamCreate)(Stream* stream, unsigned flags) = nullptr;
+  Result (*cuStreamDestroy)(Stream stream) = nullptr;
+  Result (*cuStreamSynchronize)(Stream stream) = nullptr;
+
+  Result (*cuEventCreate)(Event* event, unsigned flags) = nullptr;
+  Result (*cuEventDestroy)(Event event) = nullptr;
+  Result (*cuEventRecord)(Event event, Stream stream) = nullptr;
+  Result (*cuEventQuery)(Event event) = nullptr;
+  Result (*cuEventSynchronize)(Event event) = nullptr;
+  Result (*cuEventElapsedTime)(float* milliseconds, Event begin, Event end) = nullptr;
+
+  /// Calls f(symbol, function) for each function, with its name in the library. Those that older drivers have under
+  /// another name come with that name, too: f(symbol, function, older).
+  template <typename F>
+  void for_each_function(const F& f);
+};
+
+/// The driver of the system, loaded and initialised on the first call. Throws Error if it is missing, too old or cannot
+/// be used, the same at each call. Thread-safe.
+const Driver& driver();
+
+/// Loads and initialises a driver from a library, which stays loaded. Throws Error.
+Driver load_driver(const std::string& library);
+
+/// "CUDA_ERROR_OUT_OF_MEMORY (out of memory)".
+std::string describe(const Driver& driver, Result result);
+
+/// What the user can do about an error, as the end of a sentence: "install …".
+std::string_view remedy(Result result);
+
+/// Throws Error unless `result` is success: "`action` failed: NAME (text); remedy".
+void check(const Driver& driver, Result result, std::string_view action);
+
+/// A version of the driver's interface, such as "12.4" for 12040.
+std::string version_text(int version);
+
+template <typename F>
+void Driver::for_each_function(const F& f) {
+  f("cuGetErrorName", cuGetErrorName);
+  f("cuGetErrorString", cuGetErrorString);
+  f("cuInit", cuInit);
+  f("cuDriverGetVersion", cuDriverGetVersion);
+  f("cuDeviceGetCount", cuDeviceGetCount);
+  f("cuDeviceGet", cuDeviceGet);
+  f("cuDeviceGetName", cuDeviceGetName);
+  f("cuDeviceTotalMem_v2", cuDeviceTotalMem);
+  f("cuDeviceGetAttribute", cuDeviceGetAttribute);
+  f("cuDevicePrimaryCtxRetain", cuDevicePrimaryCtxRetain);
+  f("cuDevicePrimaryCtxRelease_v2", cuDevicePrimaryCtxRelease, "cuDevicePrimaryCtxRelease");  // before 11.0
+  f("cuCtxPushCurrent_v2", cuCtxPushCurrent);
+  f("cuCtxPopCurrent_v2", cuCtxPopCurrent);
+  f("cuMemGetInfo_v2", cuMemGetInfo);
+  f("cuMemAllocManaged", cuMemAllocManaged);
+  f("cuMemFree_v2", cuMemFree);
+  f("cuMemHostAlloc", cuMemHostAlloc);
+  f("cuMemFreeHost", cuMemFreeHost);
+  f("cuMemPrefetchAsync", cuMemPrefetchAsync);
+  f("cuMemcpyHtoDAsync_v2", cuMemcpyHtoDAsync);
+  f("cuModuleLoadDataEx", cuModuleLoadDataEx);
+  f("cuModuleUnload", cuModuleUnload);
+  f("cuModuleGetFunction", cuModuleGetFunction);
+  f("cuModuleGetGlobal_v2", cuModuleGetGlobal);
+  f("cuFuncGetAttribute", cuFuncGetAttribute);
+  f("cuLaunchKernel", cuLaunchKernel);
+  f("cuStreamCreate", cuStreamCreate);
+  f("cuStreamDestroy_v2", cuStreamDestroy);
+  f("cuStreamSynchronize", cuStreamSynchronize);
+  f("cuEventCreate", cuEventCreate);
+  f("cuEventDestroy_v2", cuEventDestroy);
+  f("cuEventRecord", cuEventRecord);
+  f("cuEventQuery", cuEventQuery);
+  f("cuEventSynchronize", cuEventSynchronize);
+  f("cuEventElapsedTime", cuEventElapsedTime);
+}
+
+}  // namespace relume::cuda

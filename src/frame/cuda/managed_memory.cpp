@@ -1,0 +1,119 @@
+#include "frame/cuda/managed_memory.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "relume/error.h"
+
+namespace relume::cuda {
+namespace {
+
+/// From this size on, moving a block as a whole takes less time than accesses that move single pages.
+constexpr size_t kMovedBytes = size_t{64} * 1024;
+
+DeviceAddress address_of(const void* block) { return reinterpret_cast<uintptr_t>(block); }
+
+std::string mebibytes(size_t bytes) { return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1024 * 1024)); }
+
+}  // namespace
+
+ManagedMemory::~ManagedMemory() {
+  queue_.free_objects([&] {
+    queue_.driver().cuStreamSynchronize(queue_.stream());
+    on_device_.merge(on_host_);
+    for (const Blocks::value_type& block : on_device_) queue_.driver().cuMemFree(address_of(block.first));
+  });
+}
+
+void ManagedMemory::reserve(size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes > limit_ - used_) {
+    throw DeviceMemoryError(
+        fmt::format("{} has no room for {}: {} of {} are in use; use a smaller image or scene, or "
+                    "end other programs that use the GPU",
+                    queue_.device_name(), mebibytes(bytes), mebibytes(used_), mebibytes(limit_)));
+  }
+  used_ += bytes;
+}
+
+void ManagedMemory::give_back(size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  used_ -= bytes;
+}
+
+void* ManagedMemory::allocate(size_t bytes, size_t alignment) {
+  const size_t counted = std::max<size_t>(bytes, 1);  // the driver refuses 0
+  reserve(counted);
+  DeviceAddress address = 0;
+  try {
+    const Queue::Current current(queue_);
+    queue_.check(queue_.driver().cuMemAllocManaged(&address, counted, kAttachGlobal),
+                 fmt::format("allocating {}", mebibytes(bytes)));
+    if (address % alignment != 0) {
+      throw DeviceMemoryError(
+          fmt::format("{} has no blocks that are aligned to {} bytes", queue_.device_name(), alignment));
+    }
+    auto* const block = reinterpret_cast<std::byte*>(address);  // NOLINT(performance-no-int-to-ptr)
+    const std::lock_guard lock(mutex_);
+    on_host_.emplace(block, counted);
+    return block;
+  } catch (...) {
+    if (address != 0) queue_.free_objects([&] { queue_.driver().cuMemFree(address); });
+    give_back(counted);
+    throw;
+  }
+}
+
+void ManagedMemory::deallocate(void* block, size_t, size_t) noexcept {
+  {
+    const std::lock_guard lock(mutex_);
+    auto node = on_host_.extract(static_cast<const std::byte*>(block));
+    if (node.empty()) node = on_device_.extract(static_cast<const std::byte*>(block));
+    if (node.empty()) return;
+    used_ -= node.mapped();
+  }
+  queue_.free_objects([&] {
+    queue_.driver().cuStreamSynchronize(queue_.stream());
+    queue_.driver().cuMemFree(address_of(block));
+  });
+}
+
+void ManagedMemory::move(const Blocks::value_type& block, DeviceNumber to) {
+  const auto& [address, bytes] = block;
+  const Result result = queue_.driver().cuMemPrefetchAsync(address_of(address), bytes, to, queue_.stream());
+  if (result != Result::success) queue_.check(result, fmt::format("moving {}", mebibytes(bytes)));
+}
+
+void ManagedMemory::open(const std::byte* address) {
+  const Queue::Current current(queue_);
+  queue_.finish();
+  const std::lock_guard lock(mutex_);
+  auto after = on_device_.upper_bound(address);
+  if (after == on_device_.begin()) return;
+  const auto block = std::prev(after);
+  if (address >= block->first + block->second) return;
+  if (moves_blocks_ && block->second >= kMovedBytes) {
+    move(*block, kHostDevice);
+    queue_.check(queue_.driver().cuStreamSynchronize(queue_.stream()), "moving memory to the host");
+  }
+  on_host_.insert(on_device_.extract(block));
+}
+
+void ManagedMemory::move_to_device() {
+  const std::lock_guard lock(mutex_);
+  if (moves_blocks_) {
+    for (const Blocks::value_type& block : on_host_) move(block, queue_.device());
+  }
+  on_device_.merge(on_host_);
+}
+
+size_t ManagedMemory::used_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return used_;
+}
+
+}  // namespace relume::cuda
