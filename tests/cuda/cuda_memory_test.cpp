@@ -1,0 +1,157 @@
+// Memory of the CUDA backend on the stub driver: limits, moves between host and device, waiting.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string>
+
+#include "core/array.h"
+#include "frame/cuda/cuda_device.h"
+#include "framebuffer/block_pool.h"
+#include "kernels.h"
+#include "launch_kernel.h"
+#include "relume/error.h"
+#include "stub_driver.h"
+
+namespace relume::cuda {
+namespace {
+
+using testing::AddKernel;
+using testing::queue;
+using testing::StubDriver;
+
+constexpr size_t kMiB = size_t{1} << 20;
+constexpr uint32_t kLarge = 100000;  ///< elements of a block that is moved as a whole
+
+std::unique_ptr<Device> open(const StubDriver& stub, size_t memory_bytes = 0) {
+  return open_device(stub.driver(), testing::test_device_code(), {0, memory_bytes});
+}
+
+/// The sentence of the DeviceMemoryError of an allocation.
+std::string refusal(Memory& memory, size_t bytes, size_t alignment = 16) {
+  try {
+    memory.deallocate(memory.allocate(bytes, alignment), bytes, alignment);
+  } catch (const DeviceMemoryError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+size_t moves() { return StubDriver::calls("cuMemPrefetchAsync"); }
+
+TEST(CudaMemory, IsLimited) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub, 10 * kMiB);
+  Memory& memory = device->memory();
+  void* const block = memory.allocate(6 * kMiB, 16);
+  EXPECT_EQ(
+      refusal(memory, 5 * kMiB),
+      "Stub GPU 0 (cuda:0) has no room for 5.0 MiB: 6.0 MiB of 10.0 MiB are in use; use a smaller image or scene, "
+      "or end other programs that use the GPU");
+  EXPECT_EQ(refusal(memory, 4 * kMiB), "no error");
+  memory.deallocate(block, 6 * kMiB, 16);
+  EXPECT_EQ(refusal(memory, 10 * kMiB), "no error");
+}
+
+TEST(CudaMemory, LeavesRoomForTheDriverAndStacks) {
+  const StubDriver stub("memory=300 stack=131072");  // of 256 threads: 32 MiB
+  const std::unique_ptr<Device> device = open(stub);
+  EXPECT_EQ(refusal(device->memory(), (300 - 256 - 32) * kMiB), "no error");
+  EXPECT_NE(refusal(device->memory(), (300 - 256 - 32) * kMiB + 1), "no error");
+}
+
+TEST(CudaMemory, SaysThatTheDriverHasNoMore) {
+  const StubDriver stub("fail=cuMemAllocManaged:1:2");
+  const std::unique_ptr<Device> device = open(stub);
+  EXPECT_EQ(refusal(device->memory(), 3 * kMiB),
+            "Stub GPU 0 (cuda:0): allocating 3.0 MiB failed: CUDA_ERROR_OUT_OF_MEMORY (out of memory); use a smaller "
+            "image or scene, or end other programs that use the GPU");
+  EXPECT_EQ(refusal(device->memory(), 3 * kMiB), "no error");
+}
+
+TEST(CudaMemory, KeepsItsTotalAfterFailures) {
+  const StubDriver stub("fail=cuMemAllocManaged:2:2");
+  const std::unique_ptr<Device> device = open(stub, 10 * kMiB);
+  EXPECT_EQ(refusal(device->memory(), 8 * kMiB), "no error");
+  EXPECT_NE(refusal(device->memory(), 8 * kMiB), "no error");
+  EXPECT_EQ(refusal(device->memory(), 8 * kMiB), "no error");
+  EXPECT_NE(refusal(device->memory(), 1, size_t{1} << 30), "no error") << "an alignment that blocks do not have";
+  EXPECT_EQ(refusal(device->memory(), 10 * kMiB), "no error");
+  EXPECT_EQ(StubDriver::objects("managed"), 0u);
+}
+
+TEST(CudaMemory, HasEmptyBlocks) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  EXPECT_EQ(refusal(device->memory(), 0), "no error");
+}
+
+TEST(CudaMemory, LetsPoolsFreeTheirSpareBlocks) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub, 10 * kMiB);
+  const std::shared_ptr<BlockPool> pool = BlockPool::create(device->memory());
+  pool->raise_limit(8 * kMiB);
+  pool->take(6 * kMiB).reset();
+  EXPECT_NO_THROW(pool->take(7 * kMiB));
+}
+
+TEST(CudaMemory, MovesBlocksThatTheHostOpens) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> large(device->memory());
+  Array<uint32_t> small(device->memory());
+  large.assign(kLarge, 0);
+  small.assign(8, 0);
+  EXPECT_EQ(moves(), 0u) << "new blocks are where the host writes them";
+  queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(moves(), 2u) << "both to the device";
+  queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(moves(), 2u) << "both were on the device";
+  EXPECT_EQ(large.read()[0], 2u);
+  EXPECT_EQ(moves(), 3u) << "to the host";
+  EXPECT_EQ(large.read()[kLarge - 1], 2u);
+  EXPECT_EQ(small.read()[0], 0u);
+  EXPECT_EQ(moves(), 3u) << "small blocks move when they are accessed";
+  queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(moves(), 5u) << "both to the device";
+}
+
+TEST(CudaMemory, IsNotMovedWithoutConcurrentAccess) {
+  const StubDriver stub("concurrent=0");
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(kLarge, 0);
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(values.read()[0], 1u);
+  EXPECT_EQ(moves(), 0u);
+}
+
+TEST(CudaMemory, WaitsBeforeItIsOpenedOrFreed) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(16, 0);
+  for (int i = 0; i < 10; ++i) queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, 16, 1});
+  values.write()[3] += 5;
+  EXPECT_EQ(values.read()[3], 15u);
+  Array<uint32_t> other(device->memory());
+  other.assign(16, 0);
+  queue(*device, AddKernel{1, other.mutable_view()}, {0, 0, 16, 1});
+  other = Array<uint32_t>(device->memory());  // the kernel still writes to it
+  EXPECT_NO_THROW(device->finish());
+}
+
+/// The stub closes managed memory while launches are queued: this is how the tests above notice missing waits.
+TEST(CudaMemoryDeathTest, IsClosedWhileLaunchesAreQueued) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(16, 0);
+  const std::span<const uint32_t> before = values.read();
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, 16, 1});
+  EXPECT_DEATH(EXPECT_EQ(before[0], 1u), "");
+}
+
+}  // namespace
+}  // namespace relume::cuda

@@ -1,0 +1,18 @@
+// Controls the stub driver, from the program that has loaded it.
+#pragma once
+
+#include <cstddef>
+
+extern "C" {
+
+/// Replaces all settings, and clears counts. `text`: words such as "devices=2", separated by spaces (README.md lists
+/// them); other settings have their defaults. Aborts on unknown words.
+void relume_stub_configure(const char* text);
+
+/// Objects of a kind that exist: "contexts", "modules", "streams", "events", "managed" and "locked" blocks. "leaked":
+/// those that existed when the last context ended without an error, since the last relume_stub_configure().
+size_t relume_stub_objects(const char* kind);
+
+/// Calls of a function of the driver since the last relume_stub_configure(), with the name in the library.
+size_t relume_stub_calls(const char* function);
+}

@@ -1,0 +1,122 @@
+#include "stub/state.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+#include "runtime/launch.h"
+
+namespace stub {
+
+State::State() {
+  const char* const text = std::getenv("RELUME_STUB_DRIVER");
+  settings = parse_settings(text ? text : "");
+}
+
+State& State::get() {
+  static State* const state = new State;  // never destroyed: programs may free objects at exit
+  return *state;
+}
+
+void State::configure(const std::string& text) {
+  settings = parse_settings(text);
+  leaked = 0;
+  calls_.clear();
+  launches_ = 0;
+}
+
+void State::end_contexts() {
+  if (sticky == kSuccess) leaked += modules.size() + streams.size() + events.size() + managed.count() + locked.size();
+  for (const Module* module : modules) delete module;
+  for (const Stream* stream : streams) delete stream;
+  for (const Event* event : events) delete event;
+  for (const auto& block : locked) std::free(block.first);
+  modules.clear();
+  streams.clear();
+  events.clear();
+  locked.clear();
+  managed.clear();
+  sticky = kSuccess;
+}
+
+std::optional<int> State::enter(const std::string& function) {
+  const size_t number = ++calls_[function];
+  const auto failure = settings.failures.find({function, number});
+  if (failure != settings.failures.end()) {
+    const bool ends_context = failure->second >= 700 && failure->second <= kLaunchFailed && failure->second != 701;
+    if (ends_context) sticky = failure->second;
+    return failure->second;
+  }
+  return std::nullopt;
+}
+
+std::optional<int> State::enter_context(const std::string& function) {
+  if (const auto failure = enter(function)) return failure;
+  if (!initialized) return kNotInitialized;
+  if (current_contexts().empty()) return kInvalidContext;
+  if (sticky != kSuccess) return sticky;
+  return std::nullopt;
+}
+
+size_t State::calls(const std::string& function) const {
+  const auto found = calls_.find(function);
+  return found == calls_.end() ? 0 : found->second;
+}
+
+void State::add(Stream& stream, std::function<void()> work) {
+  stream.work.push_back(std::move(work));
+  if (settings.eager) {
+    while (execute_one(stream)) {
+    }
+  }
+}
+
+void State::add_kernel(Stream& stream, KernelCall call) {
+  managed.close();
+  add(stream, [this, call = std::move(call)] { run(call); });
+}
+
+bool State::execute_one(Stream& stream) {
+  if (stream.work.empty()) return false;
+  const std::function<void()> work = std::move(stream.work.front());
+  stream.work.pop_front();
+  if (sticky == kSuccess) work();
+  return true;
+}
+
+void State::drain(Stream& stream) {
+  while (execute_one(stream)) {
+  }
+  managed.open();
+}
+
+void State::run(const KernelCall& call) {
+  if (++launches_ == settings.lose) {
+    sticky = kLaunchFailed;
+    return;
+  }
+  ptx::Launch launch;
+  launch.grid = {call.grid[0], call.grid[1], call.grid[2]};
+  launch.block = {call.block[0], call.block[1], call.block[2]};
+  launch.dynamic_shared_bytes = call.shared_bytes;
+  launch.seed = settings.seed + launches_;
+  std::vector<void*> parameters;
+  for (const std::vector<uint64_t>& value : call.parameters) parameters.push_back(const_cast<uint64_t*>(value.data()));
+  parameters.push_back(nullptr);
+  managed.open();
+  try {
+    ptx::run_grid(*call.module, *call.entry, launch, parameters.data());
+  } catch (const ptx::Fault&) {
+    sticky = kLaunchFailed;
+  }
+  managed.close();
+}
+
+std::vector<Context*>& current_contexts() {
+  thread_local std::vector<Context*> contexts;
+  return contexts;
+}
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace stub

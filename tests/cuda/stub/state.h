@@ -1,0 +1,112 @@
+// State of the stub driver. Its queue executes kernels with the executor of tests/ptx.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "runtime/module.h"
+#include "stub/memory.h"
+#include "stub/settings.h"
+
+namespace stub {
+
+// Results of the driver's functions that the stub returns itself.
+inline constexpr int kSuccess = 0;
+inline constexpr int kInvalidValue = 1;
+inline constexpr int kOutOfMemory = 2;
+inline constexpr int kNotInitialized = 3;
+inline constexpr int kNoDevice = 100;
+inline constexpr int kInvalidDevice = 101;
+inline constexpr int kInvalidContext = 201;
+inline constexpr int kInvalidPtx = 218;
+inline constexpr int kInvalidHandle = 400;
+inline constexpr int kNotFound = 500;
+inline constexpr int kNotReady = 600;
+inline constexpr int kLaunchFailed = 719;
+
+// Objects behind the handles.
+struct Context {
+  int device = 0;
+  size_t retained = 0;
+};
+struct Module {
+  const ptx::Module* translated = nullptr;
+};
+struct Event {
+  bool recorded = false;
+  bool done = false;
+  double time_s = 0;
+};
+/// Work of a queue, in order. Without "eager", it runs when the host waits for it or asks about it, which shows whether
+/// the host waits where it must.
+struct Stream {
+  std::deque<std::function<void()>> work;
+};
+
+/// A kernel that is launched.
+struct KernelCall {
+  const ptx::Module* module = nullptr;
+  const ptx::Entry* entry = nullptr;
+  uint32_t grid[3] = {1, 1, 1};
+  uint32_t block[3] = {1, 1, 1};
+  size_t shared_bytes = 0;
+  std::vector<std::vector<uint64_t>> parameters;  ///< copies of the values
+};
+
+class State {
+ public:
+  static State& get();
+
+  void configure(const std::string& text);
+
+  /// Counts a call. Returns the result that it must return at once, if there is one: an injected failure, or the error
+  /// that the device did not survive.
+  std::optional<int> enter(const std::string& function);
+  /// The same for functions that need a current context.
+  std::optional<int> enter_context(const std::string& function);
+  size_t calls(const std::string& function) const;
+
+  void add(Stream& stream, std::function<void()> work);
+  void add_kernel(Stream& stream, KernelCall call);
+  /// Executes the first piece of work. Returns false if there is none.
+  bool execute_one(Stream& stream);
+  /// Executes all work; the host may then access managed memory.
+  void drain(Stream& stream);
+
+  /// Frees the objects of all contexts, the last of which has ended.
+  void end_contexts();
+
+  Settings settings;
+  bool initialized = false;
+  int sticky = kSuccess;  ///< the error that the device did not survive
+  std::map<int, Context> contexts;
+  std::set<Module*> modules;
+  std::set<Stream*> streams;
+  std::set<Event*> events;
+  ManagedBlocks managed;
+  std::map<void*, size_t> locked;  ///< page-locked blocks
+  size_t leaked = 0;               ///< objects that end_contexts() freed after no error
+  std::mutex mutex;                ///< held by every entry point
+
+ private:
+  State();
+  void run(const KernelCall& call);
+
+  std::map<std::string, size_t> calls_;
+  size_t launches_ = 0;
+};
+
+/// The contexts that are current on this thread; the last one is used.
+std::vector<Context*>& current_contexts();
+
+double now_s();
+
+}  // namespace stub

@@ -1,0 +1,276 @@
+// Entry points of the stub driver: memory, modules, launches, streams and events.
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "stub/guarded.h"
+#include "stub/modules.h"
+
+namespace stub {
+namespace {
+
+constexpr unsigned kAttachGlobal = 1;
+constexpr int kHost = -1;
+constexpr int kErrorLog = 5;
+constexpr int kErrorLogBytes = 6;
+constexpr uint32_t kMaxGridHeight = 65535;
+
+void* pointer(unsigned long long address) { return reinterpret_cast<void*>(address); }
+unsigned long long address_of(const void* block) { return reinterpret_cast<uintptr_t>(block); }
+
+bool is_locked(const State& state, const void* address, size_t bytes) {
+  const auto* const begin = static_cast<const char*>(address);
+  return std::any_of(state.locked.begin(), state.locked.end(), [&](const auto& block) {
+    const auto* const first = static_cast<const char*>(block.first);
+    return begin >= first && begin + bytes <= first + block.second;
+  });
+}
+
+/// Whether the bytes are in a variable of a loaded module.
+bool is_variable(const State& state, const void* address, size_t bytes) {
+  for (const Module* module : state.modules) {
+    for (const ptx::Symbol& symbol : module->translated->symbols) {
+      const auto* const first = static_cast<const char*>(symbol.address);
+      const auto* const begin = static_cast<const char*>(address);
+      if (begin >= first && begin + bytes <= first + symbol.bytes) return true;
+    }
+  }
+  return false;
+}
+
+/// Writes the compiler's messages to the caller's buffer, if there is one.
+void write_log(const std::string& message, unsigned options, const int* names, void** values) {
+  char* buffer = nullptr;
+  size_t bytes = 0;
+  for (unsigned i = 0; i < options; ++i) {
+    if (names[i] == kErrorLog) buffer = static_cast<char*>(values[i]);
+    if (names[i] == kErrorLogBytes) bytes = reinterpret_cast<size_t>(values[i]);
+  }
+  if (buffer && bytes > 0) std::strncpy(buffer, message.c_str(), bytes - 1);
+}
+
+/// Copies of the parameters of a launch. The first word holds every type of relume's parameters.
+std::vector<std::vector<uint64_t>> copy_parameters(const ptx::Entry& entry, void** parameters) {
+  std::vector<std::vector<uint64_t>> copies;
+  for (size_t i = 0; i < entry.parameter_bytes.size(); ++i) {
+    copies.emplace_back((entry.parameter_bytes[i] + 7) / 8);
+    std::memcpy(copies.back().data(), parameters[i], entry.parameter_bytes[i]);
+  }
+  return copies;
+}
+
+const ptx::Module* module_of(const State& state, const ptx::Entry* entry) {
+  for (const Module* module : state.modules) {
+    for (const ptx::Entry& one : module->translated->entries) {
+      if (&one == entry) return module->translated;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+extern "C" {
+
+int cuMemGetInfo_v2(size_t* free, size_t* total) {
+  return with_context("cuMemGetInfo_v2", [&](State& state) {
+    *total = state.settings.memory_mib << 20;
+    *free = *total - std::min(*total, state.managed.bytes());
+    return kSuccess;
+  });
+}
+
+int cuMemAllocManaged(unsigned long long* address, size_t bytes, unsigned flags) {
+  return with_context("cuMemAllocManaged", [&](State& state) {
+    if (bytes == 0 || flags != kAttachGlobal) return kInvalidValue;
+    void* const block = state.managed.allocate(bytes);
+    *address = address_of(block);
+    return block ? kSuccess : kOutOfMemory;
+  });
+}
+
+int cuMemFree_v2(unsigned long long address) {
+  return with_context("cuMemFree_v2",
+                      [&](State& state) { return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue; });
+}
+
+int cuMemHostAlloc(void** address, size_t bytes, unsigned) {
+  return with_context("cuMemHostAlloc", [&](State& state) {
+    *address = std::malloc(bytes);
+    if (!*address) return kOutOfMemory;
+    state.locked.emplace(*address, bytes);
+    return kSuccess;
+  });
+}
+
+int cuMemFreeHost(void* address) {
+  return with_context("cuMemFreeHost", [&](State& state) {
+    if (state.locked.erase(address) == 0) return kInvalidValue;
+    std::free(address);
+    return kSuccess;
+  });
+}
+
+int cuMemPrefetchAsync(unsigned long long address, size_t bytes, int device, Stream* stream) {
+  return with_context("cuMemPrefetchAsync", [&](State& state) {
+    if (!state.settings.concurrent) return kInvalidDevice;
+    if (device != kHost && (device < 0 || device >= state.settings.devices)) return kInvalidDevice;
+    if (bytes == 0 || !state.managed.contains(pointer(address), bytes)) return kInvalidValue;
+    return state.streams.contains(stream) ? kSuccess : kInvalidHandle;
+  });
+}
+
+int cuMemcpyHtoDAsync_v2(unsigned long long to, const void* from, size_t bytes, Stream* stream) {
+  return with_context("cuMemcpyHtoDAsync_v2", [&](State& state) {
+    if (!state.streams.contains(stream)) return kInvalidHandle;
+    // Other memory is copied before the driver's function returns, if at all.
+    if (!is_locked(state, from, bytes) || !is_variable(state, pointer(to), bytes)) return kInvalidValue;
+    state.add(*stream, [=] { std::memcpy(pointer(to), from, bytes); });
+    return kSuccess;
+  });
+}
+
+int cuModuleLoadDataEx(Module** handle, const void* image, unsigned options, const int* names, void** values) {
+  return with_context("cuModuleLoadDataEx", [&](State& state) {
+    std::string message;
+    const ptx::Module* const translated = find_module(static_cast<const char*>(image), message);
+    if (!translated) {
+      write_log(message, options, names, values);
+      return kInvalidPtx;
+    }
+    create(state.modules, handle);
+    (*handle)->translated = translated;
+    return kSuccess;
+  });
+}
+
+int cuModuleUnload(Module* module) {
+  return with_context("cuModuleUnload", [&](State& state) { return destroy(state.modules, module); });
+}
+
+int cuModuleGetFunction(const ptx::Entry** function, Module* module, const char* name) {
+  return with_context("cuModuleGetFunction", [&](State& state) {
+    if (!state.modules.contains(module)) return kInvalidHandle;
+    for (const ptx::Entry& entry : module->translated->entries) {
+      if (entry.name != name) continue;
+      *function = &entry;
+      return kSuccess;
+    }
+    return kNotFound;
+  });
+}
+
+int cuModuleGetGlobal_v2(unsigned long long* address, size_t* bytes, Module* module, const char* name) {
+  return with_context("cuModuleGetGlobal_v2", [&](State& state) {
+    if (!state.modules.contains(module)) return kInvalidHandle;
+    for (const ptx::Symbol& symbol : module->translated->symbols) {
+      if (symbol.name != name) continue;
+      *address = address_of(symbol.address);
+      *bytes = symbol.bytes;
+      return kSuccess;
+    }
+    return kNotFound;
+  });
+}
+
+int cuFuncGetAttribute(int* value, int attribute, const ptx::Entry*) {
+  return with_context("cuFuncGetAttribute", [&](State& state) {
+    constexpr int kStackBytes = 3;
+    if (attribute != kStackBytes) return kInvalidValue;
+    *value = state.settings.stack;
+    return kSuccess;
+  });
+}
+
+int cuLaunchKernel(const ptx::Entry* function, unsigned grid_x, unsigned grid_y, unsigned grid_z, unsigned block_x,
+                   unsigned block_y, unsigned block_z, unsigned shared_bytes, Stream* stream, void** parameters,
+                   void** extra) {
+  return with_context("cuLaunchKernel", [&](State& state) {
+    const ptx::Module* const module = module_of(state, function);
+    if (!module || !state.streams.contains(stream)) return kInvalidHandle;
+    const uint64_t threads = uint64_t{block_x} * block_y * block_z;
+    if (grid_x == 0 || grid_y == 0 || grid_z == 0 || grid_y > kMaxGridHeight || threads == 0 || threads > 1024 || extra)
+      return kInvalidValue;
+    state.add_kernel(*stream, {module,
+                               function,
+                               {grid_x, grid_y, grid_z},
+                               {block_x, block_y, block_z},
+                               shared_bytes,
+                               copy_parameters(*function, parameters)});
+    return kSuccess;
+  });
+}
+
+int cuStreamCreate(Stream** stream, unsigned) {
+  return with_context("cuStreamCreate", [&](State& state) { return create(state.streams, stream); });
+}
+
+int cuStreamDestroy_v2(Stream* stream) {
+  return with_context("cuStreamDestroy_v2", [&](State& state) { return destroy(state.streams, stream); });
+}
+
+int cuStreamSynchronize(Stream* stream) {
+  return with_context("cuStreamSynchronize", [&](State& state) {
+    if (!state.streams.contains(stream)) return kInvalidHandle;
+    state.drain(*stream);
+    return state.sticky;
+  });
+}
+
+int cuEventCreate(Event** event, unsigned flags) {
+  return with_context("cuEventCreate",
+                      [&](State& state) { return flags == 0 ? create(state.events, event) : kInvalidValue; });
+}
+
+int cuEventDestroy_v2(Event* event) {
+  return with_context("cuEventDestroy_v2", [&](State& state) { return destroy(state.events, event); });
+}
+
+int cuEventRecord(Event* event, Stream* stream) {
+  return with_context("cuEventRecord", [&](State& state) {
+    if (!state.events.contains(event) || !state.streams.contains(stream)) return kInvalidHandle;
+    event->recorded = true;
+    event->done = false;
+    state.add(*stream, [event] {
+      event->done = true;
+      event->time_s = now_s();
+    });
+    return kSuccess;
+  });
+}
+
+int cuEventQuery(Event* event) {
+  return with_context("cuEventQuery", [&](State& state) {
+    if (!state.events.contains(event)) return kInvalidHandle;
+    // The device proceeds while the host asks.
+    for (Stream* stream : state.streams) state.execute_one(*stream);
+    if (state.sticky != kSuccess) return state.sticky;
+    return event->done || !event->recorded ? kSuccess : kNotReady;
+  });
+}
+
+int cuEventSynchronize(Event* event) {
+  return with_context("cuEventSynchronize", [&](State& state) {
+    if (!state.events.contains(event)) return kInvalidHandle;
+    for (Stream* stream : state.streams) {
+      while (event->recorded && !event->done && state.sticky == kSuccess && state.execute_one(*stream)) {
+      }
+    }
+    return state.sticky;
+  });
+}
+
+int cuEventElapsedTime(float* milliseconds, Event* begin, Event* end) {
+  return with_context("cuEventElapsedTime", [&](State& state) {
+    if (!state.events.contains(begin) || !state.events.contains(end)) return kInvalidHandle;
+    if (!begin->recorded || !end->recorded) return kInvalidHandle;
+    if (!begin->done || !end->done) return kNotReady;
+    *milliseconds = static_cast<float>(1e3 * (end->time_s - begin->time_s));
+    return kSuccess;
+  });
+}
+
+}  // extern "C"
+}  // namespace stub
