@@ -11,6 +11,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "console.h"
+#include "relume/error.h"
 #include "settings/nearest_name.h"
 #include "version.h"
 
@@ -176,6 +177,8 @@ int run_program(const std::vector<Command>& commands, const std::vector<std::str
     return exit_code;
   } catch (const UsageError& error) {
     return report(error.what(), kExitUsage);
+  } catch (const DeviceMemoryError& error) {
+    return report(error.what(), kExitFailed);
   } catch (const std::bad_alloc&) {
     return report("out of memory; try a smaller --width and --height or a smaller scene", kExitFailed);
   } catch (const std::exception& error) {

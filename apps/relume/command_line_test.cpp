@@ -128,6 +128,15 @@ TEST(CommandLine, ProgramRunsCommandsAndReportsByExitCode) {
   EXPECT_EQ(run_program({failing}, {"paint", "in"}), kExitFailed);
 }
 
+TEST(CommandLine, ProgramSaysWhichMemoryIsMissing) {
+  Fixture f;
+  Command failing = f.command();
+  failing.run = []() -> int { throw DeviceMemoryError("the GPU has no room for 5 MiB; use a smaller image"); };
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program({failing}, {"paint", "in"}), kExitFailed);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "relume: the GPU has no room for 5 MiB; use a smaller image\n");
+}
+
 TEST(CommandLine, UnknownCommandGetsASuggestion) {
   Fixture f;
   testing::internal::CaptureStderr();

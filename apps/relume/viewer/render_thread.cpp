@@ -106,6 +106,9 @@ void RenderThread::run(const std::stop_token& stop) {
     try {
       run_tasks();
       render_round(stop);
+    } catch (const DeviceMemoryError& error) {
+      refused_version_ = request_.version;
+      add_notice({true, error.what(), request_.scene});
     } catch (const std::bad_alloc&) {
       refused_version_ = request_.version;
       add_notice({true, "out of memory; try a smaller size or scene", request_.scene});
