@@ -17,7 +17,9 @@ constexpr int kErrorLog = 5;
 constexpr int kErrorLogBytes = 6;
 constexpr uint32_t kMaxGridHeight = 65535;
 
-void* pointer(unsigned long long address) { return reinterpret_cast<void*>(address); }
+void* pointer(unsigned long long address) {
+  return reinterpret_cast<void*>(address);  // NOLINT(performance-no-int-to-ptr)
+}
 unsigned long long address_of(const void* block) { return reinterpret_cast<uintptr_t>(block); }
 
 bool is_locked(const State& state, const void* address, size_t bytes) {
