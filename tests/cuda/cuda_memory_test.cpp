@@ -127,6 +127,19 @@ TEST(CudaMemory, IsNotMovedWithoutConcurrentAccess) {
   EXPECT_EQ(moves(), 0u);
 }
 
+TEST(CudaMemory, IsOpenedAgainWithoutTheDriver) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(16, 0);
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, 16, 1});
+  values.write()[0] = 5;
+  const size_t before = StubDriver::calls("cuCtxPushCurrent_v2");
+  for (int i = 0; i < 10; ++i) values.write()[0] += values.read()[1];
+  EXPECT_EQ(StubDriver::calls("cuCtxPushCurrent_v2"), before);
+  EXPECT_EQ(values.read()[0], 15u);
+}
+
 TEST(CudaMemory, WaitsBeforeItIsOpenedOrFreed) {
   const StubDriver stub;
   const std::unique_ptr<Device> device = open(stub);

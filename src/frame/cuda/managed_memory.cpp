@@ -88,14 +88,25 @@ void ManagedMemory::move(const Blocks::value_type& block, DeviceNumber to) {
   if (result != Result::success) queue_.check(result, fmt::format("moving {}", mebibytes(bytes)));
 }
 
+ManagedMemory::Blocks::const_iterator ManagedMemory::find_on_device(const std::byte* address) const {
+  const auto after = on_device_.upper_bound(address);
+  if (after == on_device_.begin()) return on_device_.end();
+  const auto block = std::prev(after);
+  return address < block->first + block->second ? block : on_device_.end();
+}
+
 void ManagedMemory::open(const std::byte* address) {
+  queue_.check_usable();
+  {
+    // Host code may open a block for each element that it writes.
+    const std::lock_guard lock(mutex_);
+    if (queue_.idle() && find_on_device(address) == on_device_.end()) return;
+  }
   const Queue::Current current(queue_);
   queue_.finish();
   const std::lock_guard lock(mutex_);
-  auto after = on_device_.upper_bound(address);
-  if (after == on_device_.begin()) return;
-  const auto block = std::prev(after);
-  if (address >= block->first + block->second) return;
+  const auto block = find_on_device(address);
+  if (block == on_device_.end()) return;
   if (moves_blocks_ && block->second >= kMovedBytes) {
     move(*block, kHostDevice);
     queue_.check(queue_.driver().cuStreamSynchronize(queue_.stream()), "moving memory to the host");

@@ -46,6 +46,8 @@ class ManagedMemory final : public Memory {
   void reserve(size_t bytes);
   void give_back(size_t bytes);
   void open(const std::byte* address);
+  /// The block of an address in on_device_, or its end.
+  Blocks::const_iterator find_on_device(const std::byte* address) const;
   void move(const Blocks::value_type& block, DeviceNumber to);
 
   Queue& queue_;

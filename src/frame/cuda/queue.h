@@ -41,6 +41,8 @@ class Queue {
 
   /// Call it after each launch. `name`: for messages.
   void added(std::string_view name);
+  /// Whether no launch is queued, as far as the host knows.
+  bool idle() const { return finished_.load() >= added_.load(); }
   /// Waits for the launches; returns at once if none is queued. The context must be current. Throws as check().
   void finish();
 
