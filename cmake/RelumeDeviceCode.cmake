@@ -55,12 +55,8 @@ function(relume_find_device_compiler)
   set(RELUME_CLANG_FLAGS ${flags} PARENT_SCOPE)
 endfunction()
 
-# RELUME_PTX: the device code, or empty. Only tests use it, so that builds without tests leave it out.
+# RELUME_PTX: the device code, or empty. RELUME_COMPRESSED_PTX: the form that the library contains.
 set(RELUME_PTX "")
-set(all "")
-if(RELUME_BUILD_TESTS)
-  set(all ALL)
-endif()
 if(RELUME_CUDA)
   relume_find_device_compiler()
   if(missing AND RELUME_CUDA STREQUAL "AUTO")
@@ -73,6 +69,9 @@ if(RELUME_CUDA)
       DEPFILE ${RELUME_PTX}.d COMMENT "Compiling kernels to ${RELUME_PTX}"
       COMMAND ${RELUME_CLANG} ${RELUME_CLANG_FLAGS} -MD -MT ${RELUME_PTX} -MF ${RELUME_PTX}.d
         ${RELUME_DEVICE_FOLDER}/kernels.cu -o ${RELUME_PTX})
-    add_custom_target(relume_device_code ${all} DEPENDS ${RELUME_PTX})
+    set(RELUME_COMPRESSED_PTX ${RELUME_PTX}.inc)
+    add_custom_command(OUTPUT ${RELUME_COMPRESSED_PTX} DEPENDS ${RELUME_PTX} relume_compress VERBATIM
+      COMMAND relume_compress ${RELUME_PTX} ${RELUME_COMPRESSED_PTX})
+    add_custom_target(relume_device_code DEPENDS ${RELUME_COMPRESSED_PTX})
   endif()
 endif()

@@ -72,7 +72,7 @@ LIBRARY_USERS = {
     "stb_": "image scene_io",
     "OpenEXR/": "image",
     "Imf": "image",
-    "zstd": "image",
+    "zstd": "frame image",
     "zlib": "scene_io",
     "webp/": "image",
     "OpenColorIO/": "framebuffer",
