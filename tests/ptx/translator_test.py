@@ -10,7 +10,7 @@ import unittest
 FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER / "translator"))
 
-from emitter import external_functions, opcode_counts, translate
+from emitter import external_functions, opcode_counts, translate, translate_parts
 from errors import PtxError
 from forms import FORMS
 from names import cpp_name, fits
@@ -196,6 +196,21 @@ class Translation(unittest.TestCase):
         self.assertEqual(external_functions(module), ["query"])
         self.assertEqual(opcode_counts(module), {"fma.rn.f32": 1, "ret": 1})
         self.assertIn('extern "C" void ptx_query(unsigned char* vr, unsigned char* va);', translate(module, "module"))
+
+    def test_parts_have_each_function_once(self):
+        bodies = "".join(f".func f{i}() {{ .reg .b32 %r; {'mov.u32 %r, 1; ' * i}ret; }}\n" for i in range(9))
+        text = HEAD + ".const .align 8 .b8 c[16];\n" + bodies + ".visible .entry k() { call f8; ret; }\n"
+        files = translate_parts(parse(text, "k.ptx"), "module", 3)
+        parts = [f"module_{i}.cpp" for i in range(3)]
+        self.assertEqual(sorted(files), ["module.cpp", "module.h", *parts])
+        for name in ("ff8", "fk"):
+            self.assertEqual(sum(f"void {name}() {{" in files[part] for part in parts), 1, name)
+            self.assertIn(f"void {name}();", files["module.h"])
+        self.assertIn("alignas(8) extern unsigned char vc[16];", files["module.h"])
+        self.assertIn("alignas(8) unsigned char vc[16] = {};", files["module.cpp"])
+        self.assertRegex(files["module.cpp"], r'\{"k", .*, false, false\}')
+        sizes = [files[part].count("\n") for part in parts]
+        self.assertLess(max(sizes), 1.5 * min(sizes))
 
     def test_what_the_driver_could_change_is_unknown(self):
         self.assertEqual([o for o in FORMS if any(m in o for m in (".ftz", ".approx", ".full", ".sat"))], [])

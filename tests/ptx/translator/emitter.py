@@ -5,17 +5,11 @@ from collections import Counter
 from errors import PtxError
 from instructions import Statement, form_of
 from module import Address, Block, Instruction, Label, Name, Registers
-from names import Scope, cpp_name, function_name
-from parser import SIZES
+from names import Scope, cpp_name, function_name, register_type
 
-CPP_REGISTER = {1: "uint8_t", 2: "uint16_t", 4: "uint32_t", 8: "uint64_t"}
 NAMES_PER_LINE = 12
-EXTERNAL = 'extern "C"'
-
-
-def register_type(kind):
-    """Registers hold bits: integers are unsigned."""
-    return {"pred": "bool", "f32": "float", "f64": "double"}.get(kind) or CPP_REGISTER[SIZES[kind]]
+EXTERNAL = 'extern "C" '
+INCLUDES = ('#include "instructions/instructions.h"', '#include "runtime/module.h"', "")
 
 
 def instructions_in(block):
@@ -44,32 +38,24 @@ def external_functions(module):
 
 
 class Emitter:
-    def __init__(self, module):
+    def __init__(self, module, linkage="static "):
+        """`linkage`: of the functions and variables in C++."""
         self.module = module
+        self.linkage = linkage
         self.lines = []
         self.functions = {}
         self.scope = Scope(module.file)
         self.shared_bytes = 0
         self.shared_names = set()
         self.labels = set()
+        self.collect_functions()
 
     def fail(self, line, message):
         raise PtxError(self.module.file, line, message)
 
-    def translate(self, name):
-        """The whole file. `name`: of the C++ variable that describes the module."""
-        self.collect_functions()
-        self.lines = ['#include "instructions/instructions.h"', '#include "runtime/module.h"', "", "namespace ptx {", ""]
-        for variable in self.module.variables:
-            self.global_variable(variable)
-        for function in self.functions.values():
-            self.lines.append(f"{self.signature(function)};")
-        self.lines.append("")
-        for function in self.functions.values():
-            if function.body:
-                self.function(function)
-        self.tables(name)
-        return "\n".join(self.lines) + "\n"
+    def taken_lines(self):
+        lines, self.lines = self.lines, []
+        return lines
 
     def collect_functions(self):
         for function in self.module.functions:
@@ -83,9 +69,16 @@ class Emitter:
 
     # ---- Variables
 
+    def global_variables(self):
+        """Lines that define the variables of the module."""
+        for variable in self.module.variables:
+            if variable.space == "shared":
+                self.shared_variable(variable, self.scope)
+            else:
+                self.global_variable(variable)
+        return self.taken_lines()
+
     def global_variable(self, variable):
-        if variable.space == "shared":
-            return self.shared_variable(variable, self.scope)
         if variable.external:
             self.fail(variable.line, f"external variable '{variable.name}' has no definition")
         if variable.space not in ("global", "const"):
@@ -93,8 +86,12 @@ class Emitter:
         name = cpp_name("v", variable.name)
         self.scope.declare_variable(variable, name)
         values = ", ".join(map(str, variable.initial.rstrip(b"\0"))) if variable.initial else ""
-        self.lines.append(f"alignas({variable.alignment}) static unsigned char {name}[{variable.size}] = {{{values}}};")
-        return None
+        self.lines.append(f"alignas({variable.alignment}) {self.linkage}unsigned char {name}[{variable.size}] = {{{values}}};")
+
+    def extern_variables(self):
+        """Lines that declare the variables for other files."""
+        known = [(v, cpp_name("v", v.name)) for v in self.module.variables if v.space != "shared"]
+        return [f"alignas({v.alignment}) extern unsigned char {name}[{v.size}];" for v, name in known]
 
     def shared_variable(self, variable, scope):
         """Variables with a size are placed one after the other; the one without begins after all of them."""
@@ -119,9 +116,16 @@ class Emitter:
 
     def signature(self, function):
         names = ", ".join(f"unsigned char* {cpp_name('v', p.name)}" for p in (*function.results, *function.parameters))
-        return f"{'static' if function.body else EXTERNAL} void {function_name(function)}({names})"
+        return f"{self.linkage if function.body else EXTERNAL}void {function_name(function)}({names})"
+
+    def signatures(self):
+        return [f"{self.signature(function)};" for function in self.functions.values()]
+
+    def defined_functions(self):
+        return [f for f in self.functions.values() if f.body]
 
     def function(self, function):
+        """Lines that define a function."""
         scope = Scope(self.module.file, self.scope)
         for parameter in (*function.results, *function.parameters):
             scope.declare_variable(parameter, cpp_name("v", parameter.name))
@@ -129,6 +133,7 @@ class Emitter:
         self.lines.append(f"{self.signature(function)} {{")
         self.block(function.body, scope)
         self.lines += ["}", ""]
+        return self.taken_lines()
 
     def block(self, block, scope):
         for statement in block.statements:
@@ -164,7 +169,7 @@ class Emitter:
     def functions_with(self, chosen):
         """Functions that have an instruction for which `chosen` is true, or that call one."""
         found, calls = set(), {}
-        for function in (f for f in self.functions.values() if f.body):
+        for function in self.defined_functions():
             instructions = list(instructions_in(function.body))
             if any(map(chosen, instructions)):
                 found.add(function.name)
@@ -177,6 +182,7 @@ class Emitter:
             found |= more
 
     def tables(self, name):
+        """Lines that describe the module."""
         cooperative = self.functions_with(lambda i: form_of(i, self.module.file).cooperative)
         sharing = self.functions_with(lambda i: names_in(i) & self.shared_names)
         entries, symbols = [], []
@@ -190,9 +196,8 @@ class Emitter:
         for v in self.module.variables:
             if v.space != "shared":
                 symbols.append(f'{{"{v.name}", {cpp_name("v", v.name)}, {v.size}}},')
-        self.lines.append(f"extern const Module {name};")
-        self.lines += [f"const Module {name}{{", "{", *entries, "},", "{", *symbols, "},", f"{self.shared_bytes}}};", ""]
-        self.lines.append("}  // namespace ptx")
+        head = [f"extern const Module {name};", f"const Module {name}{{"]
+        return [*head, "{", *entries, "},", "{", *symbols, "},", f"{self.shared_bytes}}};", ""]
 
 
 def all_statements(block):
@@ -202,6 +207,35 @@ def all_statements(block):
             yield from all_statements(statement)
 
 
+def text_of(*groups):
+    return "\n".join(line for group in groups for line in group) + "\n"
+
+
 def translate(module, name):
     """`module` as C++ with a variable `name` that describes it. Raises PtxError."""
-    return Emitter(module).translate(name)
+    emitter = Emitter(module)
+    variables = emitter.global_variables()
+    functions = [line for f in emitter.defined_functions() for line in emitter.function(f)]
+    head, end = (*INCLUDES, "namespace ptx {", ""), ("}  // namespace ptx",)
+    return text_of(head, variables, emitter.signatures(), [""], functions, emitter.tables(name), end)
+
+
+def translate_parts(module, name, count):
+    """The same in `count` parts of similar size, which can be compiled at the same time: {file: text}. NAME.cpp describes the
+    module, NAME_0.cpp and so on hold the functions, NAME.h declares them."""
+    emitter = Emitter(module, linkage="")
+    head = (f'#include "{name}.h"', "", f"namespace ptx::{name}_code {{", "")
+    end = (f"}}  // namespace ptx::{name}_code",)
+    variables = emitter.global_variables()
+    parts = [[] for _ in range(count)]
+    sizes = [0] * count
+    for function in sorted(emitter.defined_functions(), key=lambda f: -sum(1 for _ in instructions_in(f.body))):
+        smallest = sizes.index(min(sizes))
+        lines = emitter.function(function)
+        sizes[smallest] += len(lines)
+        parts[smallest] += lines
+    files = {f"{name}_{i}.cpp": text_of(head, part, end) for i, part in enumerate(parts)}
+    files[f"{name}.h"] = text_of(INCLUDES, head[2:], emitter.extern_variables(), emitter.signatures(), end)
+    tables = ("", "namespace ptx {", f"using namespace {name}_code;", "", *emitter.tables(name), "}  // namespace ptx")
+    files[f"{name}.cpp"] = text_of(head, variables, end, tables)
+    return files

@@ -55,7 +55,7 @@ class Statement:
 
     def assign(self, destination, expression):
         name = self.operands.register(destination, self.form.result, self.form.wide)
-        return f"set({name}, {expression});"
+        return f"{name} = {expression};" if self.operands.holds(destination, self.form.result) else f"set({name}, {expression});"
 
     def sources(self, operands):
         pairs = zip(operands, self.form.sources)
@@ -101,18 +101,29 @@ class Statement:
     def aligned(self, address, kind):
         return f"aligned<{self.form.vector * SIZES[kind]}>({self.operands.address(address)})"
 
+    def access(self, address, kind, statement):
+        """statement(at, i) for each element i, with the C++ expression `at` of the address."""
+        at = self.aligned(address, kind)
+        if self.form.vector == 1:
+            return statement(at, 0)
+        return f"{{ unsigned char* const at = {at}; {' '.join(statement('at', i) for i in range(self.form.vector))} }}"
+
     def load(self, destination, address):
-        values = [
-            self.assign(e, f"{self.form.function}(at, {i})") for i, e in enumerate(self.elements(destination)) if e != Name("_")
-        ]
-        return f"{{ unsigned char* const at = {self.aligned(address, self.form.result)}; {' '.join(values)} }}"
+        elements = self.elements(destination)
+
+        def one(at, i):
+            return "" if elements[i] == Name("_") else self.assign(elements[i], f"{self.form.function}({at}, {i})")
+
+        return self.access(address, self.form.result, one)
 
     def store(self, address, source):
         kind = self.form.sources[0]
-        values = [
-            f"{self.form.function}(at, {i}, {self.operands.source(e, kind, wide=True)});" for i, e in enumerate(self.elements(source))
-        ]
-        return f"{{ unsigned char* const at = {self.aligned(address, kind)}; {' '.join(values)} }}"
+        elements = self.elements(source)
+
+        def one(at, i):
+            return f"{self.form.function}({at}, {i}, {self.operands.source(elements[i], kind, wide=True)});"
+
+        return self.access(address, kind, one)
 
     def atom(self, *operands):
         address, *values = operands if self.form.result is None else operands[1:]

@@ -16,6 +16,12 @@ def function_name(function):
     return cpp_name("f", function.name) if function.body else f"ptx_{function.name}"
 
 
+def register_type(kind):
+    """The C++ type of a register. Registers hold bits: integers are unsigned."""
+    integers = {1: "uint8_t", 2: "uint16_t", 4: "uint32_t", 8: "uint64_t"}
+    return {"pred": "bool", "f32": "float", "f64": "double"}.get(kind) or integers[SIZES[kind]]
+
+
 class Scope:
     """Registers and variables of a block; `outer`: those of the blocks around it."""
 

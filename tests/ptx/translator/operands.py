@@ -3,7 +3,7 @@
 from errors import PtxError
 from forms import CPP, SPECIAL
 from module import Address, Integer, Name, Negated, Real
-from names import cpp_name, fits
+from names import cpp_name, fits, register_type
 from parser import SIZES
 
 
@@ -32,6 +32,10 @@ class Operands:
             self.fail(f"the register {operand.text} has the type .{declared}; expected .{kind}")
         return cpp_name("r", operand.text)
 
+    def holds(self, operand, kind):
+        """Whether the C++ type of a register is that of `kind`."""
+        return register_type(self.scope.register(operand.text)) == CPP[kind]
+
     def predicate(self, operand):
         if isinstance(operand, Negated):
             return f"!{self.register(operand.name, 'pred')}"
@@ -49,7 +53,8 @@ class Operands:
             return self.symbol(operand.text, kind)
         if isinstance(operand, Address) and kind[1:] == "64":
             return f"get<{CPP[kind]}>({self.address(operand)})"
-        return f"get<{CPP[kind]}>({self.register(operand, kind, wide)})"
+        name = self.register(operand, kind, wide)
+        return name if self.holds(operand, kind) else f"get<{CPP[kind]}>({name})"
 
     def integer(self, value, kind):
         if kind == "pred":
