@@ -181,7 +181,7 @@ TEST(Math, SpecialValues) {
 }
 
 #if defined(__SSE__)
-/// Kernels flush denormals; the functions give the same bits where a caller does not.
+/// The functions give the same bits whether or not the caller flushes denormals.
 TEST(Math, BitsDoNotDependOnFlushing) {
   std::vector<float> arguments;
   for (int exponent = -149; exponent < 128; ++exponent) {

@@ -78,7 +78,7 @@ void* WalledMemory::allocate(size_t bytes, size_t alignment) {
   if (pages > 0) ::mprotect(memory, pages * page_bytes(), PROT_NONE);
   const std::lock_guard lock(mutex_);
   const auto added = blocks_.emplace(static_cast<std::byte*>(memory), Block{bytes, mapped, Access::none}).first;
-  if (in_launch_) {
+  if (launches_ > 0) {
     added->second.access = Access::write;
     protect(*added, Access::write);
   }
@@ -109,7 +109,7 @@ void WalledMemory::open(const std::byte* address, Access access) {
   const std::lock_guard lock(mutex_);
   const auto block = find(address);
   if (block == blocks_.end()) return;
-  if (!in_launch_ && block->second.bytes > host_limit_ && !unlimited_.contains(block->second.bytes)) {
+  if (launches_ == 0 && block->second.bytes > host_limit_ && !unlimited_.contains(block->second.bytes)) {
     violations_.push_back("host code opened a block of " + std::to_string(block->second.bytes) +
                           " bytes after the launch of '" + last_launch_ + "'; process it in a launch");
     print_calls();
@@ -124,7 +124,7 @@ void WalledMemory::open_for_writing(void* block) { open(static_cast<const std::b
 
 void WalledMemory::begin_launch(std::string_view name) {
   const std::lock_guard lock(mutex_);
-  in_launch_ = true;
+  ++launches_;
   last_launch_ = name;
   for (Blocks::value_type& block : blocks_) {
     if (block.second.access != Access::write) protect(block, Access::write);
@@ -134,7 +134,7 @@ void WalledMemory::begin_launch(std::string_view name) {
 
 void WalledMemory::end_launch() {
   const std::lock_guard lock(mutex_);
-  in_launch_ = false;
+  if (--launches_ > 0) return;
   for (Blocks::value_type& block : blocks_) {
     protect(block, Access::none);
     block.second.access = Access::none;

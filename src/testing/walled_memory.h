@@ -36,7 +36,8 @@ class WalledMemory final : public Memory {
   void open_for_reading(const void* block) override;
   void open_for_writing(void* block) override;
 
-  /// Open and close all blocks. Call them at the beginning and end of the launch `name`.
+  /// Open and close all blocks. Call them at the beginning and end of the launch `name`. The blocks stay open until the
+  /// end of the outermost launch.
   void begin_launch(std::string_view name);
   void end_launch();
 
@@ -84,7 +85,7 @@ class WalledMemory final : public Memory {
   mutable std::mutex mutex_;
   Blocks blocks_;
   std::set<const std::byte*> permitted_;
-  bool in_launch_ = true;
+  int launches_ = 1;                                        ///< that have begun and not ended
   size_t host_limit_ = std::numeric_limits<size_t>::max();  ///< largest block that host code may open
   std::set<size_t> unlimited_;                              ///< sizes of larger blocks that it may open
   std::string last_launch_ = "none";

@@ -10,48 +10,19 @@
 
 #include <fmt/format.h>
 
-#include "core/fnv1a.h"
-#include "determinism/same_bits.h"
-#include "settings/settings_json.h"
-#include "support/measure.h"
+#include "determinism/moving_frames.h"
 #include "support/technique_checks.h"
 #include "support/test_name.h"
 
 namespace relume::support {
 namespace {
 
-constexpr int kFrames = 4;
-
+/// Settings with one acceleration structure, in one form of kernels.
 RenderSettings settings_of(const DeterminismCheck& technique, AccelChoice accel, bool scalar) {
-  RenderSettings s = small_settings(64, 36);
-  s.auxiliary = true;
-  s.static_lists.rays = 64;                                  // their preparation would dominate the test's time
-  s.octree = {.collapse = 32, .split = 64, .scale = false};  // many regions for few pixels
-  settings_from_json(describe(s), technique.json, technique.name);
+  RenderSettings s = moving_settings(technique);
   s.accel = accel;
-  s.threads = 2;
   s.scalar_kernels = scalar;
   return s;
-}
-
-/// Hash of the bits of each frame while the camera moves sideways.
-std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings) {
-  const CameraPose start = session.camera();
-  EXPECT_TRUE(session.set_settings(settings));
-  session.restart(settings.seed);
-  std::vector<uint64_t> frames;
-  for (int frame = 0; frame < kFrames; ++frame) {
-    CameraPose moved = start;
-    moved.to_world[3] += 0.02f * static_cast<float>(frame) * start.to_world[0];
-    session.set_camera(moved);
-    session.render_frame();
-    const std::vector<uint32_t> bits = bits_of(session);
-    Fnv1a hash;
-    hash.add(bits.data(), bits.size() * sizeof(uint32_t));
-    frames.push_back(hash.value());
-  }
-  session.set_camera(start);
-  return frames;
 }
 
 struct FormsCase {

@@ -16,6 +16,7 @@
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "support/technique_checks.h"
+#include "support/watch_accesses.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "testing/walled_memory.h"
 
@@ -215,32 +216,6 @@ TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
   render(second, 14, kFrames);
   EXPECT_EQ(bits_of(second), bits_of(whole));
   std::filesystem::remove(file);
-}
-
-/// Searches the records of the scene for addresses, except lights, whose unused bytes may look like one.
-void check_records(testing::WalledMemory& memory, const SceneView& scene) {
-  memory.check_elements("meshes", scene.meshes);
-  memory.check_elements("instances", scene.instances);
-  memory.check_elements("materials", scene.materials);
-  memory.check_elements("layers", scene.layers);
-  memory.check_elements("textures", scene.textures.records);
-  memory.check_elements("textured emitters", scene.lights.textured.triangles);
-  memory.check_elements("instances of the BVH", scene.accel.bvh.instances);
-}
-
-/// Records forbidden accesses of a session on `memory`, which stays closed to the host between launches.
-void watch_accesses(Session& session, testing::WalledMemory& memory) {
-  on_launch(session, [&](const LaunchEvent& event) {
-    const SceneView& scene = compiled_scene(session).view();
-    switch (event.kind) {
-      case LaunchEvent::Kind::kernel:
-        memory.permit(scene.accel.host.data);
-        return memory.check_kernel(event.name, event.argument);
-      case LaunchEvent::Kind::begins: memory.begin_launch(event.name); return check_records(memory, scene);
-      case LaunchEvent::Kind::ends: return memory.end_launch();
-    }
-  });
-  memory.end_launch();
 }
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,

@@ -1,0 +1,55 @@
+// Hashes of a few frames while the camera moves, for comparisons of two ways to compute them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/fnv1a.h"
+#include "determinism/same_bits.h"
+#include "settings/settings_json.h"
+#include "support/measure.h"
+#include "support/technique_checks.h"
+
+namespace relume::support {
+
+inline constexpr int kMovingFrames = 4;
+
+/// Small images of a technique.
+inline RenderSettings moving_settings(const DeterminismCheck& technique) {
+  RenderSettings s = small_settings(64, 36);
+  s.auxiliary = true;
+  s.static_lists.rays = 64;                                  // their preparation would dominate the test's time
+  s.octree = {.collapse = 32, .split = 64, .scale = false};  // many regions for few pixels
+  settings_from_json(describe(s), technique.json, technique.name);
+  s.threads = 2;
+  return s;
+}
+
+/// Hash of all bits of the last frame.
+inline uint64_t frame_hash(const Session& session) {
+  const std::vector<uint32_t> bits = bits_of(session);
+  Fnv1a hash;
+  hash.add(bits.data(), bits.size() * sizeof(uint32_t));
+  return hash.value();
+}
+
+/// Hash of each frame from a restart on, while the camera moves sideways. Restores the camera.
+inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings) {
+  const CameraPose start = session.camera();
+  EXPECT_TRUE(session.set_settings(settings));
+  session.restart(settings.seed);
+  std::vector<uint64_t> frames;
+  for (int frame = 0; frame < kMovingFrames; ++frame) {
+    CameraPose moved = start;
+    moved.to_world[3] += 0.02f * static_cast<float>(frame) * start.to_world[0];
+    session.set_camera(moved);
+    session.render_frame();
+    frames.push_back(frame_hash(session));
+  }
+  session.set_camera(start);
+  return frames;
+}
+
+}  // namespace relume::support
