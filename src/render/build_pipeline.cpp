@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "frame/cuda/device_choice.h"
 #include "relume/error.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
@@ -315,6 +316,7 @@ uint32_t pilot_samples(const RenderSettings& settings) {
 }
 
 void check_combination(const RenderSettings& settings) {
+  cuda::parse_device(settings.device);
   if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);
   if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);
   if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {

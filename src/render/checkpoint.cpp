@@ -168,6 +168,7 @@ std::string checkpoint_key(const RenderSettings& settings) {
   RenderSettings relevant = settings;
   relevant.threads = 0;
   relevant.scalar_kernels = false;
+  relevant.device = "cpu";
   relevant.time_s = 0;
   const PixelWindow& crop = settings.crop;
   return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "") +

@@ -26,6 +26,9 @@ SettingList describe_image(RenderSettings& s) {
        "Acceleration structure of ray queries: embree, which is faster, or relume's own BVH. Hits differ only at "
        "edges, "
        "on coincident surfaces and for rays that start on a surface"},
+      {"device", &s.device,
+       "Processor that renders. cpu; cuda or cuda:N: an NVIDIA GPU (relume devices lists them); auto: a GPU if one can "
+       "be used, else cpu. A GPU uses relume's BVH (--accel bvh), and gives the same bits as cpu does with it"},
       {"seed",
        &s.seed,
        "Random seed: the same seed gives the same bits, another seed gives independent noise",

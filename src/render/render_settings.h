@@ -53,6 +53,7 @@ struct RenderSettings {
   bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;
+  std::string device = "cpu";  ///< processor of kernels (cuda::parse_device()); a GPU uses AccelChoice::bvh
   AccelChoice accel = AccelChoice::embree;
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;

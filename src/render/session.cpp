@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "frame/cuda/device_choice.h"
 #include "relume/error.h"
 #include "render/aov.h"
 #include "render/session.h"
@@ -68,9 +69,15 @@ std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vec
 }
 
 Session::Session(Scene scene, const Settings& settings, std::vector<Index> movable) {
-  const RenderSettings& render = all_settings(settings).render;
+  RenderSettings render = all_settings(settings).render;
   check_size(render);
-  state_ = std::make_unique<State>(std::move(scene), render, std::move(movable), host_memory());
+  std::unique_ptr<Device> device = cuda::open_chosen_device(render.device);
+  if (!device) {
+    state_ = std::make_unique<State>(std::move(scene), render, std::move(movable), host_memory());
+    return;
+  }
+  render.accel = AccelChoice::bvh;
+  state_ = std::make_unique<State>(std::move(scene), render, std::move(movable), std::move(device));
 }
 Session::Session(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Session::~Session() = default;
@@ -191,8 +198,9 @@ bool Session::set_settings(const Settings& wanted) {
   State& s = *state_;
   RenderSettings settings = all_settings(wanted).render;
   RenderSettings& current = s.settings;
+  if (s.device) settings.accel = AccelChoice::bvh;
   if (settings.texture_filter != current.texture_filter || settings.accel != current.accel ||
-      settings.camera != current.camera || settings.animation != current.animation)
+      settings.device != current.device || settings.camera != current.camera || settings.animation != current.animation)
     return false;
   check_size(settings);
   // Throws for incompatible settings before anything changes.

@@ -1,0 +1,56 @@
+#include "frame/cuda/device_choice.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "frame/cuda/cuda_device.h"
+#include "frame/cuda/device_code.h"
+#include "frame/cuda/devices.h"
+#include "relume/error.h"
+
+namespace relume::cuda {
+namespace {
+
+/// The first GPU that can be used; nullptr if there is none.
+std::unique_ptr<Device> open_any() {
+  const std::string code = device_code();
+  if (code.empty()) return nullptr;
+  for (const GpuInfo& gpu : list_gpus().gpus) {
+    if (!gpu.problem.empty()) continue;
+    try {
+      return open_device(driver(), code, {.index = gpu.index});
+    } catch (const Error&) {
+      continue;  // the next GPU, or the host, takes its place
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+DeviceChoice parse_device(std::string_view value) {
+  constexpr std::string_view kIndexed = "cuda:";
+  if (value == "cpu") return {};
+  if (value == "auto") return {DeviceChoice::Kind::automatic};
+  if (value == "cuda") return {DeviceChoice::Kind::gpu, 0};
+  if (value.starts_with(kIndexed)) {
+    const std::string_view digits = value.substr(kIndexed.size());
+    int index = 0;
+    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), index);
+    if (error == std::errc() && end == digits.end() && index >= 0) return {DeviceChoice::Kind::gpu, index};
+  }
+  throw Error(
+      fmt::format("--device is '{}', but must be cpu, auto, cuda, or cuda:N with the number of a GPU (relume "
+                  "devices lists them)",
+                  value));
+}
+
+std::unique_ptr<Device> open_chosen_device(std::string_view value) {
+  const DeviceChoice choice = parse_device(value);
+  if (choice.kind == DeviceChoice::Kind::host) return nullptr;
+  if (choice.kind == DeviceChoice::Kind::automatic) return open_any();
+  return open_device(driver(), device_code(), {.index = choice.index});
+}
+
+}  // namespace relume::cuda

@@ -1,0 +1,59 @@
+// The setting --device, on the stub driver.
+#include "frame/cuda/device_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "relume/error.h"
+#include "stub_driver.h"
+
+namespace relume::cuda {
+namespace {
+
+using testing::StubDriver;
+using Kind = DeviceChoice::Kind;
+
+std::string error_of(const std::string& value) {
+  try {
+    open_chosen_device(value);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(DeviceChoice, HasFourForms) {
+  EXPECT_EQ(parse_device("cpu").kind, Kind::host);
+  EXPECT_EQ(parse_device("auto").kind, Kind::automatic);
+  EXPECT_EQ(parse_device("cuda").kind, Kind::gpu);
+  EXPECT_EQ(parse_device("cuda").index, 0);
+  EXPECT_EQ(parse_device("cuda:12").kind, Kind::gpu);
+  EXPECT_EQ(parse_device("cuda:12").index, 12);
+}
+
+TEST(DeviceChoice, RefusesOtherForms) {
+  for (const char* value : {"", "gpu", "CUDA", "cuda:", "cuda:x", "cuda:1x", "cuda:-1", "cuda:99999999999", "cuda 1"}) {
+    EXPECT_EQ(error_of(value), std::string("--device is '") + value +
+                                   "', but must be cpu, auto, cuda, or cuda:N with the number of a GPU (relume devices "
+                                   "lists them)");
+  }
+}
+
+TEST(DeviceChoice, NeedsNoDriverForTheHost) {
+  const StubDriver stub;
+  const size_t calls = StubDriver::calls("cuInit");
+  EXPECT_EQ(open_chosen_device("cpu"), nullptr);
+  EXPECT_EQ(StubDriver::calls("cuInit"), calls);
+  EXPECT_EQ(StubDriver::calls("cuDeviceGetCount"), 0u);
+}
+
+TEST(DeviceChoice, FallsBackToTheHostOnlyIfItIsAutomatic) {
+  const StubDriver stub("capability=70");
+  EXPECT_EQ(open_chosen_device("auto"), nullptr);
+  EXPECT_NE(error_of("cuda").find("compute capability is 7.0"), std::string::npos) << error_of("cuda");
+  EXPECT_NE(error_of("cuda:3").find("there is no GPU 3"), std::string::npos) << error_of("cuda:3");
+}
+
+}  // namespace
+}  // namespace relume::cuda
