@@ -1,10 +1,13 @@
 #include <cstdio>
+#include <string>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "accel/embree_accel.h"
 #include "command.h"
+#include "frame/cuda/device_code.h"
+#include "frame/cuda/devices.h"
 #include "platform.h"
 
 namespace relume::cli {
@@ -24,11 +27,27 @@ const char* vector_instructions() {
 #endif
 }
 
+/// The driver and its GPUs, a line each.
+std::string gpu_lines() {
+  if (device_code().empty()) return "CUDA          not compiled in\n";
+  const cuda::GpuList list = cuda::list_gpus();
+  std::string lines = list.problem.empty()
+                          ? fmt::format("CUDA          {}; never run on a GPU so far\n", list.driver_version)
+                          : fmt::format("CUDA          {}\n", list.problem);
+  for (const cuda::GpuInfo& gpu : list.gpus) {
+    lines += fmt::format("{:<14}{}, {:.1f} GiB, compute capability {}.{}{}\n", fmt::format("cuda:{}", gpu.index),
+                         gpu.name, static_cast<double>(gpu.memory_bytes) / (1 << 30), gpu.capability_major,
+                         gpu.capability_minor, gpu.problem.empty() ? "" : "; cannot be used: " + gpu.problem);
+  }
+  return lines;
+}
+
 int run_devices() {
   const std::string text = fmt::format(
       "processor     {}\nthreads       {}\nvectors       {}\nray queries   Embree {}, or relume's own BVH (--accel "
-      "bvh)\nCUDA          not compiled in\n",
-      processor_name(), std::thread::hardware_concurrency(), vector_instructions(), EmbreeAccel::embree_version());
+      "bvh)\n{}",
+      processor_name(), std::thread::hardware_concurrency(), vector_instructions(), EmbreeAccel::embree_version(),
+      gpu_lines());
   std::fputs(text.c_str(), stdout);
   return kExitDone;
 }
@@ -39,7 +58,7 @@ Command devices_command() {
   return {
       .name = "devices",
       .summary = "List the devices that relume can use.",
-      .examples = {{"relume devices", "processor, threads, vector instructions, ray queries"}},
+      .examples = {{"relume devices", "processor, threads, vector instructions, ray queries, GPUs"}},
       .arguments = {},
       .options = {},
       .setting_groups = {},
