@@ -181,7 +181,7 @@ TEST(Math, SpecialValues) {
 }
 
 #if defined(__SSE__)
-/// The functions give the same bits whether or not the caller flushes denormals.
+/// Kernels flush denormals with Embree only; the functions give the same bits in both modes.
 TEST(Math, BitsDoNotDependOnFlushing) {
   std::vector<float> arguments;
   for (int exponent = -149; exponent < 128; ++exponent) {

@@ -10,7 +10,6 @@
 #include <tbb/task_arena.h>
 
 #include "core/clock.h"
-#include "core/flush_denormals.h"
 #include "core/parallel.h"
 #include "frame/device_queue.h"
 
@@ -40,8 +39,8 @@ struct Backend::State {
   tbb::task_arena arena;
 };
 
-Backend::Backend(int threads, KernelForm form, Memory& memory)
-    : state_(std::make_unique<State>(threads)), form_(form), memory_(memory) {}
+Backend::Backend(int threads, KernelForm form, Memory& memory, Denormals denormals)
+    : state_(std::make_unique<State>(threads)), form_(form), denormals_(denormals), memory_(memory) {}
 Backend::Backend(Device& device, int threads)
     : state_(std::make_unique<State>(threads)),
       form_(KernelForm::device),
@@ -64,7 +63,7 @@ void Backend::wait_for_device() {
 void Backend::execute(const std::function<void()>& function) {
   wait_for_device();
   state_->arena.execute([&] {
-    const FlushDenormals guard;
+    const DenormalMode mode(denormals_);
     function();
   });
 }
@@ -149,7 +148,7 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
         complete.store(false, std::memory_order_relaxed);
         return;
       }
-      const FlushDenormals guard;
+      const DenormalMode mode(denormals_);
       const uint32_t x = index % columns * tile_size;
       const uint32_t y = index / columns * tile_size;
       run_tile(context, {x, y, x + std::min(tile_size, width - x), y + std::min(tile_size, height - y)});
@@ -160,7 +159,7 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
 
 void Backend::run(std::string_view name, const std::function<void()>& function) {
   timed(name, [&] {
-    const FlushDenormals guard;
+    const DenormalMode mode(denormals_);
     function();
   });
 }

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "core/array.h"
+#include "core/denormals.h"
 #include "core/hd.h"
 #include "frame/device.h"
 #include "frame/group.h"
@@ -91,9 +92,11 @@ struct LaunchEvent {
 /// Array::read() and write().
 class Backend {
  public:
-  /// Kernels run on the threads. `threads` 0: one per core. `memory` must outlive the backend.
-  explicit Backend(int threads = 0, KernelForm form = KernelForm::host, Memory& memory = host_memory());
-  /// Kernels run on `device`, which must outlive the backend, and host code on the threads.
+  /// Kernels run on the threads. `threads` 0: one per core. `memory` must outlive the backend. `denormals`: of kernels
+  /// and host code; kept for the bits of devices, flushed for Embree.
+  explicit Backend(int threads = 0, KernelForm form = KernelForm::host, Memory& memory = host_memory(),
+                   Denormals denormals = Denormals::keep);
+  /// Kernels run on `device`, which must outlive the backend, and host code on the threads. Both keep denormals.
   explicit Backend(Device& device, int threads = 0);
   ~Backend();
   Backend(const Backend&) = delete;
@@ -155,6 +158,7 @@ class Backend {
 
   std::unique_ptr<State> state_;
   KernelForm form_;
+  Denormals denormals_ = Denormals::keep;
   Memory& memory_;
   std::unique_ptr<DeviceQueue> queue_;  ///< nullptr without a device
   std::vector<LaunchTime> times_;

@@ -1,10 +1,14 @@
 #include "frame/launch.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -139,6 +143,50 @@ TEST(Backend, ReportsArgumentsWithoutUndefinedBytes) {
   launch(backend, "fill", kernel, 4, 1);
   EXPECT_EQ(reported, 0);
   EXPECT_EQ(values.read()[3], 1u);
+}
+
+/// Computes denormal numbers, and with one.
+struct SmallNumbersKernel {
+  View<const float> values;  ///< 1e-20, 3 · 2^-127, 2^-126, 2^-127
+  View<float> results;
+
+  RELUME_HD void operator()(uint32_t, uint32_t) const {
+    results[0] = values[0] * values[0];
+    results[1] = values[1] - values[2];
+    results[2] = values[2] * 0.5f;
+    results[3] = values[3] * 4.0f;
+  }
+};
+
+std::array<uint32_t, 4> bits_of(std::span<const float> x) {
+  return {std::bit_cast<uint32_t>(x[0]), std::bit_cast<uint32_t>(x[1]), std::bit_cast<uint32_t>(x[2]),
+          std::bit_cast<uint32_t>(x[3])};
+}
+
+TEST(Backend, KeepsOrFlushesDenormalsWhateverItsCallerDoes) {
+  constexpr std::array<uint32_t, 4> kKept{71362, 0x00400000, 0x00400000, 0x01000000};  // in units of 2^-149
+  for (const Denormals mode : {Denormals::keep, Denormals::flush}) {
+    const std::array<uint32_t, 4> expected = mode == Denormals::keep ? kKept : std::array<uint32_t, 4>{};
+    for (const Denormals caller : {Denormals::keep, Denormals::flush}) {
+      for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
+        Backend backend(2, form, host_memory(), mode);
+        Array<float> values;
+        values.assign(std::array{1e-20f, 0x3p-127f, 0x1p-126f, 0x1p-127f});
+        Array<float> results;
+        results.reset(4);
+        const SmallNumbersKernel kernel{values.view(), results.mutable_view()};
+        const DenormalMode mode_of_caller(caller);
+        launch(backend, "kernel", kernel, 1, 1);
+        EXPECT_EQ(bits_of(results.read()), expected);
+        results.reset(4);
+        backend.run("host", [&] { kernel(0, 0); });
+        EXPECT_EQ(bits_of(results.read()), expected);
+        results.reset(4);
+        backend.execute([&] { kernel(0, 0); });
+        EXPECT_EQ(bits_of(results.read()), expected);
+      }
+    }
+  }
 }
 
 TEST(Backend, OneThreadIsNeverIdle) {

@@ -8,6 +8,7 @@
 #include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
 #include "render/session.h"
+#include "render/session_state.h"
 #include "scene/testing/figure.h"
 
 namespace relume {
@@ -50,6 +51,22 @@ TEST(AccelChoiceOfSession, GivesTheSameBitsWithAnyNumberOfThreads) {
   Session one(scene, settings_with(AccelChoice::bvh, 1));
   Session three(scene, settings_with(AccelChoice::bvh, 3));
   EXPECT_EQ(different_pixels(rendered(one, 3), rendered(three, 3)), 0u);
+}
+
+// Devices keep denormals; Embree is faster without.
+TEST(AccelChoiceOfSession, DecidesWhetherKernelsKeepDenormals) {
+  for (const bool scalar : {false, true}) {
+    const auto square_of_1e_20 = [&](AccelChoice accel) {
+      RenderSettings settings = settings_with(accel);
+      settings.scalar_kernels = scalar;
+      volatile float x = 1e-20f;
+      float square = 1;
+      make_backend(settings, host_memory(), nullptr)->execute([&] { square = x * x; });
+      return square;
+    };
+    EXPECT_EQ(square_of_1e_20(AccelChoice::bvh), 0x116c2p-149f);
+    EXPECT_EQ(square_of_1e_20(AccelChoice::embree), 0.0f);
+  }
 }
 
 TEST(AccelChoiceOfSession, FollowsAnimation) {

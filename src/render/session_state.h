@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "accel/accel_choice.h"
 #include "core/clock.h"
 #include "core/hash.h"
 #include "frame/device.h"
@@ -55,7 +56,7 @@ inline uint64_t next_session_number() {
 inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory, Device* device) {
   if (device) return std::make_unique<Backend>(*device, settings.threads);
   return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::device : KernelForm::host,
-                                   memory);
+                                   memory, denormals_with(settings.accel));
 }
 
 /// Name of a session's own work in timings: in a frame, it clears, copies and restores buffers, rebuilds edited parts

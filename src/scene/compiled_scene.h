@@ -41,8 +41,10 @@ class CompiledScene {
   /// Moves the arrays of the scene into their kernel layout and frees them. Throws Error if the camera does not exist,
   /// and as validate(). `memory`: for the arrays of the view. `launcher`: runs kernels on them. Both must outlive the
   /// scene.
-  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory = host_memory(),
-                SceneLauncher& launcher = host_scene_launcher());
+  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory, SceneLauncher& launcher);
+  /// The same with host_scene_launcher().
+  CompiledScene(Scene scene, const CompileOptions& options, Memory& memory = host_memory())
+      : CompiledScene(std::move(scene), options, memory, host_scene_launcher(denormals_with(options.accel))) {}
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 

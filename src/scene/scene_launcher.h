@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "core/denormals.h"
 #include "scene/deformation.h"
 
 namespace relume {
@@ -17,6 +18,6 @@ class SceneLauncher {
 };
 
 /// Runs kernels on all cores, for scenes on memory of the host. Lives as long as the process.
-SceneLauncher& host_scene_launcher();
+SceneLauncher& host_scene_launcher(Denormals denormals);
 
 }  // namespace relume

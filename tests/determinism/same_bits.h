@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -31,16 +33,17 @@ inline bool same_bits(const Image& a, const Image& b) {
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
 }
 
-/// All floats of a render as bits.
+/// All floats of a render as bits. None may be NaN, whose bits differ between processors.
 inline std::vector<uint32_t> bits_of(const Session& session) {
   std::vector<uint32_t> bits;
-  const auto add = [&](const void* data, size_t floats) {
+  const auto add = [&](const float* data, size_t floats) {
+    EXPECT_TRUE(std::none_of(data, data + floats, [](float x) { return std::isnan(x); }));
     const size_t old = bits.size();
     bits.resize(old + floats);
     std::memcpy(bits.data() + old, data, floats * sizeof(float));
   };
   const Image image = session.image();
-  add(image.pixels.data(), image.pixels.size() * 3);
+  add(&image.pixels.data()->x, image.pixels.size() * 3);
   for (const std::string& name : Session::aov_names(render_settings(session))) {
     const Buffer* buffer = buffer_table(session).find(name);
     if (buffer && !buffer->description().persistent) continue;  // transient, and possibly from an abandoned frame

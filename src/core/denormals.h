@@ -1,4 +1,4 @@
-// A thread's floating-point mode without denormals.
+// A thread's floating-point mode: with or without denormal numbers.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,22 @@
 
 namespace relume {
 
-/// Flushes denormals to zero during its lifetime, which Embree requires in every thread that traces. Loops of
-/// core/parallel.h run their iterations in another mode. Restores the caller's mode.
-class FlushDenormals {
+/// What arithmetic does with denormal numbers.
+enum class Denormals : uint8_t {
+  keep,   ///< computes with them, as IEEE 754 says and devices do
+  flush,  ///< takes operands and results as zero; recommended for threads that trace with Embree, which is then faster
+};
+
+/// Sets the mode of this thread during its lifetime, whatever the mode of its caller, which it restores. Loops of
+/// core/parallel.h run their iterations in another mode.
+class DenormalMode {
  public:
-  FlushDenormals() : saved_(control()) { set_control(saved_ | kFlush); }
-  ~FlushDenormals() { set_control(saved_); }
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
+  explicit DenormalMode(Denormals mode) : saved_(control()) {
+    set_control(mode == Denormals::flush ? saved_ | kFlush : saved_ & ~kFlush);
+  }
+  ~DenormalMode() { set_control(saved_); }
+  DenormalMode(const DenormalMode&) = delete;
+  DenormalMode& operator=(const DenormalMode&) = delete;
 
  private:
   // The processor's floating-point control register, and its bits that flush denormal operands and results.
