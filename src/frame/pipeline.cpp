@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/first_error.h"
+
 namespace relume {
 namespace {
 
@@ -112,8 +114,10 @@ bool Pipeline::run(const FrameContext& frame, const std::function<void(const std
       complete = run_pass(i, own);
       if (complete && after_pass) after_pass(std::string(passes_[i]->declaration().name));
     } catch (...) {
-      abandon(i);
-      throw;
+      FirstError errors;
+      errors.add_current();
+      errors.attempt([&] { abandon(i); });
+      errors.rethrow();
     }
     if (complete) continue;
     abandon(i);
@@ -123,7 +127,9 @@ bool Pipeline::run(const FrameContext& frame, const std::function<void(const std
 }
 
 void Pipeline::abandon(size_t last) {
-  for (size_t i = last + 1; i-- > 0;) passes_[i]->abandon();
+  FirstError errors;
+  for (size_t i = last + 1; i-- > 0;) errors.attempt([&] { passes_[i]->abandon(); });
+  errors.rethrow();
 }
 
 bool Pipeline::run_pass(size_t i, FrameContext& frame) {

@@ -30,6 +30,7 @@ class Pipeline {
 
   /// Undoes a frame that run() completed, except for passes with Pass::commits(), which cannot undo their changes. If
   /// there may be any, the caller must end all histories: the next frame's `changes` must contain Change::settings.
+  /// If a pass throws, the others are undone nonetheless, and the first exception is thrown.
   void abandon() { abandon(passes_.size() - 1); }
 
   /// Shortest epoch of the learning passes; 0: none learns.

@@ -95,6 +95,36 @@ TEST_F(PipelineTest, UndoesFramesEndedByExceptions) {
   EXPECT_EQ(log_, "prepare -prepare ");
 }
 
+TEST_F(PipelineTest, UndoesAllPassesAndReportsTheFirstError) {
+  struct Fail final : Pass {
+    explicit Fail(bool runs) : runs(runs) {}
+    PassDeclaration declaration() const override { return {.name = "fail", .stage = Stage::trace}; }
+    bool run(const FrameContext&) override {
+      if (!runs) throw std::runtime_error("the device is lost");
+      return true;
+    }
+    void abandon() override { throw std::runtime_error("cannot undo"); }
+    bool runs;
+  };
+  const auto message = [&] {
+    try {
+      run();
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  add({.name = "prepare", .stage = Stage::prepare});
+  pipeline_.add(std::make_unique<Fail>(true));
+  add({.name = "stopped", .stage = Stage::present}, false);
+  EXPECT_EQ(message(), "cannot undo");
+  EXPECT_EQ(log_, "prepare stopped -stopped -prepare ");
+  log_.clear();
+  pipeline_.add(std::make_unique<Fail>(false));
+  EXPECT_EQ(message(), "the device is lost");
+  EXPECT_EQ(log_, "prepare -prepare ");
+}
+
 TEST_F(PipelineTest, CannotStopOnceAPassHasCommitted) {
   std::stop_source stop;
   add({.name = "commits", .stage = Stage::resolve});

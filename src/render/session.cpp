@@ -96,6 +96,7 @@ bool Session::render_frame(std::stop_token stop) {
   const bool restores = stop.stop_possible() && s.passes.pipeline.stops_late();
   bool complete = false;
   bool kept = false;
+  FirstError errors;
   s.buffers->swap();
   try {
     s.backend->run(kSessionWork, [&] {
@@ -108,12 +109,11 @@ bool Session::render_frame(std::stop_token stop) {
     complete = complete && s.passes.pipeline.run(s.frame(stop), hook);
     if (complete) s.end_frame();
   } catch (...) {
-    s.undo_frame(kept, may_lose_image);
-    // Without copies of the buffers, or after passes that cannot undo their changes, the image is no mean of samples.
-    s.edit(Change::settings);
-    throw;
+    errors.add_current();
+    complete = false;
   }
-  if (!complete) s.undo_frame(kept, may_lose_image);
+  if (!complete) s.undo_frame(kept, may_lose_image, errors);
+  errors.rethrow();
   s.statistics.render_s += now_s() - start_s;
   return complete;
 }

@@ -14,6 +14,7 @@
 
 #include "accel/accel_choice.h"
 #include "core/clock.h"
+#include "core/first_error.h"
 #include "core/hash.h"
 #include "frame/device.h"
 #include "frame/launch.h"
@@ -176,12 +177,14 @@ struct Session::State {
     kept_image.clear();
   }
 
-  /// Restores the state before a frame that was stopped or ended by an exception. `kept`: whether BufferTable::keep()
-  /// copied the buffers. `may_lose_image`: whether the frame may have cleared the displayed image, so that
+  /// Restores the state before a frame that was stopped or ended by an exception, which is in `errors`. Adds those of
+  /// its own steps. `kept`: whether BufferTable::keep() copied the buffers. `may_lose_image`: whether the frame may have cleared the displayed image, so that
   /// keep_image()'s copy replaces it.
-  void undo_frame(bool kept, bool may_lose_image) {
+  void undo_frame(bool kept, bool may_lose_image, FirstError& errors) {
     buffers->swap();
-    if (kept) backend->run(kSessionWork, [&] { buffers->restore(); });
+    if (kept) errors.attempt([&] { backend->run(kSessionWork, [&] { buffers->restore(); }); });
+    // Without copies of the buffers, or after passes that cannot undo their changes, the image is no mean of samples.
+    if (errors.any()) edit(Change::settings);
     if (may_lose_image) show_kept_image();
   }
 
@@ -300,8 +303,10 @@ struct Session::State {
       rays = sum("count", buffers->view(kRays));
       backend->run(kSessionWork, [&] { scene->end_frame(); });
     } catch (...) {
-      passes.pipeline.abandon();
-      throw;
+      FirstError errors;
+      errors.add_current();
+      errors.attempt([&] { passes.pipeline.abandon(); });
+      errors.rethrow();
     }
     uneven_samples = uneven_samples || paths < rendered_pixels();
     counters.paths += paths;

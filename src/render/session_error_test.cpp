@@ -1,0 +1,78 @@
+// Sessions after errors of launches, as of a device that fails.
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "builtin_scenes/builtin.h"
+#include "relume/error.h"
+#include "render/session.h"
+
+namespace relume {
+namespace {
+
+RenderSettings small_settings() {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.threads = 2;
+  settings.accel = AccelChoice::bvh;
+  return settings;
+}
+
+/// Fails each launch from the first with a name on.
+class FailingLaunches {
+ public:
+  FailingLaunches(Session& session, std::string_view first) : session_(session) {
+    on_launch(session, [this, first](const LaunchEvent& event) {
+      if (event.kind != LaunchEvent::Kind::begins || (failures_ == 0 && event.name != first)) return;
+      throw Error(ErrorCode::device, "failure " + std::to_string(++failures_));
+    });
+  }
+  ~FailingLaunches() { on_launch(session_, {}); }
+  FailingLaunches(const FailingLaunches&) = delete;
+  FailingLaunches& operator=(const FailingLaunches&) = delete;
+
+  int failures() const { return failures_; }
+
+ private:
+  Session& session_;
+  int failures_ = 0;
+};
+
+/// Message of the error that `action` throws; empty without one.
+template <typename F>
+std::string error_of(const F& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(SessionErrors, UndoesFramesCompletelyAndThrowsTheFirstError) {
+  RenderSettings settings = small_settings();
+  settings.denoise = DenoiseChoice::svgf;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  const Image before = session.image();
+  CameraPose moved = session.camera();
+  moved.to_world[3] += 0.1f * moved.to_world[0];
+  session.set_camera(moved);
+  {
+    const FailingLaunches failing(session, "svgf");
+    const std::stop_source stop;
+    EXPECT_EQ(error_of([&] { session.render_frame(stop.get_token()); }), "failure 1");
+    EXPECT_GT(failing.failures(), 1) << "restoring the buffers fails, too";
+  }
+  EXPECT_EQ(session.image().pixels, before.pixels) << "of the last complete frame";
+  EXPECT_EQ(session.frames_since_change(), 0u);
+  EXPECT_TRUE(session.render_frame());
+  EXPECT_EQ(session.frames_since_change(), 1u);
+}
+
+}  // namespace
+}  // namespace relume
