@@ -1,5 +1,5 @@
 // Sessions after errors of launches, as of a device that fails.
-#include <optional>
+#include <functional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -9,6 +9,7 @@
 #include "builtin_scenes/builtin.h"
 #include "relume/error.h"
 #include "render/session.h"
+#include "scene/testing/figure.h"
 
 namespace relume {
 namespace {
@@ -63,7 +64,7 @@ TEST(SessionErrors, UndoesFramesCompletelyAndThrowsTheFirstError) {
   moved.to_world[3] += 0.1f * moved.to_world[0];
   session.set_camera(moved);
   {
-    const FailingLaunches failing(session, "svgf");
+    const FailingLaunches failing(session, "svgf-present");
     const std::stop_source stop;
     EXPECT_EQ(error_of([&] { session.render_frame(stop.get_token()); }), "failure 1");
     EXPECT_GT(failing.failures(), 1) << "restoring the buffers fails, too";
@@ -71,6 +72,40 @@ TEST(SessionErrors, UndoesFramesCompletelyAndThrowsTheFirstError) {
   EXPECT_EQ(session.image().pixels, before.pixels) << "of the last complete frame";
   EXPECT_EQ(session.frames_since_change(), 0u);
   EXPECT_TRUE(session.render_frame());
+  EXPECT_EQ(session.frames_since_change(), 1u);
+}
+
+/// A launch of a change of the scene fails, after parts of the scene have changed.
+void expect_new_histories(const std::function<void(Session&)>& change, const char* launch) {
+  SCOPED_TRACE(launch);
+  Session session(testing::figure(), small_settings());
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  {
+    const FailingLaunches failing(session, launch);
+    EXPECT_EQ(error_of([&] { change(session); }), "failure 1");
+  }
+  EXPECT_EQ(session.frames_since_change(), 0u);
+  change(session);
+  session.render_frame();
+  Session fresh(testing::figure(), small_settings());
+  change(fresh);
+  fresh.restart(small_settings().seed);
+  fresh.render_frame();
+  session.restart(small_settings().seed);
+  session.render_frame();
+  EXPECT_EQ(session.image().pixels, fresh.image().pixels);
+}
+
+TEST(SessionErrors, HistoriesEndWhereTheSceneChangedInPart) {
+  expect_new_histories([](Session& session) { session.set_time(0.3f); }, "deformation");
+}
+
+TEST(SessionErrors, HistoriesContinueAfterRejectedChanges) {
+  Session session(find_builtin_scene("cornell")->build(), small_settings());
+  session.render_frame();
+  Environment invalid;
+  invalid.rotation_rad = kInfinity;
+  EXPECT_NE(error_of([&] { session.set_environment(invalid); }), "");
   EXPECT_EQ(session.frames_since_change(), 1u);
 }
 

@@ -202,7 +202,10 @@ struct Session::State {
         commit_edits();
         result = change(*scene);
       });
-    } catch (const std::bad_alloc&) {
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::device) edit(Change::any);  // as below; other errors leave the scene unchanged
+      throw;
+    } catch (...) {
       edit(Change::any);  // parts of the scene may have changed
       throw;
     }

@@ -53,7 +53,8 @@ class CompiledScene {
 
   /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
   /// kernels cannot handle (a camera collapsed by a scale of 0, a node beyond kMaxCoordinate). The scene then stays
-  /// unchanged. If memory is missing, the scene may stay without geometry until one of them succeeds.
+  /// unchanged. If memory is missing or a device fails, the scene may stay without geometry until one of them
+  /// succeeds.
   Change set_time(float time_s);
   /// Uses another camera; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);

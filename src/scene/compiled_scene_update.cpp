@@ -62,23 +62,24 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
   check_index(node, source_.nodes.size(), "node", error_place(source_));
   open_for_host();
   Node& target = source_.nodes[static_cast<size_t>(node)];
-  const Node before = target;
-  const std::vector<AnimationChannel> animation_before = source_.animation;
+  Node before = target;
+  std::vector<AnimationChannel> animation_before = source_.animation;
   target.transform = transform;
   target.matrix.reset();
   std::erase_if(source_.animation, [&](const AnimationChannel& channel) {
     return channel.node == node && is_transform(channel.property);
   });
+  std::vector<Mat4> world;
   try {
-    std::vector<Mat4> world = checked_world(time_s_);
-    extent_.add(placed_box(world));
-    set_bounds();
-    return place_everything(std::move(world));
-  } catch (const Error&) {
-    target = before;
-    source_.animation = animation_before;
+    world = checked_world(time_s_);
+  } catch (...) {
+    target = std::move(before);
+    source_.animation = std::move(animation_before);
     throw;
   }
+  extent_.add(placed_box(world));
+  set_bounds();
+  return place_everything(std::move(world));
 }
 
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
