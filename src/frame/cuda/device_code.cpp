@@ -3,18 +3,18 @@
 #include <cstdint>
 #include <stdexcept>
 
-#ifdef RELUME_DEVICE_CODE
+#ifdef RELUME_EMBEDDED_CODE
 #include <zstd.h>
 #endif
 
 namespace relume {
 
-#ifdef RELUME_DEVICE_CODE
+#ifdef RELUME_EMBEDDED_CODE
 
 namespace {
 /// A frame of Zstandard, and zeros up to the next word.
 constexpr uint64_t kCompressed[] = {
-#include RELUME_DEVICE_CODE
+#include RELUME_EMBEDDED_CODE
 };
 }  // namespace
 
