@@ -174,6 +174,16 @@ TEST_F(DeviceQueueTest, StopsBetweenBands) {
   EXPECT_EQ(device_.launches.size(), 3u);
 }
 
+TEST_F(DeviceQueueTest, KeepsLaunchesWhereTheThreadsChange) {
+  launch(backend_, "elements", ElementKernel{}, 100, 1);
+  backend_.configure(1, KernelForm::host);
+  EXPECT_EQ(backend_.threads(), 1);
+  EXPECT_EQ(backend_.form(), KernelForm::device);
+  EXPECT_EQ(device_.queued(), 1u);
+  backend_.execute([] {});
+  EXPECT_NEAR(backend_.times().at(0).seconds, 0.01, 1e-9);
+}
+
 TEST_F(DeviceQueueTest, ForgetsLaunchesAfterAnError) {
   launch(backend_, "good", ElementKernel{}, 8, 8);
   device_.fails_at = 1;

@@ -51,6 +51,11 @@ Backend::~Backend() = default;
 
 int Backend::threads() const { return state_->count; }
 
+void Backend::configure(int threads, KernelForm form) {
+  state_ = std::make_unique<State>(threads);
+  if (!has_device()) form_ = form;
+}
+
 LaunchTime& Backend::time_of(std::string_view name) {
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
   return found != times_.end() ? *found : times_.emplace_back(LaunchTime{.name = std::string(name)});

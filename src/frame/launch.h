@@ -104,6 +104,8 @@ class Backend {
 
   int threads() const;
   KernelForm form() const { return form_; }
+  /// Changes the threads, and the form of kernels that the host executes. Keeps hooks and times. Call between launches.
+  void configure(int threads, KernelForm form);
   /// Source of the memory that kernels access.
   Memory& memory() const { return memory_; }
   /// Whether a device executes the kernels.

@@ -1,8 +1,6 @@
 // Launches the kernels of a session's scene on its backend.
 #pragma once
 
-#include <memory>
-
 #include "frame/launch.h"
 #include "scene/scene_launcher.h"
 
@@ -10,8 +8,7 @@ namespace relume {
 
 class BackendSceneLauncher final : public SceneLauncher {
  public:
-  /// Refers to the pointer, because the session may replace the backend by one with the same memory.
-  explicit BackendSceneLauncher(const std::unique_ptr<Backend>& backend) : backend_(backend) {}
+  explicit BackendSceneLauncher(Backend& backend) : backend_(backend) {}
 
   void run(const DeformVerticesKernel& kernel, uint32_t count) override { launch_row(kernel, count); }
   void run(const StorePreviousPositionsKernel& kernel, uint32_t count) override { launch_row(kernel, count); }
@@ -20,10 +17,10 @@ class BackendSceneLauncher final : public SceneLauncher {
   template <typename Kernel>
   void launch_row(const Kernel& kernel, uint32_t count) {
     constexpr uint32_t kTile = 1024;
-    launch(*backend_, "deformation", kernel, count, 1, {}, kTile);
+    launch(backend_, "deformation", kernel, count, 1, {}, kTile);
   }
 
-  const std::unique_ptr<Backend>& backend_;
+  Backend& backend_;
 };
 
 }  // namespace relume

@@ -222,7 +222,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   s.edit(change);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
-    s.backend = make_backend(settings, s.backend->memory(), s.device.get());
+    s.backend->configure(settings.threads, kernel_form(settings));
   current = settings;
   if (resized) s.backend->run(kSceneChanges, [&] { s.scene->set_resolution(settings.width, settings.height); });
   if (fresh) {

@@ -25,9 +25,9 @@ Session make_session(Scene scene, const Settings& settings, Memory& memory);
 /// A session whose kernels run on `device`. Throws as the constructor of Session, and Error if the settings do not
 /// choose relume's BVH.
 Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device);
-/// Calls `hook` before each tile of a launch (Backend::on_tile()), until the number of threads changes.
+/// Calls `hook` before each tile of a launch (Backend::on_tile()).
 void on_tile(Session& session, std::function<void()> hook);
-/// Calls `hook` at each step of a launch (Backend::on_launch()), until the number of threads changes.
+/// Calls `hook` at each step of a launch (Backend::on_launch()).
 void on_launch(Session& session, std::function<void(const LaunchEvent&)> hook);
 
 }  // namespace relume

@@ -53,11 +53,14 @@ inline uint64_t next_session_number() {
   return ++last;
 }
 
+inline KernelForm kernel_form(const RenderSettings& settings) {
+  return settings.scalar_kernels ? KernelForm::device : KernelForm::host;
+}
+
 /// `device`: executes the kernels; nullptr: the host does, on `memory`.
 inline std::unique_ptr<Backend> make_backend(const RenderSettings& settings, Memory& memory, Device* device) {
   if (device) return std::make_unique<Backend>(*device, settings.threads);
-  return std::make_unique<Backend>(settings.threads, settings.scalar_kernels ? KernelForm::device : KernelForm::host,
-                                   memory, denormals_with(settings.accel));
+  return std::make_unique<Backend>(settings.threads, kernel_form(settings), memory, denormals_with(settings.accel));
 }
 
 /// Name of a session's own work in timings: in a frame, it clears, copies and restores buffers, rebuilds edited parts
@@ -82,7 +85,7 @@ struct Session::State {
         hash(relume::scene_hash(source)),
         device(std::move(executes)),
         backend(make_backend(s, memory, device.get())),
-        scene_launcher(backend),
+        scene_launcher(*backend),
         blue_noise(memory),
         pool(BlockPool::create(memory)) {
     const double start_s = now_s();

@@ -54,6 +54,29 @@ TEST(Session, RestartsIfAuxiliaryBuffersAreAddedOrRemoved) {
   }
 }
 
+TEST(Session, KeepsTimesAndHooksWhereTheThreadsChange) {
+  RenderSettings settings = small_settings();
+  Session session = furnace(settings);
+  session.render_frame();
+  int tiles = 0;
+  on_tile(session, [&] { ++tiles; });
+  const auto names = [&] {
+    std::vector<std::string> list;
+    for (const PassTime& pass : session.statistics().passes) list.push_back(pass.name);
+    return list;
+  };
+  const std::vector<std::string> before = names();
+  for (const bool scalar : {false, true}) {
+    settings.scalar_kernels = scalar;
+    settings.threads = scalar ? 1 : 2;
+    ASSERT_TRUE(session.set_settings(settings));
+    EXPECT_EQ(session.statistics().threads, settings.threads);
+    EXPECT_EQ(names(), before);
+  }
+  session.render_frame();
+  EXPECT_GT(tiles, 0);
+}
+
 TEST(Session, KeepsTheMemoryOfAnotherSizeOnly) {
   RenderSettings settings = small_settings();
   settings.denoise = DenoiseChoice::svgf;
