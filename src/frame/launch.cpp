@@ -130,10 +130,10 @@ bool Backend::launch_on_device(const DeviceLaunch& launch, const std::stop_token
   LaunchScope scope(*this, launch.name);
   const bool is_nested = launch_depth_ > 1;
   const double start_s = now_s();
-  ++time_of(launch.name).launches;
   const bool is_empty = launch.window.width() == 0 || launch.window.height() == 0;
   const bool complete = is_empty || queue_->launch(launch, stop, tile_hook_);
   if (is_nested) queue_->finish();  // the host code around it continues
+  ++time_of(launch.name).launches;
   // The host code around it neither works nor waits for threads in this time.
   const double seconds = now_s() - start_s;
   scope.end({seconds, (threads() - 1) * seconds});

@@ -56,7 +56,7 @@ struct LaunchTime {
   std::string name;
   double seconds = 0;  ///< on the host or the device, whichever executed them
   double idle_s = 0;   ///< thread-seconds spent waiting for other threads of the host
-  uint64_t launches = 0;
+  uint64_t launches = 0;  ///< those that have thrown are not counted
 };
 
 /// Limits the threads of all parallel work during its lifetime: of backends, and of work beside them such as loading.
