@@ -14,7 +14,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
 
 from emitter import external_functions, opcode_counts, translate
-from kernel_names import compiled_kernels, launched_kernels
+from kernel_names import compiled_kernels, launched_kernels, symbols_of
 from parser import parse
 
 # Two roundings on the host; one if the compiler fuses them.
@@ -42,7 +42,7 @@ class DeviceCode(unittest.TestCase):
         cls.entries = [f for f in cls.module.functions if f.entry]
 
     def test_every_launched_kernel_has_an_entry(self):
-        launched = launched_kernels(os.environ["RELUME_NM"], os.environ["RELUME_LIBRARY"])
+        launched = launched_kernels(symbols_of(os.environ["RELUME_NM"], os.environ["RELUME_LIBRARY"]))
         compiled = compiled_kernels(demangled(f.name for f in self.entries))
         self.assertGreater(len(launched), 40)
         self.assertEqual(sorted(launched - compiled), [], "launched, but without an entry")

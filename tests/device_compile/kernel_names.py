@@ -13,7 +13,7 @@ def template_arguments(symbols, name):
         while depth > 0:
             depth += {"<": 1, ">": -1}.get(symbols[end], 0)
             end += 1
-        found.add(symbols[match.end() : end - 1])
+        found.add(symbols[match.end() : end - 1].strip())
     return found
 
 
@@ -22,9 +22,10 @@ def symbols_of(nm, file):
     return subprocess.run([nm, "-C", file], check=True, capture_output=True, text=True).stdout
 
 
-def launched_kernels(nm, library):
-    """The kernels that a library launches."""
-    return template_arguments(symbols_of(nm, library), "relume::launch")
+def launched_kernels(symbols):
+    """The kernels that a library launches, by its demangled symbols."""
+    # launch() itself may be inlined everywhere, launch_on_device() never is.
+    return template_arguments(symbols, "relume::launch_on_device")
 
 
 def compiled_kernels(symbols):

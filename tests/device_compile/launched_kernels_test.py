@@ -7,7 +7,7 @@ from kernel_names import compiled_kernels, launched_kernels, symbols_of
 
 def main():
     nm, library, kernels = sys.argv[1:]
-    launched = launched_kernels(nm, library)
+    launched = launched_kernels(symbols_of(nm, library))
     compiled = compiled_kernels(symbols_of(nm, kernels))
     if len(launched) < 40 or not compiled:
         sys.exit(f"{library} launches {len(launched)} kernels and {kernels} has {len(compiled)}: their symbols are missing")
