@@ -2,11 +2,12 @@
 set(RELUME_CUDA AUTO CACHE STRING "Compile the kernels to PTX: AUTO (if clang++ 14 or later is found), ON or OFF")
 set_property(CACHE RELUME_CUDA PROPERTY STRINGS AUTO ON OFF)
 
+include(RelumeFindClang)
+include(RelumeKernelLists)
+
 # Folders list their kernels. all_kernels.inc includes these lists.
 set(RELUME_DEVICE_FOLDER ${PROJECT_BINARY_DIR}/device)
-file(GLOB kernel_lists CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/src
-  ${PROJECT_SOURCE_DIR}/src/scene/kernels.inc ${PROJECT_SOURCE_DIR}/src/frame/*/kernels.inc
-  ${PROJECT_SOURCE_DIR}/src/techniques/*/*/kernels.inc)
+relume_find_kernel_lists(${PROJECT_SOURCE_DIR}/src kernel_lists)
 list(TRANSFORM kernel_lists REPLACE "(.+)" "#include \"\\1\"")
 list(JOIN kernel_lists "\n" kernel_lists)
 file(CONFIGURE OUTPUT ${RELUME_DEVICE_FOLDER}/all_kernels.inc CONTENT "${kernel_lists}\n")
@@ -15,12 +16,12 @@ file(CONFIGURE OUTPUT ${RELUME_DEVICE_FOLDER}/kernels.cu CONTENT
 
 # Sets `missing` to the reason why there is no device code, or to nothing. Sets RELUME_CLANG and RELUME_CLANG_FLAGS.
 function(relume_find_device_compiler)
-  find_program(RELUME_CLANG NAMES clang++ clang++-19 clang++-16 clang++-15 clang++-14 DOC "Compiler of device code")
+  relume_find_clang(RELUME_CLANG)
   if(NOT RELUME_CLANG)
-    set(missing "clang++ is not installed" PARENT_SCOPE)
+    set(missing "clang++ 14 or later is not installed" PARENT_SCOPE)
     return()
   endif()
-  execute_process(COMMAND ${RELUME_CLANG} -dumpversion OUTPUT_VARIABLE version ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+  relume_clang_version(${RELUME_CLANG} version)
   if(NOT version VERSION_GREATER_EQUAL 14)
     set(missing "${RELUME_CLANG} is not version 14 or later" PARENT_SCOPE)
     return()
