@@ -97,7 +97,7 @@ TEST_F(PipelineTest, UndoesFramesEndedByExceptions) {
 
 TEST_F(PipelineTest, UndoesAllPassesAndReportsTheFirstError) {
   struct Fail final : Pass {
-    explicit Fail(bool runs) : runs(runs) {}
+    explicit Fail(bool completes) : runs(completes) {}
     PassDeclaration declaration() const override { return {.name = "fail", .stage = Stage::trace}; }
     bool run(const FrameContext&) override {
       if (!runs) throw std::runtime_error("the device is lost");

@@ -28,7 +28,7 @@ class FailingLaunches {
  public:
   FailingLaunches(Session& session, std::string_view first) : session_(session) {
     on_launch(session, [this, first](const LaunchEvent& event) {
-      if (event.kind != LaunchEvent::Kind::begins || (failures_ == 0 && event.name != first)) return;
+      if (event.kind == LaunchEvent::Kind::ends || (failures_ == 0 && event.name != first)) return;
       throw Error(ErrorCode::device, "failure " + std::to_string(++failures_));
     });
   }

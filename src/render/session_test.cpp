@@ -1,5 +1,6 @@
 #include "render/session.h"
 
+#include <atomic>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -58,7 +59,7 @@ TEST(Session, KeepsTimesAndHooksWhereTheThreadsChange) {
   RenderSettings settings = small_settings();
   Session session = furnace(settings);
   session.render_frame();
-  int tiles = 0;
+  std::atomic<int> tiles = 0;
   on_tile(session, [&] { ++tiles; });
   const auto names = [&] {
     std::vector<std::string> list;
