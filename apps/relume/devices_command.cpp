@@ -29,11 +29,11 @@ const char* vector_instructions() {
 
 /// The driver and its GPUs, a line each.
 std::string gpu_lines() {
-  if (device_code().empty()) return "CUDA          not compiled in\n";
+  if (device_code().empty()) return "CUDA          no device code in this build; build it with clang\n";
   const cuda::GpuList list = cuda::list_gpus();
-  std::string lines = list.problem.empty()
-                          ? fmt::format("CUDA          {}; never run on a GPU so far\n", list.driver_version)
-                          : fmt::format("CUDA          {}\n", list.problem);
+  std::string lines = list.problem.empty() ? fmt::format("CUDA          {}; relume has not been tested on a GPU yet\n",
+                                                         list.driver_version)
+                                           : fmt::format("CUDA          {}\n", list.problem);
   for (const cuda::GpuInfo& gpu : list.gpus) {
     lines += fmt::format("{:<14}{}, {:.1f} GiB, compute capability {}.{}{}\n", fmt::format("cuda:{}", gpu.index),
                          gpu.name, static_cast<double>(gpu.memory_bytes) / (1 << 30), gpu.capability_major,
@@ -57,7 +57,7 @@ int run_devices() {
 Command devices_command() {
   return {
       .name = "devices",
-      .summary = "List the devices that relume can use.",
+      .summary = "List the processor and the GPUs, and why a GPU cannot be used.",
       .examples = {{"relume devices", "processor, threads, vector instructions, ray queries, GPUs"}},
       .arguments = {},
       .options = {},

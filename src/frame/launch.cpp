@@ -132,9 +132,9 @@ bool Backend::launch_on_device(const DeviceLaunch& launch, const std::stop_token
   const double start_s = now_s();
   const bool is_empty = launch.window.width() == 0 || launch.window.height() == 0;
   const bool complete = is_empty || queue_->launch(launch, stop, tile_hook_);
-  if (is_nested) queue_->finish();  // the host code around it continues
+  if (is_nested) queue_->finish();  // the enclosing host code may read the results
   ++time_of(launch.name).launches;
-  // The host code around it neither works nor waits for threads in this time.
+  // Device time counts neither as work nor as idle time of the enclosing host code.
   const double seconds = now_s() - start_s;
   scope.end({seconds, (threads() - 1) * seconds});
   return complete;

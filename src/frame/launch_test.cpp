@@ -145,7 +145,7 @@ TEST(Backend, ReportsArgumentsWithoutUndefinedBytes) {
   EXPECT_EQ(values.read()[3], 1u);
 }
 
-/// Computes denormal numbers, and with one.
+/// Produces denormal numbers, and takes one as an operand.
 struct SmallNumbersKernel {
   View<const float> values;  ///< 1e-20, 3 · 2^-127, 2^-126, 2^-127
   View<float> results;

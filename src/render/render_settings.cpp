@@ -27,8 +27,9 @@ SettingList describe_image(RenderSettings& s) {
        "edges, "
        "on coincident surfaces and for rays that start on a surface"},
       {"device", &s.device,
-       "Processor that renders. cpu; cuda or cuda:N: an NVIDIA GPU (relume devices lists them); auto: a GPU if one can "
-       "be used, else cpu. A GPU uses relume's BVH (--accel bvh), and gives the same bits as cpu does with it"},
+       "Device that renders: cpu; cuda or cuda:N, an NVIDIA GPU (relume devices lists them); auto, the first usable "
+       "GPU, else cpu. A GPU traces rays with relume's BVH: its images should equal those of --device cpu --accel bvh, "
+       "bit for bit"},
       {"seed",
        &s.seed,
        "Random seed: the same seed gives the same bits, another seed gives independent noise",

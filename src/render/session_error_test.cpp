@@ -23,7 +23,7 @@ RenderSettings small_settings() {
   return settings;
 }
 
-/// Fails each launch from the first with a name on.
+/// Makes the first launch of the given name and all later launches fail.
 class FailingLaunches {
  public:
   FailingLaunches(Session& session, std::string_view first) : session_(session) {
@@ -75,7 +75,7 @@ TEST(SessionErrors, UndoesFramesCompletelyAndThrowsTheFirstError) {
   EXPECT_EQ(session.frames_since_change(), 1u);
 }
 
-/// A launch of a change of the scene fails, after parts of the scene have changed.
+/// A launch fails after an edit has changed part of the scene.
 void expect_new_histories(const std::function<void(Session&)>& change, const char* launch) {
   SCOPED_TRACE(launch);
   Session session(testing::figure(), small_settings());

@@ -15,7 +15,7 @@ namespace relume::support {
 namespace {
 
 class DeviceBits : public ::testing::TestWithParam<const BuiltinScene*> {};
-TEST_P(DeviceBits, AreThoseOfTheHost) {
+TEST_P(DeviceBits, EqualThoseOfTheHost) {
   HostAndDevice sessions(GetParam()->build());
   for (const DeterminismCheck& technique : technique_checks().determinism) {
     EXPECT_TRUE(sessions.agrees(technique)) << technique.name;
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Some, DeviceBits, ::testing::Values(find_builtin_scene(
 INSTANTIATE_TEST_SUITE_P(SlowAll, DeviceBits, ::testing::ValuesIn(all_scenes()), scene_name);
 
 /// Kernels also deform the mesh.
-TEST(DeviceBitsOfMotion, AreThoseOfTheHost) {
+TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) {
   HostAndDevice sessions(testing::figure({.morphs = true}));
   for (const float time_s : {0.0f, 0.3f, 0.6f}) {
     for (Session* session : {&sessions.host(), &sessions.on_device()}) {

@@ -84,8 +84,10 @@ void EmulatedDevice::launch(const DeviceLaunch& launch) {
                     launch.name, launch.kernel));
   const size_t limit = code->second.module->symbol(kArgument).bytes;
   if (launch.argument.size() > limit)
-    throw Error(fmt::format("launch '{}': the kernel has {} bytes; the device takes at most {}", launch.name,
-                            launch.argument.size(), limit));
+    throw Error(
+        fmt::format("launch '{}': the kernel {} has {} bytes, but device code takes {}; reduce the members of the "
+                    "kernel",
+                    launch.name, launch.kernel, launch.argument.size(), limit));
   ++launch_count_;
   queue_.push_back({std::string(launch.name), code->first, code->second, launch.threads,
                     std::vector<std::byte>(launch.argument.begin(), launch.argument.end()), launch.window});

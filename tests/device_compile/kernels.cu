@@ -1,5 +1,5 @@
-// Compiles all headers with kernels, and every pass and group kernel, for the device. Each technique, the primitives
-// and the scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
+// Compiles all headers with kernels, and every pass and group kernel, with nvcc. Each technique, the primitives and the
+// scene list their kernels in kernels.inc; the build collects these lists in all_kernels.inc.
 #include "core/fixed_point.h"
 #include "core/frame.h"
 #include "core/hash.h"
@@ -15,7 +15,7 @@
 
 namespace relume::device {
 
-/// Runs a pass kernel like the backend on a device: one call of its operator per element.
+/// Instantiates a pass kernel's operator for nvcc; never launched.
 template <typename Kernel>
 __global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
   const uint32_t x = blockIdx.x * blockDim.x + threadIdx.x;
@@ -23,7 +23,7 @@ __global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
   if (x < width && y < height) kernel(x, y);
 }
 
-/// Runs a group kernel: one block of threads per element.
+/// The same for a group kernel: one block of threads per element.
 template <typename Kernel>
 __global__ void __launch_bounds__(Kernel::kThreads) run_group(Kernel kernel) {
   __shared__ typename Kernel::Shared shared;

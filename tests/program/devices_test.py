@@ -37,7 +37,7 @@ class Devices(ProgramTest):
     def test_devices_lists_gpus_and_why_one_cannot_be_used(self):
         lines = self.listed(STUB, "devices=2 version=12040")
         self.assertEqual(len(lines), 3)
-        self.assertEqual(lines[0], "CUDA          12.4; never run on a GPU so far")
+        self.assertEqual(lines[0], "CUDA          12.4; relume has not been tested on a GPU yet")
         self.assertEqual(lines[2], "cuda:1        Stub GPU 1, 4.0 GiB, compute capability 9.0")
         self.assertIn("; cannot be used: its compute capability is 6.1", self.listed(STUB, "capability=61")[1])
 
