@@ -54,8 +54,8 @@ concept LaunchableKernel = PassKernel<K> || GroupKernel<K>;
 /// Total time of the launches with one name, without launches in them that have times of their own.
 struct LaunchTime {
   std::string name;
-  double seconds = 0;  ///< on the host or the device, whichever executed them
-  double idle_s = 0;   ///< thread-seconds spent waiting for other threads of the host
+  double seconds = 0;     ///< on the host or the device, whichever executed them
+  double idle_s = 0;      ///< thread-seconds spent waiting for other threads of the host
   uint64_t launches = 0;  ///< those that have thrown are not counted
 };
 

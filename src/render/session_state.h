@@ -181,8 +181,8 @@ struct Session::State {
   }
 
   /// Restores the state before a frame that was stopped or ended by an exception, which is in `errors`. Adds those of
-  /// its own steps. `kept`: whether BufferTable::keep() copied the buffers. `may_lose_image`: whether the frame may have cleared the displayed image, so that
-  /// keep_image()'s copy replaces it.
+  /// its own steps. `kept`: whether BufferTable::keep() copied the buffers. `may_lose_image`: whether the frame may
+  /// have cleared the displayed image, so that keep_image()'s copy replaces it.
   void undo_frame(bool kept, bool may_lose_image, FirstError& errors) {
     buffers->swap();
     if (kept) errors.attempt([&] { backend->run(kSessionWork, [&] { buffers->restore(); }); });
