@@ -20,8 +20,8 @@ enum class ErrorCode {
   device,          ///< a GPU or driver that is missing, cannot be used, or failed
 };
 
-/// Thrown for unusable input, never inside kernels. `what()` is one sentence that names the location (file, line,
-/// setting), the problem and the remedy. The program prints it and exits with a non-zero code.
+/// Thrown for unusable input and for devices that fail, never inside kernels. `what()` is one sentence that names the
+/// location (file, line, setting), the problem and the remedy. The program prints it and exits with a non-zero code.
 class RELUME_API Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}

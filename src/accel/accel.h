@@ -1,4 +1,5 @@
-// Ray queries on the host, which Embree or relume's own BVH answers. Kernels call those of scene/ray_queries.h.
+// Ray queries on the host, which Embree or relume's own BVH answers. Kernels call scene/ray_queries.h for single rays;
+// their host forms call the packet functions below.
 #pragma once
 
 #include <cstdint>

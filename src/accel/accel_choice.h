@@ -10,7 +10,8 @@ enum class AccelChoice : int {
   bvh,  ///< relume's own (accel/bvh)
 };
 
-/// Mode of kernels whose rays the structure answers. Devices keep denormals, so that --accel bvh gives their bits.
+/// Denormal mode of kernels that trace rays with the structure. relume's BVH keeps denormals, as devices do, for equal
+/// bits.
 constexpr Denormals denormals_with(AccelChoice accel) {
   return accel == AccelChoice::embree ? Denormals::flush : Denormals::keep;
 }

@@ -1,5 +1,5 @@
 // Memory that kernels access, and arrays that own it. A view of an array is a kernel's argument; read() and write()
-// give the elements to host code. On a device, these two would copy.
+// give the elements to host code, and wait for the device's queued launches.
 #pragma once
 
 #include <algorithm>
@@ -26,9 +26,9 @@ class Memory {
   /// Frees a block. `bytes` and `alignment` are those of its allocation.
   virtual void deallocate(void* block, size_t bytes, size_t alignment) noexcept = 0;
 
-  /// Makes the content of a block readable by host code until the next launch begins: a device would copy it here.
+  /// Waits for the device's queued launches. Host code may then read the block until the next launch begins.
   virtual void open_for_reading(const void* /*block*/) {}
-  /// The same for reading and writing: a device would copy the content back before the next launch.
+  /// The same for reading and writing.
   virtual void open_for_writing(void* /*block*/) {}
 };
 

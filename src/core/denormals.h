@@ -13,11 +13,11 @@ namespace relume {
 /// What arithmetic does with denormal numbers.
 enum class Denormals : uint8_t {
   keep,   ///< computes with them, as IEEE 754 says and devices do
-  flush,  ///< takes operands and results as zero; recommended for threads that trace with Embree, which is then faster
+  flush,  ///< treats denormal operands and results as zero; recommended with Embree, which is then faster
 };
 
-/// Sets the mode of this thread during its lifetime, whatever the mode of its caller, which it restores. Loops of
-/// core/parallel.h run their iterations in another mode.
+/// Sets the mode of this thread during its lifetime, whatever the mode of its caller, which it restores. Iterations of
+/// loops in core/parallel.h do not inherit the mode.
 class DenormalMode {
  public:
   explicit DenormalMode(Denormals mode) : saved_(control()) {

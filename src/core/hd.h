@@ -1,4 +1,4 @@
-// Marks functions that run on the host and, in a CUDA build, on the device.
+// Marks functions that are compiled for the host and for devices.
 #pragma once
 
 #if defined(__CUDACC__)

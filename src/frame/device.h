@@ -25,13 +25,13 @@ struct DeviceLaunch {
   Tile window = {};                          ///< at least one element
 };
 
-/// Used by one backend. Its functions are called by one thread at a time; those of its memory by any.
+/// Used by one backend. One thread at a time calls its functions. Any thread may call those of its memory.
 class Device {
  public:
   virtual ~Device() = default;
 
   /// Memory that its kernels and the host access. It lives as long as the device. deallocate(), open_for_reading() and
-  /// open_for_writing() wait for all queued launches first. The two last throw as finish().
+  /// open_for_writing() wait for all queued launches first. The last two throw as finish().
   virtual Memory& memory() = 0;
 
   /// Number of threads that it executes at the same time: a launch of fewer threads hardly takes less time. At least 1.

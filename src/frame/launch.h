@@ -56,7 +56,7 @@ struct LaunchTime {
   std::string name;
   double seconds = 0;     ///< on the host or the device, whichever executed them
   double idle_s = 0;      ///< thread-seconds spent waiting for other threads of the host
-  uint64_t launches = 0;  ///< those that have thrown are not counted
+  uint64_t launches = 0;  ///< launches that did not throw
 };
 
 /// Limits the threads of all parallel work during its lifetime: of backends, and of work beside them such as loading.
@@ -80,7 +80,7 @@ struct LaunchEvent {
   enum class Kind : uint8_t {
     kernel,  ///< a kernel is about to be launched
     begins,  ///< a kernel, or host code that is timed like one, begins; on a device, it is about to be queued
-    ends,    ///< the kernel or host code has ended, or thrown; on a device, the kernel may only be queued
+    ends,    ///< the kernel or host code has ended or has thrown; on a device, the kernel may only be queued
   };
   Kind kind = Kind::begins;
   std::string_view name;

@@ -74,16 +74,16 @@ struct Session::State {
   /// The host executes the kernels. `memory`: for all data that kernels access; it must outlive the state.
   State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory)
       : State(std::move(source), s, std::move(movable), memory, nullptr) {}
-  /// `executes` executes the kernels.
-  State(Scene source, const RenderSettings& s, std::vector<Index> movable, std::unique_ptr<Device> executes)
-      : State(std::move(source), s, std::move(movable), executes->memory(), std::move(executes)) {}
+  /// Kernels run on `kernel_device`, whose memory all kernel data use.
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable, std::unique_ptr<Device> kernel_device)
+      : State(std::move(source), s, std::move(movable), kernel_device->memory(), std::move(kernel_device)) {}
 
-  /// The same, or without a device.
+  /// `kernel_device` nullptr: the host runs the kernels, on `memory`.
   State(Scene source, const RenderSettings& s, std::vector<Index> movable, Memory& memory,
-        std::unique_ptr<Device>&& executes)
+        std::unique_ptr<Device>&& kernel_device)
       : settings(s),
         hash(relume::scene_hash(source)),
-        device(std::move(executes)),
+        device(std::move(kernel_device)),
         backend(make_backend(s, memory, device.get())),
         scene_launcher(*backend),
         blue_noise(memory),
@@ -180,9 +180,9 @@ struct Session::State {
     kept_image.clear();
   }
 
-  /// Restores the state before a frame that was stopped or ended by an exception, which is in `errors`. Adds those of
-  /// its own steps. `kept`: whether BufferTable::keep() copied the buffers. `may_lose_image`: whether the frame may
-  /// have cleared the displayed image, so that keep_image()'s copy replaces it.
+  /// Restores the state before a frame that was stopped or threw. `errors`: holds the frame's exception, if any; errors
+  /// of the steps here are added. `kept`: whether BufferTable::keep() copied the buffers. `may_lose_image`: whether the
+  /// frame may have cleared the displayed image, so that keep_image()'s copy replaces it.
   void undo_frame(bool kept, bool may_lose_image, FirstError& errors) {
     buffers->swap();
     if (kept) errors.attempt([&] { backend->run(kSessionWork, [&] { buffers->restore(); }); });

@@ -1,5 +1,5 @@
-// The device `walled`: executes the device code of kernels on the processor, in memory that is closed to the host while
-// no kernel runs.
+// An emulated device: executes the device code of kernels on the processor, in memory that is closed to host code
+// except after read() or write() of an array.
 #pragma once
 
 #include <deque>

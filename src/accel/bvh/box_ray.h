@@ -107,7 +107,7 @@ class BoxRay {
     static_assert(kBvhWidth == 4);
     const uint32_t r = near_row_[axis];
     const uint32_t s = r ^ 1u;
-    // By constant columns, so that device compilers know the alignment and load a row at once.
+    // Constant column indices let device compilers combine the four loads of a row.
     const float near_planes[] = {node.bounds[r][0], node.bounds[r][1], node.bounds[r][2], node.bounds[r][3]};
     const float far_planes[] = {node.bounds[s][0], node.bounds[s][1], node.bounds[s][2], node.bounds[s][3]};
     for (uint32_t i = 0; i < kBvhWidth; ++i) clip(axis, near_planes[i], far_planes[i], first[i], last[i]);
