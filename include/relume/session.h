@@ -58,6 +58,7 @@ class RELUME_API Session {
   /// Renders one frame: one sample for each pixel that adaptive sampling selects. Returns false if `stop` came first:
   /// the image and all state of later frames are as before, but per-frame buffers (depth, …) may contain parts of the
   /// abandoned frame. A frame that has updated a radiance cache is completed. Exceptions discard histories and caches.
+  /// After the loss of a GPU, images and state on it cannot be read any more: these functions throw its error again.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.
