@@ -30,6 +30,8 @@ class Memory {
   virtual void open_for_reading(const void* /*block*/) {}
   /// The same for reading and writing.
   virtual void open_for_writing(void* /*block*/) {}
+  /// As open_for_reading(), for host code that reads few elements: a device need not copy the whole block.
+  virtual void permit_reading(const void* block) { open_for_reading(block); }
 };
 
 /// The memory of the processor. The host may always access it. Lives as long as the process.
@@ -97,6 +99,10 @@ class Array {
   std::span<const T> read() const {
     if (data_) memory_->open_for_reading(data_);
     return {data_, size_};
+  }
+  /// Lets host code read a few elements of the view until the next launch. read() is faster for all elements.
+  void permit_reading() const {
+    if (data_) memory_->permit_reading(data_);
   }
   /// The elements for host code that reads and writes them.
   std::span<T> write() {

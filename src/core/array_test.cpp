@@ -134,6 +134,10 @@ TEST(Array, ReportsHostAccessToItsMemory) {
   array.write()[1] = 4;
   EXPECT_EQ(memory.writes, 1u);
   EXPECT_EQ(array.view()[1], 4);
+  array.permit_reading();
+  EXPECT_EQ(memory.reads, 2u);
+  Array<int>(memory).permit_reading();
+  EXPECT_EQ(memory.reads, 2u) << "it has no block";
 }
 
 TEST(Array, RejectsMoreElementsThanAViewCanCount) {

@@ -25,13 +25,19 @@ struct DeviceLaunch {
   Tile window = {};                          ///< at least one element
 };
 
+/// Edges of a rectangle of elements.
+struct ElementBlock {
+  uint32_t width = 1;
+  uint32_t height = 1;
+};
+
 /// Used by one backend. One thread at a time calls its functions. Any thread may call those of its memory.
 class Device {
  public:
   virtual ~Device() = default;
 
-  /// Memory that its kernels and the host access. It lives as long as the device. deallocate(), open_for_reading() and
-  /// open_for_writing() wait for all queued launches first. The last two throw as finish().
+  /// Memory that its kernels and the host access. It lives as long as the device. deallocate() and the functions that
+  /// give the host access wait for all queued launches first. All but deallocate() throw as finish().
   virtual Memory& memory() = 0;
 
   /// Number of threads that it executes at the same time: a launch of fewer threads hardly takes less time. At least 1.

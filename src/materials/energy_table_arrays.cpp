@@ -48,8 +48,8 @@ void EnergyTableArrays::update(const LayerTables& needed) {
 }
 
 void EnergyTableArrays::open_for_host() const {
-  shares_.read();
-  sheen_.read();
+  shares_.permit_reading();
+  sheen_.permit_reading();
 }
 
 }  // namespace relume

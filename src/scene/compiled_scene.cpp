@@ -87,15 +87,15 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
 }
 
 void CompiledScene::open_for_host() const {
-  vertices_.read();
-  triangles_.read();
-  uv1_.read();
-  colors_.read();
-  previous_positions_.read();
-  meshes_.read();
-  instances_.read();
-  materials_.read();
-  layers_.read();
+  vertices_.permit_reading();
+  triangles_.permit_reading();
+  uv1_.permit_reading();
+  colors_.permit_reading();
+  previous_positions_.permit_reading();
+  meshes_.permit_reading();
+  instances_.permit_reading();
+  materials_.permit_reading();
+  layers_.permit_reading();
   energy_tables_.open_for_host();
   textures_.open_for_host();
   lights_.open_for_host();

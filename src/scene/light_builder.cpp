@@ -283,14 +283,14 @@ LightsView LightBuilder::view() const {
 }
 
 void LightBuilder::open_for_host() const {
-  lights_.read();
-  previous_.read();
-  changed_.read();
-  textured_.read();
-  entries_.read();
-  environment_map_.read();
-  environment_marginal_.read();
-  environment_conditional_.read();
+  lights_.permit_reading();
+  previous_.permit_reading();
+  changed_.permit_reading();
+  textured_.permit_reading();
+  entries_.permit_reading();
+  environment_map_.permit_reading();
+  environment_marginal_.permit_reading();
+  environment_conditional_.permit_reading();
 }
 
 size_t LightBuilder::memory_bytes() const {

@@ -163,9 +163,9 @@ TextureSampler TextureStore::operator[](size_t i) const {
 }
 
 void TextureStore::open_for_host() const {
-  records_.read();
-  texels_.read();
-  srgb_table_.read();
+  records_.permit_reading();
+  texels_.permit_reading();
+  srgb_table_.permit_reading();
 }
 
 }  // namespace relume

@@ -103,6 +103,15 @@ TEST_F(WalledMemoryTest, RecordsHostCodeBetweenLaunches) {
   EXPECT_NE(memory_.violations()[2].find("wrote to"), std::string::npos);
 }
 
+TEST_F(WalledMemoryTest, PermitsReading) {
+  add(from_.view());
+  to_.permit_reading();
+  EXPECT_EQ(to_.view()[2], 6u);
+  EXPECT_TRUE(memory_.violations().empty()) << memory_.violations().front();
+  to_.mutable_view()[2] = 1;
+  EXPECT_EQ(memory_.violations().size(), 1u);
+}
+
 TEST_F(WalledMemoryTest, RecordsLargeBlocksThatHostCodeOpens) {
   memory_.limit_host_access(16);
   from_.assign(5, 5);

@@ -127,6 +127,22 @@ TEST(CudaMemory, IsNotMovedWithoutConcurrentAccess) {
   EXPECT_EQ(moves(), 0u);
 }
 
+TEST(CudaMemory, PermitsReadingWithoutAMove) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(kLarge, 0);
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, kLarge, 1});
+  const size_t before = moves();
+  values.permit_reading();
+  EXPECT_EQ(values.view()[5], 1u) << "it waits for the launch";
+  EXPECT_EQ(moves(), before);
+  values.write()[5] = 9;
+  EXPECT_EQ(moves(), before + 1);
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(values.read()[5], 10u);
+}
+
 TEST(CudaMemory, IsOpenedAgainWithoutTheDriver) {
   const StubDriver stub;
   const std::unique_ptr<Device> device = open(stub);

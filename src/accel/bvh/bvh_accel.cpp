@@ -203,10 +203,10 @@ void BvhAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instanc
 AccelView BvhAccel::view() const { return {state_->view, {&state_->host}, AccelChoice::bvh}; }
 
 void BvhAccel::open_for_host() const {
-  state_->nodes.read();
-  state_->triangles.read();
-  state_->placed.read();
-  state_->filters.read();
+  state_->nodes.permit_reading();
+  state_->triangles.permit_reading();
+  state_->placed.permit_reading();
+  state_->filters.permit_reading();
 }
 
 size_t BvhAccel::memory_bytes() const {

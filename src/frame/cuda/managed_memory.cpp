@@ -88,11 +88,11 @@ void ManagedMemory::move(const Blocks::value_type& block, DeviceNumber to) {
   if (result != Result::success) queue_.check(result, fmt::format("moving {}", mebibytes(bytes)));
 }
 
-ManagedMemory::Blocks::const_iterator ManagedMemory::find_on_device(const std::byte* address) const {
-  const auto after = on_device_.upper_bound(address);
-  if (after == on_device_.begin()) return on_device_.end();
+ManagedMemory::Blocks::const_iterator ManagedMemory::find(const Blocks& blocks, const std::byte* address) {
+  const auto after = blocks.upper_bound(address);
+  if (after == blocks.begin()) return blocks.end();
   const auto block = std::prev(after);
-  return address < block->first + block->second ? block : on_device_.end();
+  return address < block->first + block->second ? block : blocks.end();
 }
 
 void ManagedMemory::open(const std::byte* address) {
@@ -100,18 +100,25 @@ void ManagedMemory::open(const std::byte* address) {
   {
     // Host code may open a block for each element that it writes.
     const std::lock_guard lock(mutex_);
-    if (queue_.idle() && find_on_device(address) == on_device_.end()) return;
+    if (queue_.idle() && find(on_device_, address) == on_device_.end()) return;
   }
   const Queue::Current current(queue_);
   queue_.finish();
   const std::lock_guard lock(mutex_);
-  const auto block = find_on_device(address);
+  const auto block = find(on_device_, address);
   if (block == on_device_.end()) return;
   if (moves_blocks_ && block->second >= kMovedBytes) {
     move(*block, kHostDevice);
     queue_.check(queue_.driver().cuStreamSynchronize(queue_.stream()), "moving memory to the host");
   }
   on_host_.insert(on_device_.extract(block));
+}
+
+void ManagedMemory::permit_reading(const void*) {
+  queue_.check_usable();
+  if (queue_.idle()) return;
+  const Queue::Current current(queue_);
+  queue_.finish();
 }
 
 void ManagedMemory::move_to_device() {

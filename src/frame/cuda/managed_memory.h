@@ -13,7 +13,7 @@ namespace relume::cuda {
 /// Managed memory of a device. Before launches, blocks that the host may have written are moved to the device as a
 /// whole; large blocks are moved to the host when it opens them. Other pages move when they are accessed. Without
 /// concurrent access (attribute 89 of the device), the driver moves everything at launches itself; the host must then
-/// access no block while a launch runs, which open_for_reading() and open_for_writing() ensure.
+/// access no block while a launch runs, which the functions that open blocks ensure.
 class ManagedMemory final : public Memory {
  public:
   /// `limit`: of the total of all blocks, bytes. `moves_blocks`: whether the device has concurrent access.
@@ -26,10 +26,11 @@ class ManagedMemory final : public Memory {
 
   /// Throws DeviceMemoryError above the limit or if the driver has no more, Error if the device has failed.
   void* allocate(size_t bytes, size_t alignment) override;
-  /// Waits for the queued launches first, as do the next two, which throw as Queue::finish().
+  /// Waits for the queued launches first, as do the next three, which throw as Queue::finish().
   void deallocate(void* block, size_t bytes, size_t alignment) noexcept override;
   void open_for_reading(const void* block) override { open(static_cast<const std::byte*>(block)); }
   void open_for_writing(void* block) override { open(static_cast<const std::byte*>(block)); }
+  void permit_reading(const void* block) override;
 
   /// Queues the moves of all blocks that the host may have written. Call it before each launch, with the context
   /// current. Throws as Queue::check().
@@ -46,8 +47,8 @@ class ManagedMemory final : public Memory {
   void reserve(size_t bytes);
   void give_back(size_t bytes);
   void open(const std::byte* address);
-  /// The block of an address in on_device_, or its end.
-  Blocks::const_iterator find_on_device(const std::byte* address) const;
+  /// The block of an address, or the end of `blocks`.
+  static Blocks::const_iterator find(const Blocks& blocks, const std::byte* address);
   void move(const Blocks::value_type& block, DeviceNumber to);
 
   Queue& queue_;

@@ -1,0 +1,50 @@
+// Scenes in the memory of the CUDA backend, on the stub driver: their content stays on the device.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "core/array.h"
+#include "frame/cuda/cuda_device.h"
+#include "kernels.h"
+#include "launch_kernel.h"
+#include "relume/builtin_scenes.h"
+#include "scene/compiled_scene.h"
+#include "stub_driver.h"
+
+namespace relume::cuda {
+namespace {
+
+using testing::AddKernel;
+using testing::queue;
+using testing::StubDriver;
+
+size_t moves() { return StubDriver::calls("cuMemPrefetchAsync"); }
+
+class CudaSceneTest : public ::testing::Test {
+ protected:
+  /// A launch: everything that the host has written moves to the device.
+  void launch() { queue(*device_, AddKernel{1, number_.mutable_view()}, {0, 0, 1, 1}); }
+
+  StubDriver stub_;
+  std::unique_ptr<Device> device_ = open_device(stub_.driver(), testing::test_device_code());
+  KernelValue<uint32_t> number_{device_->memory()};
+};
+
+TEST_F(CudaSceneTest, AMovingCameraMovesNoMemory) {
+  CompiledScene scene(builtin_scene("cornell-water"), {.width = 16, .height = 16, .accel = AccelChoice::bvh},
+                      device_->memory());
+  launch();
+  EXPECT_GT(moves(), 0u) << "the scene has large blocks";
+  device_->finish();
+  CameraPose pose = scene.camera();
+  for (int i = 0; i < 3; ++i) {
+    launch();
+    const size_t before = moves();
+    pose.to_world[3].x += 0.01f;
+    EXPECT_EQ(scene.set_camera(pose), Change::camera);
+    EXPECT_EQ(moves(), before);
+  }
+}
+
+}  // namespace
+}  // namespace relume::cuda
