@@ -32,6 +32,19 @@ class Memory {
   virtual void open_for_writing(void* /*block*/) {}
   /// As open_for_reading(), for host code that reads few elements: a device need not copy the whole block.
   virtual void permit_reading(const void* block) { open_for_reading(block); }
+
+  /// Copies bytes between two blocks, from and to any address in them. The regions must not overlap. A device copies
+  /// them in the order of launches, and the host then has no access to the blocks.
+  virtual void copy(void* to, const void* from, size_t bytes) {
+    open_for_reading(from);
+    open_for_writing(to);
+    std::memcpy(to, from, bytes);
+  }
+  /// Sets bytes of a block to zero, from any address in it on. Otherwise as copy().
+  virtual void zero(void* to, size_t bytes) {
+    open_for_writing(to);
+    std::memset(to, 0, bytes);
+  }
 };
 
 /// The memory of the processor. The host may always access it. Lives as long as the process.

@@ -140,6 +140,23 @@ TEST(Array, ReportsHostAccessToItsMemory) {
   EXPECT_EQ(memory.reads, 2u) << "it has no block";
 }
 
+TEST(Memory, CopiesAndClearsAfterOpeningTheBlocks) {
+  CountedMemory memory;
+  Array<int> from(memory);
+  Array<int> to(memory);
+  from.assign(std::vector<int>{1, 2, 3});
+  to.assign(std::vector<int>{4, 5, 6});
+  const size_t reads = memory.reads;
+  const size_t writes = memory.writes;
+  memory.copy(to.mutable_view().data, from.view().data, 2 * sizeof(int));
+  EXPECT_EQ(memory.reads, reads + 1);
+  EXPECT_EQ(memory.writes, writes + 1);
+  memory.zero(from.mutable_view().data, 3 * sizeof(int));
+  EXPECT_EQ(memory.writes, writes + 2);
+  EXPECT_EQ(elements_of(to), (std::vector<int>{1, 2, 6}));
+  EXPECT_EQ(elements_of(from), (std::vector<int>{0, 0, 0}));
+}
+
 TEST(Array, RejectsMoreElementsThanAViewCanCount) {
   Array<uint8_t> array;
   const auto problem = [&](const auto& grow) -> std::string {

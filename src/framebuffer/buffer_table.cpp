@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -20,10 +19,9 @@ Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height, B
 bool Buffer::clear_new(const std::stop_token& stop) const {
   constexpr size_t kBlock = size_t{1} << 20;
   for (std::byte* half : {data_.get(), previous_.get()}) {
-    if (is_new_) opened(half);
     for (size_t at = 0; is_new_ && half && at < size_; at += kBlock) {
       if (stop.stop_requested()) return false;
-      std::memset(half + at, 0, std::min(kBlock, size_ - at));
+      memory().zero(half + at, std::min(kBlock, size_ - at));
     }
   }
   is_new_ = false;
@@ -32,18 +30,19 @@ bool Buffer::clear_new(const std::stop_token& stop) const {
 
 void Buffer::clear() {
   if (is_new_) return;
-  for (const std::span<std::byte> content : {bytes(), previous_bytes()})
-    std::fill(content.begin(), content.end(), std::byte{0});
+  for (std::byte* half : {data_.get(), previous_.get()}) {
+    if (half) memory().zero(half, size_);
+  }
 }
 
 void Buffer::keep() {
   if (!description_.persistent || description_.double_buffered) return;
   if (!kept_) kept_ = data_.get_deleter().pool->take(size_);
-  std::memcpy(opened(kept_.get()).data(), std::as_const(*this).bytes().data(), size_);
+  memory().copy(kept_.get(), data(), size_);
 }
 
 void Buffer::restore() {
-  if (kept_) std::memcpy(opened(data_.get()).data(), opened(kept_.get()).data(), size_);
+  if (kept_) memory().copy(data_.get(), kept_.get(), size_);
 }
 
 void Buffer::fail_type() const {

@@ -122,6 +122,34 @@ void WalledMemory::open(const std::byte* address, Access access) {
 void WalledMemory::open_for_reading(const void* block) { open(static_cast<const std::byte*>(block), Access::read); }
 void WalledMemory::open_for_writing(void* block) { open(static_cast<const std::byte*>(block), Access::write); }
 
+void WalledMemory::begin_work(const void* address) {
+  const auto block = find(static_cast<const std::byte*>(address));
+  if (block != blocks_.end()) protect(*block, Access::write);
+}
+
+void WalledMemory::end_work(const void* address) {
+  const auto block = find(static_cast<const std::byte*>(address));
+  if (block == blocks_.end() || launches_ > 0) return;
+  block->second.access = Access::none;
+  protect(*block, Access::none);
+}
+
+void WalledMemory::copy(void* to, const void* from, size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  begin_work(from);
+  begin_work(to);
+  std::memcpy(to, from, bytes);
+  end_work(from);
+  end_work(to);
+}
+
+void WalledMemory::zero(void* to, size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  begin_work(to);
+  std::memset(to, 0, bytes);
+  end_work(to);
+}
+
 void WalledMemory::begin_launch(std::string_view name) {
   const std::lock_guard lock(mutex_);
   ++launches_;

@@ -35,6 +35,9 @@ class WalledMemory final : public Memory {
   void deallocate(void* block, size_t bytes, size_t alignment) noexcept override;
   void open_for_reading(const void* block) override;
   void open_for_writing(void* block) override;
+  /// Like a device, these two are no accesses of host code, and close their blocks between launches.
+  void copy(void* to, const void* from, size_t bytes) override;
+  void zero(void* to, size_t bytes) override;
 
   /// Open and close all blocks. Call them at the beginning and end of the launch `name`. The blocks stay open until the
   /// end of the outermost launch.
@@ -79,6 +82,9 @@ class WalledMemory final : public Memory {
   Blocks::iterator find(const std::byte* address);
   void open(const std::byte* address, Access access);
   static void protect(const Blocks::value_type& block, Access access);
+  /// Opens and closes the block of an address, if it is in one, for work of the device.
+  void begin_work(const void* address);
+  void end_work(const void* address);
   bool is_known(const std::byte* address);
   void check_data(std::string_view name, std::span<const std::byte> data);
 

@@ -103,6 +103,20 @@ TEST_F(WalledMemoryTest, RecordsHostCodeBetweenLaunches) {
   EXPECT_NE(memory_.violations()[2].find("wrote to"), std::string::npos);
 }
 
+TEST_F(WalledMemoryTest, CopiesBetweenClosedBlocks) {
+  memory_.limit_host_access(8);
+  memory_.copy(to_.mutable_view().data, from_.view().data + 1, 3 * sizeof(uint32_t));
+  memory_.zero(to_.mutable_view().data + 1, sizeof(uint32_t));
+  EXPECT_TRUE(memory_.violations().empty()) << memory_.violations().front();
+  memory_.permit_host_access();
+  EXPECT_EQ(sum(to_.read()), 10u);
+  EXPECT_EQ(sum(from_.read()), 20u);
+  memory_.copy(to_.mutable_view().data, from_.view().data, sizeof(uint32_t));
+  EXPECT_EQ(to_.view()[1], 0u) << "closed by the copy";
+  ASSERT_EQ(memory_.violations().size(), 1u);
+  EXPECT_NE(memory_.violations()[0].find("accessed a block of 16 bytes"), std::string::npos);
+}
+
 TEST_F(WalledMemoryTest, PermitsReading) {
   add(from_.view());
   to_.permit_reading();

@@ -44,6 +44,8 @@ CHECK_FUNCTION(cuMemHostAlloc, cuMemHostAlloc);
 CHECK_FUNCTION(cuMemFreeHost, cuMemFreeHost);
 CHECK_FUNCTION(cuMemPrefetchAsync, cuMemPrefetchAsync);
 CHECK_FUNCTION(cuMemcpyHtoDAsync, cuMemcpyHtoDAsync_v2);
+CHECK_FUNCTION(cuMemcpyDtoDAsync, cuMemcpyDtoDAsync_v2);
+CHECK_FUNCTION(cuMemsetD8Async, cuMemsetD8Async);
 CHECK_FUNCTION(cuModuleLoadDataEx, cuModuleLoadDataEx);
 CHECK_FUNCTION(cuModuleUnload, cuModuleUnload);
 CHECK_FUNCTION(cuModuleGetFunction, cuModuleGetFunction);

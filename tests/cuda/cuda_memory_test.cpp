@@ -127,6 +127,50 @@ TEST(CudaMemory, IsNotMovedWithoutConcurrentAccess) {
   EXPECT_EQ(moves(), 0u);
 }
 
+TEST(CudaMemory, IsCopiedAndClearedInTheOrderOfLaunches) {
+  for (const char* settings : {"", "eager=1", "concurrent=0"}) {
+    const StubDriver stub(settings);
+    const std::unique_ptr<Device> device = open(stub);
+    Array<uint32_t> from(device->memory());
+    Array<uint32_t> to(device->memory());
+    from.assign(16, 3);
+    to.assign(16, 7);
+    queue(*device, AddKernel{1, from.mutable_view()}, {0, 0, 16, 1});
+    device->memory().copy(to.mutable_view().data + 4, from.view().data, 8 * sizeof(uint32_t));
+    queue(*device, AddKernel{1, to.mutable_view()}, {0, 0, 16, 1});
+    device->memory().zero(from.mutable_view().data + 1, 2 * sizeof(uint32_t));
+    device->memory().zero(from.mutable_view().data, 0);
+    EXPECT_EQ(to.read()[3], 8u) << settings;
+    EXPECT_EQ(to.read()[4], 5u) << settings;
+    EXPECT_EQ(to.read()[12], 8u) << settings;
+    EXPECT_EQ(from.read()[0], 4u) << settings;
+    EXPECT_EQ(from.read()[2], 0u) << settings;
+    EXPECT_EQ(from.read()[3], 4u) << settings;
+    device->finish();
+    EXPECT_EQ(device->take_times().size(), 2u) << settings;
+  }
+}
+
+TEST(CudaMemory, SaysWhichCopyFails) {
+  const StubDriver stub("fail=cuMemcpyDtoDAsync_v2:1:1 fail=cuMemsetD8Async:1:1");
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(size_t{1} << 18, 3);
+  uint32_t* const data = values.mutable_view().data;
+  const auto problem = [](const auto& action) -> std::string {
+    try {
+      action();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(problem([&] { device->memory().copy(data, data + 100, 4); }).find("copying 0.0 MiB failed"),
+            std::string::npos);
+  EXPECT_NE(problem([&] { device->memory().zero(data, kMiB); }).find("clearing 1.0 MiB failed"), std::string::npos);
+  EXPECT_EQ(values.read()[100], 3u);
+}
+
 TEST(CudaMemory, PermitsReadingWithoutAMove) {
   const StubDriver stub;
   const std::unique_ptr<Device> device = open(stub);

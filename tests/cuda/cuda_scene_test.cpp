@@ -1,10 +1,13 @@
-// Scenes in the memory of the CUDA backend, on the stub driver: their content stays on the device.
+// Scenes and frame buffers in the memory of the CUDA backend, on the stub driver: their content stays on the device.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
+#include <span>
 
 #include "core/array.h"
 #include "frame/cuda/cuda_device.h"
+#include "framebuffer/buffer_table.h"
 #include "kernels.h"
 #include "launch_kernel.h"
 #include "relume/builtin_scenes.h"
@@ -17,6 +20,8 @@ namespace {
 using testing::AddKernel;
 using testing::queue;
 using testing::StubDriver;
+
+constexpr BufferKey<uint32_t> kCount{"count"};
 
 size_t moves() { return StubDriver::calls("cuMemPrefetchAsync"); }
 
@@ -44,6 +49,29 @@ TEST_F(CudaSceneTest, AMovingCameraMovesNoMemory) {
     EXPECT_EQ(scene.set_camera(pose), Change::camera);
     EXPECT_EQ(moves(), before);
   }
+}
+
+TEST_F(CudaSceneTest, BuffersAreKeptAndClearedOnTheDevice) {
+  constexpr uint32_t kWidth = 640;
+  constexpr uint32_t kHeight = 360;
+  BufferTable table(kWidth, kHeight, BlockPool::create(device_->memory()));
+  Buffer& count = table.add({.id = kCount, .persistent = true});
+  const auto add = [&] { queue(*device_, AddKernel{1, count.view<uint32_t>()}, {0, 0, kWidth * kHeight, 1}); };
+  EXPECT_TRUE(table.clear_new({}));
+  add();
+  table.keep();
+  const size_t before = moves();
+  add();
+  table.restore();
+  add();
+  EXPECT_EQ(moves(), before);
+  EXPECT_EQ(StubDriver::calls("cuMemcpyDtoDAsync_v2"), 2u);
+  const View<const uint32_t> sums = count.read<uint32_t>();
+  EXPECT_TRUE(std::all_of(sums.data, sums.data + sums.size, [](uint32_t sum) { return sum == 2; }));
+  add();
+  count.clear();
+  EXPECT_EQ(count.read<uint32_t>()[5], 0u);
+  EXPECT_EQ(StubDriver::calls("cuMemcpyHtoDAsync_v2"), 1u) << "the arguments of launches";
 }
 
 }  // namespace

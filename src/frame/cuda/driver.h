@@ -116,6 +116,8 @@ struct Driver {
   /// Its first form: the second one needs driver 12.2.
   Result (*cuMemPrefetchAsync)(DeviceAddress address, size_t bytes, DeviceNumber to, Stream stream) = nullptr;
   Result (*cuMemcpyHtoDAsync)(DeviceAddress to, const void* from, size_t bytes, Stream stream) = nullptr;
+  Result (*cuMemcpyDtoDAsync)(DeviceAddress to, DeviceAddress from, size_t bytes, Stream stream) = nullptr;
+  Result (*cuMemsetD8Async)(DeviceAddress to, unsigned char value, size_t bytes, Stream stream) = nullptr;
 
   Result (*cuModuleLoadDataEx)(Module* module, const void* image, unsigned options, CompilerOption* names,
                                void** values) = nullptr;
@@ -185,6 +187,8 @@ void Driver::for_each_function(const F& f) {
   f("cuMemFreeHost", cuMemFreeHost);
   f("cuMemPrefetchAsync", cuMemPrefetchAsync);
   f("cuMemcpyHtoDAsync_v2", cuMemcpyHtoDAsync);
+  f("cuMemcpyDtoDAsync_v2", cuMemcpyDtoDAsync);
+  f("cuMemsetD8Async", cuMemsetD8Async);
   f("cuModuleLoadDataEx", cuModuleLoadDataEx);
   f("cuModuleUnload", cuModuleUnload);
   f("cuModuleGetFunction", cuModuleGetFunction);

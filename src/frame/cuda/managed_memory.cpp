@@ -121,6 +121,36 @@ void ManagedMemory::permit_reading(const void*) {
   queue_.finish();
 }
 
+void ManagedMemory::bring(const std::byte* address) {
+  const auto block = find(on_host_, address);
+  if (block == on_host_.end()) return;
+  move(*block, queue_.device());
+  on_device_.insert(on_host_.extract(block));
+}
+
+void ManagedMemory::copy(void* to, const void* from, size_t bytes) {
+  if (!moves_blocks_) return Memory::copy(to, from, bytes);
+  if (bytes == 0) return;
+  const Queue::Current current(queue_);
+  const std::lock_guard lock(mutex_);
+  bring(static_cast<const std::byte*>(from));
+  bring(static_cast<const std::byte*>(to));
+  const Result result = queue_.driver().cuMemcpyDtoDAsync(address_of(to), address_of(from), bytes, queue_.stream());
+  if (result != Result::success) queue_.check(result, fmt::format("copying {}", mebibytes(bytes)));
+  queue_.added("copy");
+}
+
+void ManagedMemory::zero(void* to, size_t bytes) {
+  if (!moves_blocks_) return Memory::zero(to, bytes);
+  if (bytes == 0) return;
+  const Queue::Current current(queue_);
+  const std::lock_guard lock(mutex_);
+  bring(static_cast<const std::byte*>(to));
+  const Result result = queue_.driver().cuMemsetD8Async(address_of(to), 0, bytes, queue_.stream());
+  if (result != Result::success) queue_.check(result, fmt::format("clearing {}", mebibytes(bytes)));
+  queue_.added("clear");
+}
+
 void ManagedMemory::move_to_device() {
   const std::lock_guard lock(mutex_);
   if (moves_blocks_) {

@@ -13,7 +13,7 @@ namespace relume::cuda {
 /// Managed memory of a device. Before launches, blocks that the host may have written are moved to the device as a
 /// whole; large blocks are moved to the host when it opens them. Other pages move when they are accessed. Without
 /// concurrent access (attribute 89 of the device), the driver moves everything at launches itself; the host must then
-/// access no block while a launch runs, which the functions that open blocks ensure.
+/// access no block while a launch runs, which the functions that open blocks ensure, and copies blocks itself.
 class ManagedMemory final : public Memory {
  public:
   /// `limit`: of the total of all blocks, bytes. `moves_blocks`: whether the device has concurrent access.
@@ -31,6 +31,9 @@ class ManagedMemory final : public Memory {
   void open_for_reading(const void* block) override { open(static_cast<const std::byte*>(block)); }
   void open_for_writing(void* block) override { open(static_cast<const std::byte*>(block)); }
   void permit_reading(const void* block) override;
+  /// With concurrent access, these two are queued. They throw as Queue::check().
+  void copy(void* to, const void* from, size_t bytes) override;
+  void zero(void* to, size_t bytes) override;
 
   /// Queues the moves of all blocks that the host may have written. Call it before each launch, with the context
   /// current. Throws as Queue::check().
@@ -49,6 +52,8 @@ class ManagedMemory final : public Memory {
   void open(const std::byte* address);
   /// The block of an address, or the end of `blocks`.
   static Blocks::const_iterator find(const Blocks& blocks, const std::byte* address);
+  /// Moves the block of an address to the device if the host may have written it.
+  void bring(const std::byte* address);
   void move(const Blocks::value_type& block, DeviceNumber to);
 
   Queue& queue_;

@@ -71,9 +71,17 @@ void State::add(Stream& stream, std::function<void()> work) {
   }
 }
 
-void State::add_kernel(Stream& stream, KernelCall call) {
+void State::add_work(Stream& stream, std::function<void()> work) {
   managed.close();
-  add(stream, [this, call = std::move(call)] { run(call); });
+  add(stream, [this, work = std::move(work)] {
+    managed.open();
+    work();
+    managed.close();
+  });
+}
+
+void State::add_kernel(Stream& stream, KernelCall call) {
+  add_work(stream, [this, call = std::move(call)] { run(call); });
 }
 
 bool State::execute_one(Stream& stream) {
@@ -103,13 +111,11 @@ void State::run(const KernelCall& call) {
   std::vector<void*> parameters;
   for (const std::vector<uint64_t>& value : call.parameters) parameters.push_back(const_cast<uint64_t*>(value.data()));
   parameters.push_back(nullptr);
-  managed.open();
   try {
     ptx::run_grid(*call.module, *call.entry, launch, parameters.data());
   } catch (const ptx::Fault&) {
     sticky = kLaunchFailed;
   }
-  managed.close();
 }
 
 std::vector<Context*>& current_contexts() {

@@ -75,6 +75,8 @@ class State {
   size_t calls(const std::string& function) const;
 
   void add(Stream& stream, std::function<void()> work);
+  /// The same for work that accesses managed memory. The host cannot access any until drain().
+  void add_work(Stream& stream, std::function<void()> work);
   void add_kernel(Stream& stream, KernelCall call);
   /// Executes the first piece of work. Returns false if there is none.
   bool execute_one(Stream& stream);

@@ -134,6 +134,25 @@ int cuMemcpyHtoDAsync_v2(unsigned long long to, const void* from, size_t bytes, 
   });
 }
 
+int cuMemcpyDtoDAsync_v2(unsigned long long to, unsigned long long from, size_t bytes, Stream* stream) {
+  return with_context("cuMemcpyDtoDAsync_v2", [&](State& state) {
+    if (!state.streams.contains(stream)) return kInvalidHandle;
+    if (!state.managed.contains(pointer(to), bytes) || !state.managed.contains(pointer(from), bytes))
+      return kInvalidValue;
+    state.add_work(*stream, [=] { std::memcpy(pointer(to), pointer(from), bytes); });
+    return kSuccess;
+  });
+}
+
+int cuMemsetD8Async(unsigned long long to, unsigned char value, size_t bytes, Stream* stream) {
+  return with_context("cuMemsetD8Async", [&](State& state) {
+    if (!state.streams.contains(stream)) return kInvalidHandle;
+    if (!state.managed.contains(pointer(to), bytes)) return kInvalidValue;
+    state.add_work(*stream, [=] { std::memset(pointer(to), value, bytes); });
+    return kSuccess;
+  });
+}
+
 int cuModuleLoadDataEx(Module** handle, const void* image, unsigned options, const int* names, void** values) {
   return with_context("cuModuleLoadDataEx", [&](State& state) {
     std::string message;
