@@ -43,6 +43,10 @@ class Device {
   /// Number of threads that it executes at the same time: a launch of fewer threads hardly takes less time. At least 1.
   virtual uint32_t parallel_threads() const = 0;
 
+  /// Elements of pass kernels that it executes together, in a window of this size. Parts of the window should have
+  /// multiples of these edges: other parts leave threads without an element.
+  virtual ElementBlock block(const Tile& /*window*/) const { return {}; }
+
   /// Queues a launch. Copies everything that `launch` refers to. Throws Error if the device cannot accept it, or as
   /// finish() for an earlier launch.
   virtual void launch(const DeviceLaunch& launch) = 0;

@@ -11,17 +11,54 @@ namespace {
 constexpr double kBandSeconds = 0.010;
 constexpr double kQueueSeconds = 0.015;
 
+// The first band of a kernel is small, because its time is unknown. Later ones have at most so many times the threads
+// of the largest so far: the time of a band grows at most in proportion.
+constexpr uint64_t kGrowth = 8;          ///< after bands that took less than kBandSeconds / kGrowth
+constexpr uint64_t kSmallestGrowth = 2;  ///< after longer ones
+
 /// Share of a kernel's time per thread that a faster band leaves. Bands keep to the slowest part of earlier frames.
 constexpr double kDecay = 0.9;
 
 /// Threads of one element.
 uint64_t element_threads(const DeviceLaunch& launch) { return std::max(launch.threads, 1u); }
 
-/// Threads whose time a launch takes: at least those that the device executes at the same time.
-uint64_t timed_threads(const DeviceLaunch& launch, const Device& device) {
-  const uint64_t elements = uint64_t{launch.window.width()} * launch.window.height();
-  return std::max<uint64_t>(element_threads(launch) * elements, device.parallel_threads());
+uint64_t threads_of(const DeviceLaunch& launch) {
+  return element_threads(launch) * launch.window.width() * launch.window.height();
 }
+
+/// The largest multiple up to a number, at least one block.
+uint64_t whole_blocks(uint64_t elements, uint32_t block) { return std::max<uint64_t>(elements / block, 1) * block; }
+
+/// Divides a window into bands: whole rows, or columns of one row of blocks.
+class Bands {
+ public:
+  Bands(const Tile& window, const ElementBlock& block) : window_(window), block_(block), x_(window.x0), y_(window.y0) {}
+
+  bool empty() const { return y_ >= window_.y1; }
+  /// The next band, of about `elements` elements, but at least a block.
+  Tile take(uint64_t elements) {
+    if (x_ == window_.x0) {
+      const uint64_t rows = whole_blocks(elements / window_.width(), block_.height);
+      rows_ = static_cast<uint32_t>(std::min<uint64_t>(rows, window_.y1 - y_));
+    }
+    const uint64_t columns = whole_blocks(elements / rows_, block_.width);
+    const auto width = static_cast<uint32_t>(std::min<uint64_t>(columns, window_.x1 - x_));
+    const Tile band{x_, y_, x_ + width, y_ + rows_};
+    x_ = band.x1;
+    if (x_ == window_.x1) {
+      x_ = window_.x0;
+      y_ = band.y1;
+    }
+    return band;
+  }
+
+ private:
+  Tile window_;
+  ElementBlock block_;
+  uint32_t x_;
+  uint32_t y_;
+  uint32_t rows_ = 0;  ///< of the current bands
+};
 
 }  // namespace
 
@@ -34,7 +71,7 @@ bool DeviceQueue::launch(const DeviceLaunch& launch, const std::stop_token& stop
   try {
     if (stop.stop_possible()) return launch_bands(launch, stop, before_band);
     if (before_band) before_band();
-    add(launch);
+    add(launch, estimate_of(launch), false);
     return true;
   } catch (...) {
     discard();
@@ -44,36 +81,53 @@ bool DeviceQueue::launch(const DeviceLaunch& launch, const std::stop_token& stop
 
 bool DeviceQueue::launch_bands(const DeviceLaunch& launch, const std::stop_token& stop,
                                const std::function<void()>& before_band) {
-  const Tile& window = launch.window;
-  const bool by_columns = window.height() == 1;
-  const uint32_t count = by_columns ? window.width() : window.height();
-  const uint64_t threads = element_threads(launch) * (by_columns ? 1 : window.width());
-  for (uint32_t first = 0; first < count;) {
+  const ElementBlock block = launch.threads > 0 ? ElementBlock{} : device_.block(launch.window);
+  Estimate& estimate = estimate_of(launch);
+  for (Bands bands(launch.window, block); !bands.empty();) {
     make_room();
     if (before_band) before_band();
     if (stop.stop_requested()) return false;
-    const uint64_t fitting = std::max<uint64_t>(band_threads(launch.kernel) / threads, 1);
-    const auto end = static_cast<uint32_t>(std::min<uint64_t>(first + fitting, count));
+    const uint64_t fitting = fitting_threads(estimate);
     DeviceLaunch band = launch;
-    if (by_columns) {
-      band.window = {window.x0 + first, window.y0, window.x0 + end, window.y1};
-    } else {
-      band.window = {window.x0, window.y0 + first, window.x1, window.y0 + end};
-    }
-    add(band);
-    first = end;
+    band.window = bands.take(std::min(fitting, estimate.most_threads) / element_threads(launch));
+    add(band, estimate, fitting > estimate.most_threads && !bands.empty());
   }
   return true;
 }
 
-void DeviceQueue::add(const DeviceLaunch& band) {
-  const auto threads = static_cast<double>(timed_threads(band, device_));
-  const auto known = thread_seconds_.find(band.kernel);
-  // Waits for an unknown kernel before the next band.
-  const double expected_s = known == thread_seconds_.end() ? kQueueSeconds : known->second * threads;
+void DeviceQueue::add(const DeviceLaunch& band, Estimate& estimate, bool is_trial) {
+  const uint64_t threads = threads_of(band);
+  const double expected_s = is_trial ? kQueueSeconds : expected_seconds(estimate, threads);
   device_.launch(band);
-  bands_.push_back({std::string(band.name), std::string(band.kernel), threads, expected_s});
+  bands_.push_back({std::string(band.name), &estimate, threads, expected_s});
   expected_s_ += expected_s;
+}
+
+DeviceQueue::Estimate& DeviceQueue::estimate_of(const DeviceLaunch& launch) {
+  return estimates_[{std::string(launch.kernel), std::string(launch.name)}];
+}
+
+bool DeviceQueue::fills_device(const Estimate& estimate) const {
+  return estimate.thread_s * device_.parallel_threads() <= kBandSeconds;
+}
+
+double DeviceQueue::expected_seconds(const Estimate& estimate, uint64_t threads) const {
+  if (estimate.thread_s <= 0) return kQueueSeconds;
+  const uint64_t timed = fills_device(estimate) ? std::max<uint64_t>(threads, device_.parallel_threads()) : threads;
+  return estimate.thread_s * static_cast<double>(timed);
+}
+
+uint64_t DeviceQueue::fitting_threads(const Estimate& estimate) {
+  constexpr double kMost = 1e15;
+  return static_cast<uint64_t>(estimate.thread_s > 0 ? std::min(kBandSeconds / estimate.thread_s, kMost) : kMost);
+}
+
+void DeviceQueue::learn(Estimate& estimate, uint64_t threads, double seconds) const {
+  const bool is_long = seconds > kBandSeconds;
+  const uint64_t timed = is_long ? threads : std::max<uint64_t>(threads, device_.parallel_threads());
+  estimate.thread_s = std::max(seconds / static_cast<double>(timed), kDecay * estimate.thread_s);
+  const uint64_t growth = seconds < kBandSeconds / kGrowth ? kGrowth : kSmallestGrowth;
+  estimate.most_threads = std::max(estimate.most_threads, growth * threads);
 }
 
 void DeviceQueue::make_room() {
@@ -90,8 +144,7 @@ void DeviceQueue::collect_times() {
     bands_.pop_front();
     expected_s_ = bands_.empty() ? 0 : expected_s_ - band.expected_s;
     add_time_(band.name, seconds);
-    double& thread_s = thread_seconds_[band.kernel];
-    thread_s = std::max(seconds / band.threads, kDecay * thread_s);
+    learn(*band.estimate, band.threads, seconds);
   }
 }
 
@@ -113,13 +166,6 @@ void DeviceQueue::discard() noexcept {
   }
   bands_.clear();
   expected_s_ = 0;
-}
-
-uint64_t DeviceQueue::band_threads(std::string_view kernel) const {
-  const uint64_t least = device_.parallel_threads();
-  const auto known = thread_seconds_.find(kernel);
-  if (known == thread_seconds_.end() || known->second <= 0) return least;
-  return std::max(least, static_cast<uint64_t>(std::min(kBandSeconds / known->second, 1e15)));
 }
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "frame/device.h"
 
@@ -26,38 +27,49 @@ class DeviceQueue {
 
   Device& device() const { return device_; }
 
-  /// Queues a launch. If `stop` can be requested, divides it into bands of rows, or of columns if it has one row, and
-  /// returns false if `stop` was requested before all were queued. The queue then holds little work (kQueueSeconds).
-  /// Calls `before_band` before each band. Throws as the device; the queue is then empty.
+  /// Queues a launch. If `stop` can be requested, divides it into bands: rows, or columns of few rows where a row takes
+  /// too long. Returns false if `stop` was requested before all were queued. The queue then holds little work
+  /// (kQueueSeconds). Calls `before_band` before each band. Throws as the device; the queue is then empty.
   bool launch(const DeviceLaunch& launch, const std::stop_token& stop, const std::function<void()>& before_band);
 
   /// Waits for all launches. Throws as Device::finish(); the queue is then empty.
   void finish();
 
  private:
+  /// Time of a kernel, from the bands of launches with one name that have ended.
+  struct Estimate {
+    double thread_s = 0;         ///< per thread; 0: unknown
+    uint64_t most_threads = 32;  ///< of the next band
+  };
   /// A band in the queue.
   struct Band {
     std::string name;
-    std::string kernel;
-    double threads;     ///< that take its time
+    Estimate* estimate;
+    uint64_t threads;
     double expected_s;  ///< estimated time
   };
 
   bool launch_bands(const DeviceLaunch& launch, const std::stop_token& stop, const std::function<void()>& before_band);
-  void add(const DeviceLaunch& band);
+  /// `is_trial`: whether the next band waits for this one, which may show that it can be larger.
+  void add(const DeviceLaunch& band, Estimate& estimate, bool is_trial);
+  Estimate& estimate_of(const DeviceLaunch& launch);
+  /// Whether a launch takes the same time with more threads, up to parallel_threads().
+  bool fills_device(const Estimate& estimate) const;
+  double expected_seconds(const Estimate& estimate, uint64_t threads) const;
+  /// Number of threads that the device executes in kBandSeconds.
+  static uint64_t fitting_threads(const Estimate& estimate);
+  void learn(Estimate& estimate, uint64_t threads, double seconds) const;
   /// Waits until the queue is expected to be empty after kQueueSeconds.
   void make_room();
   void collect_times();
   /// Waits for all launches and forgets them.
   void discard() noexcept;
-  /// Number of threads of a kernel that the device executes in kBandSeconds.
-  uint64_t band_threads(std::string_view kernel) const;
 
   Device& device_;
   std::function<void(std::string_view, double)> add_time_;
   std::deque<Band> bands_;
-  double expected_s_ = 0;                                      ///< sum over the bands
-  std::map<std::string, double, std::less<>> thread_seconds_;  ///< time of a band per thread, by kernel
+  double expected_s_ = 0;                                              ///< sum over the bands
+  std::map<std::pair<std::string, std::string>, Estimate> estimates_;  ///< by kernel and name of the launch
 };
 
 }  // namespace relume

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -39,13 +41,14 @@ class RecordingDevice final : public Device {
   };
 
   Memory& memory() override { return host_memory(); }
-  uint32_t parallel_threads() const override { return 100; }
+  uint32_t parallel_threads() const override { return parallel; }
+  ElementBlock block(const Tile&) const override { return elements_of_block; }
   void launch(const DeviceLaunch& launch) override {
     if (fails_at == launches.size()) throw Error("the device is lost");
     launches.push_back({std::string(launch.kernel), launch.threads,
                         std::vector<std::byte>(launch.argument.begin(), launch.argument.end()), launch.window});
     const uint64_t elements = uint64_t{launch.window.width()} * launch.window.height();
-    queued_.push_back(element_s * static_cast<double>(elements));
+    queued_.push_back(element_s * static_cast<double>(std::max(elements, least_elements)));
     longest_queue_s = std::max(longest_queue_s, std::accumulate(queued_.begin(), queued_.end(), 0.0));
   }
   void wait(size_t count) override {
@@ -56,9 +59,12 @@ class RecordingDevice final : public Device {
   size_t queued() const { return queued_.size(); }
 
   std::vector<Recorded> launches;
+  uint32_t parallel = 100;
+  ElementBlock elements_of_block;
   double element_s = 1e-4;
+  uint64_t least_elements = 0;  ///< fewer elements take the same time
   double longest_queue_s = 0;
-  size_t fails_at = 1000;
+  size_t fails_at = std::numeric_limits<size_t>::max();
 
  private:
   std::deque<double> queued_;
@@ -127,27 +133,82 @@ TEST_F(DeviceQueueTest, AddsTheTimesOfTheDevice) {
   EXPECT_LT(backend_.times()[2].seconds, 0.01) << backend_.times()[2].name;
 }
 
-/// Bands cover the window once, in order.
-void expect_bands(const std::vector<RecordingDevice::Recorded>& bands, const Tile& window, bool by_columns) {
-  uint32_t next = by_columns ? window.x0 : window.y0;
+/// Bands cover the window once.
+void expect_cover(const std::vector<RecordingDevice::Recorded>& bands, uint32_t width, uint32_t height) {
+  std::vector<int> covered(size_t{width} * height, 0);
   for (const RecordingDevice::Recorded& band : bands) {
-    EXPECT_EQ(by_columns ? band.window.x0 : band.window.y0, next);
-    next = by_columns ? band.window.x1 : band.window.y1;
-    EXPECT_EQ(by_columns ? band.window.height() : band.window.width(), by_columns ? window.height() : window.width());
+    ASSERT_LE(band.window.x1, width);
+    ASSERT_LE(band.window.y1, height);
+    for (uint32_t y = band.window.y0; y < band.window.y1; ++y) {
+      for (uint32_t x = band.window.x0; x < band.window.x1; ++x) ++covered[size_t{y} * width + x];
+    }
   }
-  EXPECT_EQ(next, by_columns ? window.x1 : window.y1);
+  EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](int count) { return count == 1; }));
 }
 
 TEST_F(DeviceQueueTest, DividesLaunchesThatCanBeStoppedIntoBands) {
-  for (const auto& [width, height] : {std::pair(40u, 50u), std::pair(2000u, 1u), std::pair(300u, 3u)}) {
+  for (const auto& [width, height] :
+       {std::pair(40u, 50u), std::pair(2000u, 1u), std::pair(1u, 2000u), std::pair(700u, 3u)}) {
     device_.launches.clear();
     EXPECT_TRUE(launch_stoppable(width, height));
-    EXPECT_GE(device_.launches.size(), std::min(height == 1 ? width : height, 10u));
-    expect_bands(device_.launches, {0, 0, width, height}, height == 1);
+    EXPECT_GE(device_.launches.size(), 19u);
+    EXPECT_LE(device_.launches.size(), 35u);
+    expect_cover(device_.launches, width, height);
   }
   device_.launches.clear();
   launch(backend_, "whole", ElementKernel{}, 40, 50);
   EXPECT_EQ(device_.launches.size(), 1u);
+}
+
+TEST_F(DeviceQueueTest, BandsAreShortWhateverTheDeviceIs) {
+  device_.parallel = 100000;
+  device_.element_s = 1e-3;
+  launch_stoppable(20000, 1);
+  expect_cover(device_.launches, 20000, 1);
+  launch_stoppable(5000, 4);
+  EXPECT_LT(device_.longest_queue_s, 0.050);
+}
+
+TEST_F(DeviceQueueTest, FewBandsTestAKernelThatFillsTheDevice) {
+  device_.parallel = 100000;
+  device_.least_elements = 100000;
+  device_.element_s = 1e-9;  // 0.1 ms for any band that does not fill it
+  launch_stoppable(2000, 1000);
+  EXPECT_LE(device_.launches.size(), 8u);
+  expect_cover(device_.launches, 2000, 1000);
+}
+
+TEST_F(DeviceQueueTest, BandsHaveWholeBlocks) {
+  constexpr uint32_t kWidth = 1001;
+  constexpr uint32_t kHeight = 203;
+  device_.elements_of_block = {8, 16};
+  device_.element_s = 3e-6;  // bands begin with parts of rows, and go over to rows
+  for (int i = 0; i < 3; ++i) {
+    device_.launches.clear();
+    launch_stoppable(kWidth, kHeight);
+    expect_cover(device_.launches, kWidth, kHeight);
+    for (const RecordingDevice::Recorded& band : device_.launches) {
+      EXPECT_TRUE(band.window.width() % 8 == 0 || band.window.x1 == kWidth) << band.window.width();
+      EXPECT_TRUE(band.window.height() % 16 == 0 || band.window.y1 == kHeight) << band.window.height();
+    }
+    device_.element_s /= 30;
+  }
+}
+
+TEST_F(DeviceQueueTest, GroupsHaveNoBlocks) {
+  device_.elements_of_block = {8, 16};
+  launch(backend_, "groups", GroupOfThreads{}, 30, 30, stop_.get_token());
+  EXPECT_EQ(device_.launches[0].window.width(), 1u) << "64 threads are more than a first band has";
+  EXPECT_EQ(device_.launches[0].window.height(), 1u);
+  expect_cover(device_.launches, 30, 30);
+}
+
+TEST_F(DeviceQueueTest, LaunchesOfOneKernelHaveTheirOwnTimes) {
+  device_.element_s = 1e-9;
+  for (int i = 0; i < 5; ++i) launch_stoppable(1000, 100);
+  device_.launches.clear();
+  launch(backend_, "other", ElementKernel{}, 1000, 100, stop_.get_token());
+  EXPECT_EQ(device_.launches[0].window.width(), 32u);
 }
 
 TEST_F(DeviceQueueTest, BandsFollowTheTimeOfTheKernel) {
@@ -189,7 +250,7 @@ TEST_F(DeviceQueueTest, ForgetsLaunchesAfterAnError) {
   device_.fails_at = 1;
   EXPECT_THROW(launch(backend_, "bad", ElementKernel{}, 8, 8), Error);
   EXPECT_EQ(device_.queued(), 0u);
-  device_.fails_at = 1000;
+  device_.fails_at = std::numeric_limits<size_t>::max();
   launch(backend_, "next", ElementKernel{}, 100, 1);
   backend_.execute([] {});
   ASSERT_EQ(backend_.times().size(), 2u) << "the launch that failed does not count";
