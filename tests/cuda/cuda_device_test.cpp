@@ -55,6 +55,19 @@ TEST_P(CudaDeviceTest, RunsPassKernelsOnWindowsOfImages) {
   }
 }
 
+TEST_P(CudaDeviceTest, FillsItsBlocksWithElements) {
+  Array<uint32_t> image(device_->memory());
+  for (const Tile& window : {Tile{0, 0, 256, 1}, Tile{0, 0, 1, 256}, Tile{0, 0, 16, 16}}) {
+    const ElementBlock block = device_->block(window);
+    EXPECT_EQ(block.width * block.height, 128u);
+    EXPECT_LE(block.width, window.width());
+    EXPECT_LE(block.height, window.height());
+    image.assign(256, 0);
+    queue(*device_, PositionKernel{image.mutable_view(), window.width()}, window);
+    EXPECT_EQ(image.read()[255], (window.height() - 1) * 1000 + window.width() - 1);
+  }
+}
+
 TEST_P(CudaDeviceTest, RunsGroupKernels) {
   Array<uint32_t> values(device_->memory());
   Array<uint32_t> sums(device_->memory());
@@ -135,13 +148,13 @@ TEST(CudaDevice, DividesWindowsThatAreTallerThanAGrid) {
   const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code());
   constexpr uint32_t kHeight = 65535 * 16 + 5;
   Array<uint32_t> image(device->memory());
-  image.assign(kHeight, 0);
-  queue(*device, PositionKernel{image.mutable_view(), 1}, {0, 0, 1, kHeight});
+  image.assign(2 * kHeight, 0);
+  queue(*device, PositionKernel{image.mutable_view(), 2}, {0, 0, 2, kHeight});
   EXPECT_EQ(StubDriver::calls("cuLaunchKernel"), 2u);
   device->finish();
   EXPECT_EQ(device->take_times().size(), 1u);
   const std::span<const uint32_t> result = image.read();
-  for (uint32_t y = 0; y < kHeight; ++y) ASSERT_EQ(result[y], y * 1000) << y;
+  for (uint32_t y = 0; y < kHeight; ++y) ASSERT_EQ(result[2 * y + 1], y * 1000 + 1) << y;
 }
 
 INSTANTIATE_TEST_SUITE_P(Drivers, CudaDeviceTest,

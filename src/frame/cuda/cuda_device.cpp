@@ -21,14 +21,13 @@ constexpr size_t kSpareBytes = size_t{256} << 20;
 /// Most blocks of a grid in y.
 constexpr uint32_t kMaxGridHeight = 65535;
 
-struct BlockShape {
-  uint32_t width = 1;
-  uint32_t height = 1;
-};
-
 /// The threads of a block, for pass kernels. A warp has 32 consecutive threads: 8 × 4 pixels of an image, whose rays
-/// are similar, or 32 elements of a list.
-BlockShape block_of(const Tile& window) { return window.height() == 1 ? BlockShape{128, 1} : BlockShape{8, 16}; }
+/// are similar, or 32 elements of a list, which is a row or a column.
+ElementBlock block_of(const Tile& window) {
+  if (window.height() == 1) return {128, 1};
+  if (window.width() == 1) return {1, 128};
+  return {8, 16};
+}
 
 uint32_t blocks(uint32_t elements, uint32_t block) { return elements / block + (elements % block > 0 ? 1 : 0); }
 
@@ -60,6 +59,7 @@ class CudaDevice final : public Device {
   uint32_t parallel_threads() const override {
     return static_cast<uint32_t>(std::max(1, gpu_.multiprocessors * gpu_.threads_per_multiprocessor));
   }
+  ElementBlock block(const Tile& window) const override { return block_of(window); }
   void launch(const DeviceLaunch& launch) override;
   void wait(size_t launches) override;
   void finish() override;
@@ -139,7 +139,7 @@ void CudaDevice::copy_argument(const DeviceLaunch& launch, const LaunchSlot& slo
 }
 
 void CudaDevice::run(const DeviceLaunch& launch, const Kernel& kernel) {
-  const BlockShape block = kernel.is_group ? BlockShape{} : block_of(launch.window);
+  const ElementBlock block = kernel.is_group ? ElementBlock{} : block_of(launch.window);
   const uint32_t rows = kMaxGridHeight * block.height;
   Tile part = launch.window;
   for (; part.y0 < launch.window.y1; part.y0 = part.y1) {
