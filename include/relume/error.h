@@ -4,7 +4,6 @@
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "relume/export.h"
 
@@ -33,15 +32,16 @@ class RELUME_API Error : public std::runtime_error {
   ErrorCode code_ = ErrorCode::invalid_input;
 };
 
-/// Thrown where a device has too little memory. `what()` is one sentence as of Error.
+/// Thrown where a device has too little memory. `what()` is one sentence as of Error. Handlers of std::bad_alloc catch
+/// it, so that it has no code.
 class RELUME_API DeviceMemoryError : public std::bad_alloc {
  public:
-  explicit DeviceMemoryError(std::string message) : message_(std::move(message)) {}
+  explicit DeviceMemoryError(const std::string& message) : message_(message) {}
 
-  const char* what() const noexcept override { return message_.c_str(); }
+  const char* what() const noexcept override { return message_.what(); }
 
  private:
-  std::string message_;
+  std::runtime_error message_;  // its copies, which exceptions need, do not throw
 };
 
 }  // namespace relume
