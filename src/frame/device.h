@@ -61,6 +61,9 @@ class Device {
   /// Times that the device took for launches, seconds: one for each launch that has ended since the last call, in their
   /// order. The times of launches before an error are lost.
   virtual std::vector<double> take_times() = 0;
+
+  /// Time that it took to move memory before these launches, in addition to their times, seconds, since the last call.
+  virtual double take_move_time() { return 0; }
 };
 
 }  // namespace relume

@@ -146,6 +146,7 @@ void DeviceQueue::collect_times() {
     add_time_(band.name, seconds);
     learn(*band.estimate, band.threads, seconds);
   }
+  if (const double seconds = device_.take_move_time(); seconds > 0) add_time_("moves", seconds);
 }
 
 void DeviceQueue::finish() {
@@ -162,6 +163,7 @@ void DeviceQueue::discard() noexcept {
   try {
     device_.finish();
     device_.take_times();
+    device_.take_move_time();
   } catch (...) {  // the queue is empty after any error
   }
   bands_.clear();

@@ -18,7 +18,7 @@ namespace relume {
 class DeviceQueue {
  public:
   /// `device` must outlive the queue. `add_time(name, seconds)`: called for each band that has ended, with the name of
-  /// its launch and the time that the device took.
+  /// its launch and the time that the device took; and with "moves" for memory that the device moved.
   DeviceQueue(Device& device, std::function<void(std::string_view name, double seconds)> add_time);
   /// Waits for all launches.
   ~DeviceQueue();

@@ -52,10 +52,18 @@ class RecordingDevice final : public Device {
     longest_queue_s = std::max(longest_queue_s, std::accumulate(queued_.begin(), queued_.end(), 0.0));
   }
   void wait(size_t count) override {
+    fail_in(Step::wait);
     for (; queued_.size() > count; queued_.pop_front()) ended_.push_back(queued_.front());
   }
-  void finish() override { wait(0); }
-  std::vector<double> take_times() override { return std::exchange(ended_, {}); }
+  void finish() override {
+    fail_in(Step::finish);
+    wait(0);
+  }
+  std::vector<double> take_times() override {
+    fail_in(Step::times);
+    return std::exchange(ended_, {});
+  }
+  double take_move_time() override { return std::exchange(move_s, 0); }
   size_t queued() const { return queued_.size(); }
 
   std::vector<Recorded> launches;
@@ -64,9 +72,20 @@ class RecordingDevice final : public Device {
   double element_s = 1e-4;
   uint64_t least_elements = 0;  ///< fewer elements take the same time
   double longest_queue_s = 0;
+  double move_s = 0;
+  enum class Step { none, wait, finish, times };
+  Step fails_in = Step::none;  ///< once
   size_t fails_at = std::numeric_limits<size_t>::max();
 
  private:
+  void fail_in(Step step) {
+    if (fails_in != step) return;
+    fails_in = Step::none;
+    queued_.clear();
+    ended_.clear();
+    throw Error("a launch failed");
+  }
+
   std::deque<double> queued_;
   std::vector<double> ended_;
 };
@@ -256,6 +275,52 @@ TEST_F(DeviceQueueTest, ForgetsLaunchesAfterAnError) {
   ASSERT_EQ(backend_.times().size(), 2u) << "the launch that failed does not count";
   EXPECT_EQ(backend_.times()[1].name, "next");
   EXPECT_NEAR(backend_.times()[1].seconds, 0.01, 1e-9);
+}
+
+TEST_F(DeviceQueueTest, ForgetsLaunchesThatFailInTheQueue) {
+  using Step = RecordingDevice::Step;
+  for (const Step step : {Step::wait, Step::finish, Step::times}) {
+    Backend backend(device_, 2);
+    device_.fails_in = step;
+    EXPECT_THROW(
+        {
+          launch(backend, "lost", ElementKernel{}, 100, 10, stop_.get_token());
+          backend.execute([] {});
+        },
+        Error);
+    EXPECT_EQ(device_.queued(), 0u);
+    launch(backend, "next", ElementKernel{}, 100, 1);
+    backend.execute([] {});
+    for (const LaunchTime& time : backend.times()) {
+      if (time.name != "next") continue;
+      EXPECT_NEAR(time.seconds, 0.01, 1e-9);
+    }
+  }
+}
+
+TEST_F(DeviceQueueTest, ForgetsLaunchesAfterAHookThatThrows) {
+  backend_.on_tile([&] {
+    if (device_.launches.size() == 2) throw Error("hook");
+  });
+  EXPECT_THROW(launch_stoppable(100, 100), Error);
+  EXPECT_EQ(device_.queued(), 0u);
+}
+
+TEST_F(DeviceQueueTest, WaitsForNestedLaunchesThatCanBeStopped) {
+  backend_.run("outer", [&] {
+    launch_stoppable(40, 50);
+    EXPECT_EQ(device_.queued(), 0u);
+  });
+}
+
+TEST_F(DeviceQueueTest, AddsTheTimesOfMoves) {
+  launch(backend_, "elements", ElementKernel{}, 100, 1);
+  device_.move_s = 0.5;
+  backend_.execute([] {});
+  ASSERT_EQ(backend_.times().size(), 2u);
+  EXPECT_NEAR(backend_.times()[0].seconds, 0.01, 1e-9);
+  EXPECT_EQ(backend_.times()[1].name, "moves");
+  EXPECT_EQ(backend_.times()[1].seconds, 0.5);
 }
 
 TEST(DeviceQueue, WaitsWhenTheBackendEnds) {
