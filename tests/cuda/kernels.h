@@ -24,6 +24,13 @@ struct AppendKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t) const { values[x] = values[x] * 31 + digit; }
 };
 
+/// Counts the elements of a window by the last six bits of their positions.
+struct CountKernel {
+  View<uint32_t> counts;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { ++counts[(x + y) % 64]; }
+};
+
 /// Writes its position to each element of an image.
 struct PositionKernel {
   View<uint32_t> image;

@@ -28,9 +28,10 @@ __device__ const Kernel& launched() {
 /// Calls a pass kernel for one element of a window that begins at (x0, y0) and ends before (x1, y1).
 template <typename Kernel>
 __global__ void run(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
-  const uint32_t x = x0 + blockIdx.x * blockDim.x + threadIdx.x;
-  const uint32_t y = y0 + blockIdx.y * blockDim.y + threadIdx.y;
-  if (x < x1 && y < y1) launched<Kernel>()(x, y);
+  // Within the window: positions of threads behind its end may exceed 32 bits.
+  const uint32_t x = blockIdx.x * blockDim.x + threadIdx.x;
+  const uint32_t y = blockIdx.y * blockDim.y + threadIdx.y;
+  if (x < x1 - x0 && y < y1 - y0) launched<Kernel>()(x0 + x, y0 + y);
 }
 
 /// Calls a group kernel for one element, with a block of threads for each. The window begins at (x0, y0).
