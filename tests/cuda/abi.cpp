@@ -22,45 +22,10 @@ requires(sizeof...(As) ==
          sizeof...(Bs)) constexpr bool kSameFunction<A (*)(As...), B (*)(Bs...)> = kSameParameter<A, B> &&
                                                                                    (kSameParameter<As, Bs> && ...);
 
-#define CHECK_FUNCTION(member, symbol) static_assert(kSameFunction<decltype(Driver::member), decltype(&::symbol)>)
-CHECK_FUNCTION(cuGetErrorName, cuGetErrorName);
-CHECK_FUNCTION(cuGetErrorString, cuGetErrorString);
-CHECK_FUNCTION(cuInit, cuInit);
-CHECK_FUNCTION(cuDriverGetVersion, cuDriverGetVersion);
-CHECK_FUNCTION(cuDeviceGetCount, cuDeviceGetCount);
-CHECK_FUNCTION(cuDeviceGet, cuDeviceGet);
-CHECK_FUNCTION(cuDeviceGetName, cuDeviceGetName);
-CHECK_FUNCTION(cuDeviceTotalMem, cuDeviceTotalMem_v2);
-CHECK_FUNCTION(cuDeviceGetAttribute, cuDeviceGetAttribute);
-CHECK_FUNCTION(cuDevicePrimaryCtxRetain, cuDevicePrimaryCtxRetain);
-CHECK_FUNCTION(cuDevicePrimaryCtxRelease, cuDevicePrimaryCtxRelease);
-CHECK_FUNCTION(cuDevicePrimaryCtxRelease, cuDevicePrimaryCtxRelease_v2);
-CHECK_FUNCTION(cuCtxPushCurrent, cuCtxPushCurrent_v2);
-CHECK_FUNCTION(cuCtxPopCurrent, cuCtxPopCurrent_v2);
-CHECK_FUNCTION(cuMemGetInfo, cuMemGetInfo_v2);
-CHECK_FUNCTION(cuMemAllocManaged, cuMemAllocManaged);
-CHECK_FUNCTION(cuMemFree, cuMemFree_v2);
-CHECK_FUNCTION(cuMemHostAlloc, cuMemHostAlloc);
-CHECK_FUNCTION(cuMemFreeHost, cuMemFreeHost);
-CHECK_FUNCTION(cuMemPrefetchAsync, cuMemPrefetchAsync);
-CHECK_FUNCTION(cuMemcpyHtoDAsync, cuMemcpyHtoDAsync_v2);
-CHECK_FUNCTION(cuMemcpyDtoDAsync, cuMemcpyDtoDAsync_v2);
-CHECK_FUNCTION(cuMemsetD8Async, cuMemsetD8Async);
-CHECK_FUNCTION(cuModuleLoadDataEx, cuModuleLoadDataEx);
-CHECK_FUNCTION(cuModuleUnload, cuModuleUnload);
-CHECK_FUNCTION(cuModuleGetFunction, cuModuleGetFunction);
-CHECK_FUNCTION(cuModuleGetGlobal, cuModuleGetGlobal_v2);
-CHECK_FUNCTION(cuFuncGetAttribute, cuFuncGetAttribute);
-CHECK_FUNCTION(cuLaunchKernel, cuLaunchKernel);
-CHECK_FUNCTION(cuStreamCreate, cuStreamCreate);
-CHECK_FUNCTION(cuStreamDestroy, cuStreamDestroy_v2);
-CHECK_FUNCTION(cuStreamSynchronize, cuStreamSynchronize);
-CHECK_FUNCTION(cuEventCreate, cuEventCreate);
-CHECK_FUNCTION(cuEventDestroy, cuEventDestroy_v2);
-CHECK_FUNCTION(cuEventRecord, cuEventRecord);
-CHECK_FUNCTION(cuEventQuery, cuEventQuery);
-CHECK_FUNCTION(cuEventSynchronize, cuEventSynchronize);
-CHECK_FUNCTION(cuEventElapsedTime, cuEventElapsedTime);
+#define CHECK_FUNCTION(member, symbol) static_assert(kSameFunction<decltype(Driver::member), decltype(&::symbol)>);
+RELUME_CUDA_FUNCTIONS(CHECK_FUNCTION)
+CHECK_FUNCTION(cuDevicePrimaryCtxRelease, cuDevicePrimaryCtxRelease)  // of old drivers
+#undef CHECK_FUNCTION
 
 template <typename A, typename B>
 constexpr bool same_value(A a, B b) {
@@ -71,6 +36,7 @@ static_assert(same_value(Result::success, CUDA_SUCCESS));
 static_assert(same_value(Result::invalid_value, CUDA_ERROR_INVALID_VALUE));
 static_assert(same_value(Result::out_of_memory, CUDA_ERROR_OUT_OF_MEMORY));
 static_assert(same_value(Result::stub_library, CUDA_ERROR_STUB_LIBRARY));
+static_assert(same_value(Result::device_unavailable, CUDA_ERROR_DEVICE_UNAVAILABLE));
 static_assert(same_value(Result::no_device, CUDA_ERROR_NO_DEVICE));
 static_assert(same_value(Result::invalid_device, CUDA_ERROR_INVALID_DEVICE));
 static_assert(same_value(Result::no_binary_for_device, CUDA_ERROR_NO_BINARY_FOR_GPU));
@@ -80,6 +46,7 @@ static_assert(same_value(Result::nvlink_uncorrectable, CUDA_ERROR_NVLINK_UNCORRE
 static_assert(same_value(Result::jit_compiler_not_found, CUDA_ERROR_JIT_COMPILER_NOT_FOUND));
 static_assert(same_value(Result::unsupported_ptx_version, CUDA_ERROR_UNSUPPORTED_PTX_VERSION));
 static_assert(same_value(Result::jit_compilation_disabled, CUDA_ERROR_JIT_COMPILATION_DISABLED));
+static_assert(same_value(Result::contained, CUDA_ERROR_CONTAINED));
 static_assert(same_value(Result::not_ready, CUDA_ERROR_NOT_READY));
 static_assert(same_value(Result::illegal_address, CUDA_ERROR_ILLEGAL_ADDRESS));
 static_assert(same_value(Result::launch_out_of_resources, CUDA_ERROR_LAUNCH_OUT_OF_RESOURCES));
@@ -92,9 +59,12 @@ static_assert(same_value(Result::misaligned_address, CUDA_ERROR_MISALIGNED_ADDRE
 static_assert(same_value(Result::invalid_address_space, CUDA_ERROR_INVALID_ADDRESS_SPACE));
 static_assert(same_value(Result::invalid_pc, CUDA_ERROR_INVALID_PC));
 static_assert(same_value(Result::launch_failed, CUDA_ERROR_LAUNCH_FAILED));
+static_assert(same_value(Result::tensor_memory_leak, CUDA_ERROR_TENSOR_MEMORY_LEAK));
 static_assert(same_value(Result::system_not_ready, CUDA_ERROR_SYSTEM_NOT_READY));
 static_assert(same_value(Result::system_driver_mismatch, CUDA_ERROR_SYSTEM_DRIVER_MISMATCH));
 static_assert(same_value(Result::compat_not_supported_on_device, CUDA_ERROR_COMPAT_NOT_SUPPORTED_ON_DEVICE));
+static_assert(same_value(Result::mps_client_terminated, CUDA_ERROR_MPS_CLIENT_TERMINATED));
+static_assert(same_value(Result::external_device, CUDA_ERROR_EXTERNAL_DEVICE));
 static_assert(same_value(Result::unknown, CUDA_ERROR_UNKNOWN));
 
 static_assert(same_value(DeviceAttribute::multiprocessor_count, CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT));
@@ -112,6 +82,7 @@ static_assert(same_value(kComputeModeProhibited, CU_COMPUTEMODE_PROHIBITED));
 static_assert(same_value(kHostDevice, CU_DEVICE_CPU));
 static_assert(same_value(kAttachGlobal, CU_MEM_ATTACH_GLOBAL));
 static_assert(same_value(kStreamNonBlocking, CU_STREAM_NON_BLOCKING));
+static_assert(same_value(kEventBlockingSync, CU_EVENT_BLOCKING_SYNC));
 
 }  // namespace
 }  // namespace relume::cuda

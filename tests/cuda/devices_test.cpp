@@ -62,8 +62,35 @@ TEST(CudaDevices, AreListed) {
   EXPECT_EQ(list.problem, "");
   ASSERT_EQ(list.gpus.size(), 2u);
   EXPECT_EQ(list.gpus[1].name, "Stub GPU 1");
-  StubDriver::configure("devices=0");
-  EXPECT_EQ(list_gpus().problem, "the CUDA driver has found no GPU; check that nvidia-smi lists one");
+}
+
+TEST(CudaDevices, AreListedWithoutOne) {
+  const StubDriver stub("devices=0 version=12040");
+  const GpuList list = list_gpus();
+  EXPECT_EQ(list.driver_version, "12.4");
+  EXPECT_TRUE(list.gpus.empty());
+  const std::string problem =
+      "the CUDA driver finds no GPU; check that nvidia-smi lists one and that CUDA_VISIBLE_DEVICES does not hide it, "
+      "or "
+      "use --device cpu";
+  EXPECT_EQ(list.problem, problem);
+  try {
+    gpu_info(stub.driver(), 0);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), problem);
+  }
+}
+
+TEST(CudaDevices, AreListedWithThoseThatSayNothing) {
+  const StubDriver stub("devices=3 fail=cuDeviceGetName:2:999");
+  const GpuList list = list_gpus();
+  EXPECT_EQ(list.problem, "");
+  ASSERT_EQ(list.gpus.size(), 3u);
+  EXPECT_EQ(list.gpus[0].problem, "");
+  EXPECT_EQ(list.gpus[1].index, 1);
+  EXPECT_NE(list.gpus[1].problem.find("asking GPU 1 for its name failed"), std::string::npos) << list.gpus[1].problem;
+  EXPECT_EQ(list.gpus[2].problem, "");
 }
 
 }  // namespace

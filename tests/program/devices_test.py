@@ -47,7 +47,7 @@ class Devices(ProgramTest):
 
     def test_a_gpu_that_is_named_must_be_usable(self):
         self.assertIn("no CUDA driver", self.refusal(self.damaged_driver(), "", "--device", "cuda"))
-        self.assertIn("no CUDA-capable device", self.refusal(STUB, "devices=0", "--device", "cuda"))
+        self.assertIn("the CUDA driver finds no GPU", self.refusal(STUB, "devices=0", "--device", "cuda"))
         self.assertIn("there is no GPU 3", self.refusal(STUB, "", "--device", "cuda:3"))
         self.assertIn("compute capability is 6.1", self.refusal(STUB, "capability=61", "--device", "cuda:0"))
         self.assertIn("--device is 'gpu'", self.refusal(STUB, "", "--device", "gpu"))

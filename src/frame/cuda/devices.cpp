@@ -32,16 +32,35 @@ std::string problem_of(const Driver& driver, DeviceNumber device, const GpuInfo&
   return "";
 }
 
+constexpr const char* kNoGpu =
+    "the CUDA driver finds no GPU; check that nvidia-smi lists one and that CUDA_VISIBLE_DEVICES does not hide it, or "
+    "use --device cpu";
+
 int gpu_count(const Driver& driver) {
+  if (!start(driver)) return 0;
   int count = 0;
   check(driver, driver.cuDeviceGetCount(&count), "counting the GPUs");
   return count;
+}
+
+/// As gpu_info(), with an error as the problem of the GPU.
+GpuInfo info_or_problem(const Driver& driver, int index) {
+  try {
+    return gpu_info(driver, index);
+  } catch (const Error& error) {
+    GpuInfo unknown;
+    unknown.index = index;
+    unknown.name = "unknown GPU";
+    unknown.problem = error.what();
+    return unknown;
+  }
 }
 
 }  // namespace
 
 GpuInfo gpu_info(const Driver& driver, int index) {
   const int count = gpu_count(driver);
+  if (count == 0) throw Error(ErrorCode::device, kNoGpu);
   if (index < 0 || index >= count) {
     throw Error(ErrorCode::device, fmt::format("there is no GPU {}: the driver has {} (relume devices lists them); use "
                                                "--device cuda:N with a smaller N, or --device cpu",
@@ -74,8 +93,8 @@ GpuList list_gpus() {
     check(found, found.cuDriverGetVersion(&version), "asking for the driver's version");
     list.driver_version = version_text(version);
     const int count = gpu_count(found);
-    for (int i = 0; i < count; ++i) list.gpus.push_back(gpu_info(found, i));
-    if (count == 0) list.problem = "the CUDA driver has found no GPU; check that nvidia-smi lists one";
+    for (int i = 0; i < count; ++i) list.gpus.push_back(info_or_problem(found, i));
+    if (count == 0) list.problem = kNoGpu;
   } catch (const Error& error) {
     list.problem = error.what();
   }

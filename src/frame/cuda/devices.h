@@ -19,7 +19,7 @@ struct GpuInfo {
   int multiprocessors = 0;
   int threads_per_multiprocessor = 0;  ///< that it executes at the same time
   bool concurrent_access = false;      ///< whether host and kernels may access managed memory at the same time
-  std::string problem;                 ///< why relume cannot use it, and what to do; empty if it can
+  std::string problem;                 ///< why relume cannot use it, and the remedy; empty if it can
 };
 
 /// Describes a GPU. Throws Error if there is none with this index, with the number of GPUs.
@@ -28,11 +28,11 @@ GpuInfo gpu_info(const Driver& driver, int index);
 /// The driver and its GPUs.
 struct GpuList {
   std::string driver_version;  ///< of CUDA, such as "12.4"; empty without a driver
-  std::string problem;         ///< why there is no GPU, and what to do; empty if there is one
+  std::string problem;         ///< why the list is empty, and the remedy; empty if it has a GPU
   std::vector<GpuInfo> gpus;
 };
 
-/// Lists the GPUs of the system.
+/// Lists the GPUs of the system. A GPU about which the driver says nothing has a problem.
 GpuList list_gpus();
 
 }  // namespace relume::cuda

@@ -2,8 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <optional>
-
 #include <fmt/format.h>
 
 #include "relume/error.h"
@@ -27,9 +25,10 @@ class Finder {
   explicit Finder(void* library) : library_(library) {}
 
   template <typename Function>
-  void operator()(const char* symbol, Function*& function, const char* older = nullptr) const {
-    void* found = ::dlsym(library_, symbol);
-    if (!found && older) found = ::dlsym(library_, older);
+  void operator()(std::string_view symbol, Function*& function) const {
+    void* found = ::dlsym(library_, symbol.data());
+    // Drivers before CUDA 11.0 have it under its first name.
+    if (!found && symbol == "cuDevicePrimaryCtxRelease_v2") found = ::dlsym(library_, "cuDevicePrimaryCtxRelease");
     if (!found) {
       throw Error(ErrorCode::device, fmt::format("the CUDA driver has no function {}; install a driver for "
                                                  "CUDA {} or later, or use --device cpu",
@@ -54,20 +53,6 @@ void check_version(void* library) {
                           version_text(version), version_text(kMinDriverVersion)));
 }
 
-/// The system's driver, or the reason why there is none.
-struct Loaded {
-  std::optional<Driver> driver;
-  std::string problem;
-};
-
-Loaded load() {
-  try {
-    return {load_driver(kLibrary), ""};
-  } catch (const Error& error) {
-    return {std::nullopt, error.what()};
-  }
-}
-
 }  // namespace
 
 Driver load_driver(const std::string& library) {
@@ -75,14 +60,19 @@ Driver load_driver(const std::string& library) {
   check_version(handle);
   Driver driver;
   driver.for_each_function(Finder{handle});
-  check(driver, driver.cuInit(0), "starting the CUDA driver");
   return driver;
 }
 
 const Driver& driver() {
-  static const Loaded loaded = load();
-  if (!loaded.driver) throw Error(ErrorCode::device, loaded.problem);
-  return *loaded.driver;
+  static const Driver loaded = load_driver(kLibrary);  // tried again after an error
+  return loaded;
+}
+
+bool start(const Driver& driver) {
+  const Result result = driver.cuInit(0);
+  if (result == Result::no_device) return false;
+  check(driver, result, "starting the CUDA driver");
+  return true;
 }
 
 std::string describe(const Driver& driver, Result result) {
@@ -98,8 +88,7 @@ std::string_view remedy(Result result) {
   switch (result) {
     case Result::out_of_memory:
     case Result::launch_out_of_resources: return "use a smaller image or scene, or end other programs that use the GPU";
-    case Result::no_device:
-      return "check that nvidia-smi lists a GPU and that CUDA_VISIBLE_DEVICES does not hide it, or use --device cpu";
+    case Result::device_unavailable: return "end the program that uses the GPU exclusively, or use --device cpu";
     case Result::stub_library:
       return "remove the CUDA toolkit's stubs from LD_LIBRARY_PATH, so that the driver is found";
     case Result::invalid_ptx:

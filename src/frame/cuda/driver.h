@@ -15,6 +15,7 @@ enum class Result : int {
   invalid_value = 1,
   out_of_memory = 2,
   stub_library = 34,
+  device_unavailable = 46,
   no_device = 100,
   invalid_device = 101,
   no_binary_for_device = 209,
@@ -24,6 +25,7 @@ enum class Result : int {
   jit_compiler_not_found = 221,
   unsupported_ptx_version = 222,
   jit_compilation_disabled = 223,
+  contained = 226,
   not_ready = 600,
   illegal_address = 700,
   launch_out_of_resources = 701,
@@ -36,9 +38,12 @@ enum class Result : int {
   invalid_address_space = 717,
   invalid_pc = 718,
   launch_failed = 719,
+  tensor_memory_leak = 721,
   system_not_ready = 802,
   system_driver_mismatch = 803,
   compat_not_supported_on_device = 804,
+  mps_client_terminated = 810,
+  external_device = 911,
   unknown = 999,
 };
 
@@ -72,6 +77,8 @@ inline constexpr int kHostDevice = -1;
 inline constexpr unsigned kAttachGlobal = 1;
 /// A stream that does not wait for the default stream (CU_STREAM_NON_BLOCKING).
 inline constexpr unsigned kStreamNonBlocking = 1;
+/// An event on which the host waits without occupying a core (CU_EVENT_BLOCKING_SYNC).
+inline constexpr unsigned kEventBlockingSync = 1;
 
 // Objects of the driver.
 using DeviceNumber = int;
@@ -140,23 +147,25 @@ struct Driver {
   Result (*cuEventSynchronize)(Event event) = nullptr;
   Result (*cuEventElapsedTime)(float* milliseconds, Event begin, Event end) = nullptr;
 
-  /// Calls f(symbol, function) for each function, with its name in the library. Those that older drivers have under
-  /// another name come with that name, too: f(symbol, function, older).
+  /// Calls f(symbol, function) for each function, with its name in the library.
   template <typename F>
   void for_each_function(const F& f);
 };
 
-/// The driver of the system, loaded and initialised on the first call. Throws Error if it is missing, too old or cannot
-/// be used, the same at each call. Thread-safe.
+/// The driver of the system, loaded on the first call that finds it. Throws Error if it is missing or too old.
+/// Thread-safe.
 const Driver& driver();
 
-/// Loads and initialises a driver from a library, which stays loaded. Throws Error.
+/// Loads a driver from a library, which stays loaded. Throws Error.
 Driver load_driver(const std::string& library);
+
+/// Initialises a driver, if it is not yet. Returns false if it finds no GPU. Throws Error if it cannot be used.
+bool start(const Driver& driver);
 
 /// "CUDA_ERROR_OUT_OF_MEMORY (out of memory)".
 std::string describe(const Driver& driver, Result result);
 
-/// What the user can do about an error, as the end of a sentence: "install …".
+/// An action of the user against an error, as the end of a sentence: "install …".
 std::string_view remedy(Result result);
 
 /// Throws Error unless `result` is success: "`action` failed: NAME (text); remedy".
@@ -165,45 +174,51 @@ void check(const Driver& driver, Result result, std::string_view action);
 /// A version of the driver's interface, such as "12.4" for 12040.
 std::string version_text(int version);
 
+/// X(member, symbol) for each function: its member of Driver, and its name in the library.
+#define RELUME_CUDA_FUNCTIONS(X)                             \
+  X(cuGetErrorName, cuGetErrorName)                          \
+  X(cuGetErrorString, cuGetErrorString)                      \
+  X(cuInit, cuInit)                                          \
+  X(cuDriverGetVersion, cuDriverGetVersion)                  \
+  X(cuDeviceGetCount, cuDeviceGetCount)                      \
+  X(cuDeviceGet, cuDeviceGet)                                \
+  X(cuDeviceGetName, cuDeviceGetName)                        \
+  X(cuDeviceTotalMem, cuDeviceTotalMem_v2)                   \
+  X(cuDeviceGetAttribute, cuDeviceGetAttribute)              \
+  X(cuDevicePrimaryCtxRetain, cuDevicePrimaryCtxRetain)      \
+  X(cuDevicePrimaryCtxRelease, cuDevicePrimaryCtxRelease_v2) \
+  X(cuCtxPushCurrent, cuCtxPushCurrent_v2)                   \
+  X(cuCtxPopCurrent, cuCtxPopCurrent_v2)                     \
+  X(cuMemGetInfo, cuMemGetInfo_v2)                           \
+  X(cuMemAllocManaged, cuMemAllocManaged)                    \
+  X(cuMemFree, cuMemFree_v2)                                 \
+  X(cuMemHostAlloc, cuMemHostAlloc)                          \
+  X(cuMemFreeHost, cuMemFreeHost)                            \
+  X(cuMemPrefetchAsync, cuMemPrefetchAsync)                  \
+  X(cuMemcpyHtoDAsync, cuMemcpyHtoDAsync_v2)                 \
+  X(cuMemcpyDtoDAsync, cuMemcpyDtoDAsync_v2)                 \
+  X(cuMemsetD8Async, cuMemsetD8Async)                        \
+  X(cuModuleLoadDataEx, cuModuleLoadDataEx)                  \
+  X(cuModuleUnload, cuModuleUnload)                          \
+  X(cuModuleGetFunction, cuModuleGetFunction)                \
+  X(cuModuleGetGlobal, cuModuleGetGlobal_v2)                 \
+  X(cuFuncGetAttribute, cuFuncGetAttribute)                  \
+  X(cuLaunchKernel, cuLaunchKernel)                          \
+  X(cuStreamCreate, cuStreamCreate)                          \
+  X(cuStreamDestroy, cuStreamDestroy_v2)                     \
+  X(cuStreamSynchronize, cuStreamSynchronize)                \
+  X(cuEventCreate, cuEventCreate)                            \
+  X(cuEventDestroy, cuEventDestroy_v2)                       \
+  X(cuEventRecord, cuEventRecord)                            \
+  X(cuEventQuery, cuEventQuery)                              \
+  X(cuEventSynchronize, cuEventSynchronize)                  \
+  X(cuEventElapsedTime, cuEventElapsedTime)
+
 template <typename F>
 void Driver::for_each_function(const F& f) {
-  f("cuGetErrorName", cuGetErrorName);
-  f("cuGetErrorString", cuGetErrorString);
-  f("cuInit", cuInit);
-  f("cuDriverGetVersion", cuDriverGetVersion);
-  f("cuDeviceGetCount", cuDeviceGetCount);
-  f("cuDeviceGet", cuDeviceGet);
-  f("cuDeviceGetName", cuDeviceGetName);
-  f("cuDeviceTotalMem_v2", cuDeviceTotalMem);
-  f("cuDeviceGetAttribute", cuDeviceGetAttribute);
-  f("cuDevicePrimaryCtxRetain", cuDevicePrimaryCtxRetain);
-  f("cuDevicePrimaryCtxRelease_v2", cuDevicePrimaryCtxRelease, "cuDevicePrimaryCtxRelease");  // before 11.0
-  f("cuCtxPushCurrent_v2", cuCtxPushCurrent);
-  f("cuCtxPopCurrent_v2", cuCtxPopCurrent);
-  f("cuMemGetInfo_v2", cuMemGetInfo);
-  f("cuMemAllocManaged", cuMemAllocManaged);
-  f("cuMemFree_v2", cuMemFree);
-  f("cuMemHostAlloc", cuMemHostAlloc);
-  f("cuMemFreeHost", cuMemFreeHost);
-  f("cuMemPrefetchAsync", cuMemPrefetchAsync);
-  f("cuMemcpyHtoDAsync_v2", cuMemcpyHtoDAsync);
-  f("cuMemcpyDtoDAsync_v2", cuMemcpyDtoDAsync);
-  f("cuMemsetD8Async", cuMemsetD8Async);
-  f("cuModuleLoadDataEx", cuModuleLoadDataEx);
-  f("cuModuleUnload", cuModuleUnload);
-  f("cuModuleGetFunction", cuModuleGetFunction);
-  f("cuModuleGetGlobal_v2", cuModuleGetGlobal);
-  f("cuFuncGetAttribute", cuFuncGetAttribute);
-  f("cuLaunchKernel", cuLaunchKernel);
-  f("cuStreamCreate", cuStreamCreate);
-  f("cuStreamDestroy_v2", cuStreamDestroy);
-  f("cuStreamSynchronize", cuStreamSynchronize);
-  f("cuEventCreate", cuEventCreate);
-  f("cuEventDestroy_v2", cuEventDestroy);
-  f("cuEventRecord", cuEventRecord);
-  f("cuEventQuery", cuEventQuery);
-  f("cuEventSynchronize", cuEventSynchronize);
-  f("cuEventElapsedTime", cuEventElapsedTime);
+#define RELUME_VISIT(member, symbol) f(#symbol, member);
+  RELUME_CUDA_FUNCTIONS(RELUME_VISIT)
+#undef RELUME_VISIT
 }
 
 }  // namespace relume::cuda
