@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 
@@ -55,6 +56,95 @@ TEST_F(CudaBackendTest, DividesLaunchesThatCanBeStopped) {
   EXPECT_GT(backend.times().front().seconds, 0);
   source.request_stop();
   EXPECT_FALSE(launch(backend, "draw", kernel, kWidth, kHeight, source.get_token()));
+}
+
+TEST_F(CudaBackendTest, StopsBetweenBandsAndDrains) {
+  constexpr uint32_t kElements = 100000;
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(kElements, 0);
+  std::stop_source source;
+  int bands = 0;
+  backend.on_tile([&] {
+    if (++bands == 3) source.request_stop();
+  });
+  const AddKernel kernel{1, values.mutable_view()};
+  EXPECT_FALSE(launch(backend, "add", kernel, kElements, 1, source.get_token()));
+  const size_t launched = StubDriver::calls("cuLaunchKernel");
+  EXPECT_EQ(launched, 2u);
+  backend.on_tile({});
+  EXPECT_EQ(values.read()[0], 1u) << "the bands before the stop are executed";
+  EXPECT_EQ(values.read()[kElements - 1], 0u);
+  EXPECT_TRUE(launch(backend, "add", kernel, kElements, 1));
+  EXPECT_EQ(values.read()[0], 2u);
+  EXPECT_EQ(values.read()[kElements - 1], 1u);
+}
+
+TEST_F(CudaBackendTest, FinishesNestedLaunches) {
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(500, 0);
+  std::stop_source source;
+  backend.run("outer", [&] {
+    EXPECT_TRUE(launch(backend, "inner", AddKernel{1, values.mutable_view()}, 500, 1, source.get_token()));
+    EXPECT_EQ(values.view()[499], 1u) << "host code may read the results";
+  });
+}
+
+TEST_F(CudaBackendTest, DrainsAfterAHookThatThrows) {
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(5000, 0);
+  int bands = 0;
+  backend.on_tile([&] {
+    if (++bands == 2) throw std::runtime_error("hook");
+  });
+  std::stop_source source;
+  const AddKernel kernel{1, values.mutable_view()};
+  EXPECT_THROW(launch(backend, "add", kernel, 5000, 1, source.get_token()), std::runtime_error);
+  backend.on_tile({});
+  EXPECT_TRUE(launch(backend, "next", kernel, 5000, 1));
+  EXPECT_EQ(values.read()[0], 2u);
+  EXPECT_EQ(values.read()[4999], 1u);
+}
+
+TEST_F(CudaBackendTest, GivesTimesToTheirLaunchesAfterAnError) {
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(1000, 0);
+  const AddKernel kernel{1, values.mutable_view()};
+  StubDriver::configure("fail=cuLaunchKernel:2:701");
+  EXPECT_TRUE(launch(backend, "first", kernel, 1000, 1));
+  EXPECT_THROW(launch(backend, "second", kernel, 1000, 1), Error);
+  EXPECT_TRUE(launch(backend, "third", kernel, 128, 1));
+  backend.run("host", [] {});
+  for (const LaunchTime& time : backend.times()) {
+    if (time.name != "third") continue;
+    EXPECT_NEAR(time.seconds, 128e-6, 1e-8);
+  }
+  EXPECT_EQ(values.read()[0], 2u);
+}
+
+TEST_F(CudaBackendTest, ReportsADeviceThatFailsInABand) {
+  for (int band = 1; band <= 4; ++band) {
+    device_.reset();
+    StubDriver::configure("lose=" + std::to_string(band));
+    device_ = open_device(stub_.driver(), testing::test_device_code());
+    Backend backend(*device_, 1);
+    Array<uint32_t> values(backend.memory());
+    values.assign(100000, 0);
+    std::stop_source source;
+    try {
+      launch(backend, "add", AddKernel{1, values.mutable_view()}, 100000, 1, source.get_token());
+      backend.run("host", [] {});
+      ADD_FAILURE() << band;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::device);
+      EXPECT_NE(std::string(error.what()).find("failed in or after the launch of 'add'"), std::string::npos)
+          << error.what();
+    }
+    EXPECT_THROW(values.read(), Error);
+  }
 }
 
 TEST_F(CudaBackendTest, ReportsADeviceThatFails) {

@@ -19,6 +19,7 @@ namespace {
 
 using testing::AddKernel;
 using testing::AppendKernel;
+using testing::CountKernel;
 using testing::PositionKernel;
 using testing::queue;
 using testing::RowSumKernel;
@@ -64,6 +65,8 @@ TEST_P(CudaDeviceTest, FillsItsBlocksWithElements) {
     EXPECT_LE(block.height, window.height());
     image.assign(256, 0);
     queue(*device_, PositionKernel{image.mutable_view(), window.width()}, window);
+    device_->finish();
+    EXPECT_NEAR(device_->take_times().at(0), 256e-6, 1e-7) << "two blocks of 128 threads";
     EXPECT_EQ(image.read()[255], (window.height() - 1) * 1000 + window.width() - 1);
   }
 }
@@ -115,8 +118,10 @@ TEST_P(CudaDeviceTest, TimesLaunchesInOrder) {
   device_->finish();
   for (const double time : device_->take_times()) times.push_back(time);
   ASSERT_EQ(times.size(), 3u);
-  EXPECT_GT(times[1], times[0]);
-  EXPECT_GT(times[1], times[2]);
+  // The stub takes 1 µs for each thread, of 128 in a block.
+  EXPECT_NEAR(times[0], 128e-6, 1e-7);
+  EXPECT_NEAR(times[1], 157 * 128e-6, 1e-7);
+  EXPECT_NEAR(times[2], 128e-6, 1e-7);
   EXPECT_TRUE(device_->take_times().empty());
 }
 
@@ -135,6 +140,7 @@ TEST_P(CudaDeviceTest, FreesAllObjects) {
     values.assign(100, 0);
     queue(*device_, AddKernel{1, values.mutable_view()}, {0, 0, 100, 1});
   }
+  device_->finish();
   EXPECT_EQ(StubDriver::objects("managed"), 0u);
   device_.reset();
   EXPECT_EQ(StubDriver::objects("contexts"), 0u);
@@ -142,6 +148,29 @@ TEST_P(CudaDeviceTest, FreesAllObjects) {
 }
 
 TEST_P(CudaDeviceTest, StatesItsThreads) { EXPECT_EQ(device_->parallel_threads(), 256u); }
+
+TEST_P(CudaDeviceTest, RunsEachElementOfTheLastWindowOnce) {
+  Array<uint32_t> counts(device_->memory());
+  counts.assign(64, 0);
+  constexpr uint32_t kFirst = 0xffffffc0;
+  const CountKernel kernel{counts.mutable_view()};
+  queue(*device_, kernel, {kFirst, 0, kFirst + 63, 1});
+  queue(*device_, kernel, {0, kFirst, 1, kFirst + 63});
+  const std::span<const uint32_t> result = counts.read();
+  for (uint32_t i = 0; i < 64; ++i) EXPECT_EQ(result[i], i < 63 ? 2u : 0u) << i;
+}
+
+TEST_P(CudaDeviceTest, TimesMovesOfMemory) {
+  Array<uint32_t> large(device_->memory());
+  large.assign(100000, 0);
+  const AddKernel kernel{1, large.mutable_view()};
+  for (int i = 0; i < 2; ++i) queue(*device_, kernel, {0, 0, 100, 1});
+  device_->finish();
+  EXPECT_EQ(device_->take_times().size(), 2u);
+  const bool moves = GetParam().find("concurrent=0") == std::string::npos;
+  EXPECT_NEAR(device_->take_move_time(), moves ? 4e-5 : 0, 1e-9) << "the stub takes 0.1 ns for a byte";
+  EXPECT_EQ(device_->take_move_time(), 0);
+}
 
 TEST(CudaDevice, DividesWindowsThatAreTallerThanAGrid) {
   const StubDriver stub;

@@ -2,6 +2,7 @@
 // every step of opening a device.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -35,9 +36,11 @@ std::string error_of(const std::function<void()>& action) {
   return "no error";
 }
 
-constexpr const char* kLost =
-    "Stub GPU 0 (cuda:0) failed after the launch of 'third': CUDA_ERROR_LAUNCH_FAILED (unspecified launch failure); "
-    "start relume again, or use --device cpu";
+/// The sentence after the loss of a device, if `launch` is the first that may not have ended.
+std::string lost_in(const std::string& launch) {
+  return "Stub GPU 0 (cuda:0) failed in or after the launch of '" + launch +
+         "': CUDA_ERROR_LAUNCH_FAILED (unspecified launch failure); start relume again, or use --device cpu";
+}
 
 /// A device that has failed in the second of three launches.
 class LostCudaDeviceTest : public ::testing::Test {
@@ -55,43 +58,56 @@ class LostCudaDeviceTest : public ::testing::Test {
 };
 
 TEST_F(LostCudaDeviceTest, FailsForever) {
-  EXPECT_EQ(error_of([&] { device_->finish(); }), kLost);
-  EXPECT_EQ(error_of([&] { device_->finish(); }), kLost);
-  EXPECT_EQ(error_of([&] { device_->wait(0); }), kLost);
-  EXPECT_EQ(error_of([&] { device_->take_times(); }), kLost);
-  EXPECT_EQ(error_of([&] { queue(*device_, AddKernel{1, values_.mutable_view()}, {0, 0, 16, 1}); }), kLost);
+  const std::string lost = lost_in("first");
+  EXPECT_EQ(error_of([&] { device_->finish(); }), lost);
+  EXPECT_EQ(error_of([&] { device_->finish(); }), lost);
+  EXPECT_EQ(error_of([&] { device_->wait(0); }), lost);
+  EXPECT_EQ(error_of([&] { device_->take_times(); }), lost);
+  EXPECT_EQ(error_of([&] { queue(*device_, AddKernel{1, values_.mutable_view()}, {0, 0, 16, 1}); }), lost);
 }
 
 TEST_F(LostCudaDeviceTest, IsNoticedByTheMemory) {
-  EXPECT_EQ(error_of([&] { values_.read(); }), kLost);
-  EXPECT_EQ(error_of([&] { values_.write(); }), kLost);
-  EXPECT_EQ(error_of([&] { Array<uint32_t>(device_->memory()).assign(5, 1); }), kLost);
+  const std::string lost = lost_in("first");
+  EXPECT_EQ(error_of([&] { values_.read(); }), lost);
+  EXPECT_EQ(error_of([&] { values_.write(); }), lost);
+  EXPECT_EQ(error_of([&] { values_.permit_reading(); }), lost);
+  EXPECT_EQ(error_of([&] { device_->memory().zero(values_.mutable_view().data, 4); }), lost);
+  EXPECT_EQ(error_of([&] { Array<uint32_t>(device_->memory()).assign(5, 1); }), lost);
 }
 
 TEST_F(LostCudaDeviceTest, IsNoticedByTimes) {
   EXPECT_EQ(error_of([&] {
               for (int i = 0; i < 100; ++i) device_->take_times();
             }),
-            kLost);
+            lost_in("second"))
+      << "the first launch is known to have ended";
 }
 
-TEST_F(LostCudaDeviceTest, CanBeOpenedAgain) {
+TEST_F(LostCudaDeviceTest, EndsTheProcess) {
   EXPECT_THROW(device_->finish(), Error);
   values_ = Array<uint32_t>();
   device_.reset();
   EXPECT_EQ(StubDriver::objects("contexts"), 0u);
-  const std::unique_ptr<Device> again = open(stub_);
-  Array<uint32_t> values(again->memory());
-  values.assign(1, 0);
-  queue(*again, AddKernel{1, values.mutable_view()}, {0, 0, 1, 1});
-  EXPECT_EQ(values.read()[0], 1u);
+  EXPECT_EQ(error_of([&] { open(stub_); }),
+            "Stub GPU 0 (cuda:0) failed: CUDA_ERROR_LAUNCH_FAILED (unspecified launch failure); start relume again, or "
+            "use --device cpu")
+      << "the driver returns the error until the process ends";
+}
+
+TEST(CudaFailure, IsAnErrorThatIsContained) {
+  const StubDriver stub("fail=cuEventSynchronize:1:226");
+  const std::unique_ptr<Device> device = open(stub);
+  queue(*device, TrapKernel{}, {0, 0, 1, 1}, "draw");
+  const std::string first = error_of([&] { device->finish(); });
+  EXPECT_NE(first.find("failed in or after the launch of 'draw': CUDA_ERROR_CONTAINED"), std::string::npos) << first;
+  EXPECT_EQ(error_of([&] { device->memory().allocate(5, 1); }), first);
 }
 
 TEST(CudaFailure, IsATrapOfAKernel) {
   const StubDriver stub;
   const std::unique_ptr<Device> device = open(stub);
   queue(*device, TrapKernel{}, {0, 0, 1, 1}, "trap");
-  EXPECT_NE(error_of([&] { device->finish(); }).find("failed after the launch of 'trap'"), std::string::npos);
+  EXPECT_NE(error_of([&] { device->finish(); }).find("failed in or after the launch of 'trap'"), std::string::npos);
 }
 
 TEST(CudaFailure, OfALaunchIsSurvived) {
@@ -153,26 +169,69 @@ TEST(CudaFailure, IsAKernelThatTheCodeLacks) {
   EXPECT_NE(launch({"test", kernel_type_name<AddKernel>(), 0, large, window}).find("5000"), std::string::npos);
 }
 
-/// A call that fails while a device is opened: function, number of the call, result.
-class OpeningCudaDeviceTest : public ::testing::TestWithParam<std::string> {};
+/// A call that fails while a device is opened.
+struct FailingCall {
+  const char* call;   ///< function, number of the call, result
+  const char* parts;  ///< of the sentence: action, and remedy after "…"
+};
+
+class OpeningCudaDeviceTest : public ::testing::TestWithParam<FailingCall> {};
 
 TEST_P(OpeningCudaDeviceTest, FailsWithoutLeaks) {
   const StubDriver stub;
-  StubDriver::configure("fail=" + GetParam());
-  EXPECT_NE(error_of([&] { open(stub); }), "no error");
+  StubDriver::configure(std::string("fail=") + GetParam().call);
+  std::string sentence;
+  try {
+    open(stub);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::device);
+    sentence = error.what();
+  } catch (const DeviceMemoryError& error) {
+    EXPECT_NE(std::string(GetParam().call).find(":2"), std::string::npos) << "out of memory";
+    sentence = error.what();
+  }
+  const std::string parts = GetParam().parts;
+  const size_t end = parts.find("…");
+  EXPECT_NE(sentence.find(parts.substr(0, end) + " failed: CUDA_ERROR_"), std::string::npos) << sentence;
+  EXPECT_TRUE(sentence.ends_with("; " + parts.substr(end + std::string("…").size()))) << sentence;
   EXPECT_EQ(StubDriver::objects("contexts"), 0u);
   EXPECT_EQ(StubDriver::objects("leaked"), 0u);
   EXPECT_NO_THROW(open(stub));
 }
 
-INSTANTIATE_TEST_SUITE_P(Steps, OpeningCudaDeviceTest,
-                         ::testing::Values("cuDeviceGetCount:1:999", "cuDeviceGet:1:101", "cuDeviceGetName:1:1",
-                                           "cuDeviceTotalMem_v2:1:1", "cuDeviceGetAttribute:3:1",
-                                           "cuDevicePrimaryCtxRetain:1:2", "cuCtxPushCurrent_v2:1:201",
-                                           "cuStreamCreate:1:2", "cuModuleLoadDataEx:1:2", "cuModuleGetFunction:2:500",
-                                           "cuFuncGetAttribute:1:1", "cuModuleGetGlobal_v2:1:500", "cuMemHostAlloc:1:2",
-                                           "cuEventCreate:7:2", "cuMemGetInfo_v2:1:1"),
-                         [](const auto& tested) { return tested.param.substr(0, tested.param.find(':')); });
+#define AGAIN "…start relume again, or use --device cpu"
+#define LESS "…use a smaller image or scene, or end other programs that use the GPU"
+INSTANTIATE_TEST_SUITE_P(
+    Steps, OpeningCudaDeviceTest,
+    ::testing::Values(
+        FailingCall{"cuInit:1:803",
+                    "starting the CUDA driver…restart the machine, so that the driver's library and kernel module have "
+                    "one version"},
+        FailingCall{"cuDeviceGetCount:1:999",
+                    "counting the GPUs…check that nvidia-smi works and that the kernel module nvidia_uvm is loaded"},
+        FailingCall{"cuDeviceGet:1:101", "opening GPU 0" AGAIN},
+        FailingCall{"cuDeviceGetName:1:1", "asking GPU 0 for its name" AGAIN},
+        FailingCall{"cuDeviceTotalMem_v2:1:1", "asking for the memory of Stub GPU 0" AGAIN},
+        FailingCall{"cuDeviceGetAttribute:3:1", "asking a GPU for its attribute 16" AGAIN},
+        FailingCall{"cuDevicePrimaryCtxRetain:1:46",
+                    "starting Stub GPU 0 (cuda:0)…end the program that uses the GPU exclusively, or use --device cpu"},
+        FailingCall{"cuCtxPushCurrent_v2:1:201", "using Stub GPU 0 (cuda:0)" AGAIN},
+        FailingCall{"cuStreamCreate:1:2", "creating a queue" LESS},
+        FailingCall{"cuModuleLoadDataEx:1:2", "compiling the kernels" LESS},
+        FailingCall{"cuModuleGetFunction:2:500", "AppendKernel" AGAIN},
+        FailingCall{"cuFuncGetAttribute:1:1", "AddKernel" AGAIN},
+        FailingCall{"cuModuleGetGlobal_v2:1:500", "finding the constant 'relume_kernel'" AGAIN},
+        FailingCall{"cuMemHostAlloc:1:2", "allocating page-locked memory" LESS},
+        FailingCall{"cuEventCreate:1:2", "creating an event" LESS},
+        FailingCall{"cuEventCreate:7:2", "creating an event" LESS},
+        FailingCall{"cuMemGetInfo_v2:1:1", "asking for the free memory" AGAIN}),
+    [](const auto& tested) {
+      std::string name = tested.param.call;
+      std::replace(name.begin(), name.end(), ':', '_');
+      return name;
+    });
+#undef AGAIN
+#undef LESS
 
 }  // namespace
 }  // namespace relume::cuda

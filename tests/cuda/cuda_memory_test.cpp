@@ -5,6 +5,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <type_traits>
 
 #include "core/array.h"
 #include "frame/cuda/cuda_device.h"
@@ -27,6 +28,8 @@ constexpr uint32_t kLarge = 100000;  ///< elements of a block that is moved as a
 std::unique_ptr<Device> open(const StubDriver& stub, size_t memory_bytes = 0) {
   return open_device(stub.driver(), testing::test_device_code(), {0, memory_bytes});
 }
+
+static_assert(std::is_nothrow_copy_constructible_v<DeviceMemoryError>, "a copy must not throw during a throw");
 
 /// The sentence of the DeviceMemoryError of an allocation.
 std::string refusal(Memory& memory, size_t bytes, size_t alignment = 16) {
@@ -52,6 +55,53 @@ TEST(CudaMemory, IsLimited) {
   EXPECT_EQ(refusal(memory, 4 * kMiB), "no error");
   memory.deallocate(block, 6 * kMiB, 16);
   EXPECT_EQ(refusal(memory, 10 * kMiB), "no error");
+}
+
+TEST(CudaMemory, IsSharedByTheDevicesOfAGpu) {
+  const StubDriver stub("memory=356 devices=2");  // 256 MiB are spare
+  const std::unique_ptr<Device> first = open(stub);
+  const std::unique_ptr<Device> second = open(stub);
+  const std::unique_ptr<Device> other = open_device(stub.driver(), testing::test_device_code(), {.index = 1});
+  void* const block = first->memory().allocate(60 * kMiB, 16);
+  EXPECT_NE(refusal(second->memory(), 50 * kMiB).find("no room for 50.0 MiB: 60.0 MiB of 100.0 MiB"),
+            std::string::npos);
+  EXPECT_EQ(refusal(second->memory(), 40 * kMiB), "no error");
+  EXPECT_EQ(refusal(other->memory(), 100 * kMiB), "no error") << "another GPU";
+  first->memory().deallocate(block, 60 * kMiB, 16);
+  EXPECT_EQ(refusal(second->memory(), 100 * kMiB), "no error");
+}
+
+TEST(CudaMemory, IsNotSharedWithoutConcurrentAccess) {
+  const StubDriver stub("concurrent=0 devices=2");
+  std::unique_ptr<Device> first = open(stub);
+  try {
+    open(stub);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::device);
+    EXPECT_EQ(std::string(error.what()),
+              "Stub GPU 0 (cuda:0) is in use by another session, and cannot be shared, because it has no concurrent "
+              "access to managed memory; end that session first, or use --device cpu");
+  }
+  EXPECT_NO_THROW(open_device(stub.driver(), testing::test_device_code(), {.index = 1}));
+  first.reset();
+  EXPECT_NO_THROW(open(stub));
+}
+
+TEST(CudaMemory, FreesBlocksWhenTheirWorkHasEnded) {
+  const StubDriver stub;
+  const std::unique_ptr<Device> device = open(stub, 10 * kMiB);
+  Array<uint32_t> used(device->memory());
+  used.assign(6 * kMiB / sizeof(uint32_t), 0);
+  queue(*device, AddKernel{1, used.mutable_view()}, {0, 0, 100, 1});
+  const size_t waits = StubDriver::calls("cuEventSynchronize");
+  used = Array<uint32_t>(device->memory());
+  EXPECT_EQ(StubDriver::calls("cuEventSynchronize"), waits) << "it does not wait";
+  EXPECT_EQ(StubDriver::objects("managed"), 1u) << "the kernel still writes to it";
+  EXPECT_EQ(refusal(device->memory(), 3 * kMiB), "no error");
+  EXPECT_EQ(StubDriver::calls("cuEventSynchronize"), waits);
+  EXPECT_EQ(refusal(device->memory(), 5 * kMiB), "no error") << "it waits where it needs the room";
+  EXPECT_EQ(StubDriver::objects("managed"), 0u);
 }
 
 TEST(CudaMemory, LeavesRoomForTheDriverAndStacks) {
@@ -105,16 +155,27 @@ TEST(CudaMemory, MovesBlocksThatTheHostOpens) {
   small.assign(8, 0);
   EXPECT_EQ(moves(), 0u) << "new blocks are where the host writes them";
   queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
-  EXPECT_EQ(moves(), 2u) << "both to the device";
+  EXPECT_EQ(moves(), 1u) << "the large one to the device";
   queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
-  EXPECT_EQ(moves(), 2u) << "both were on the device";
+  EXPECT_EQ(moves(), 1u) << "it was on the device";
   EXPECT_EQ(large.read()[0], 2u);
-  EXPECT_EQ(moves(), 3u) << "to the host";
+  EXPECT_EQ(moves(), 2u) << "to the host";
   EXPECT_EQ(large.read()[kLarge - 1], 2u);
   EXPECT_EQ(small.read()[0], 0u);
-  EXPECT_EQ(moves(), 3u) << "small blocks move when they are accessed";
+  EXPECT_EQ(moves(), 2u) << "small blocks move when they are accessed";
   queue(*device, AddKernel{1, large.mutable_view()}, {0, 0, kLarge, 1});
-  EXPECT_EQ(moves(), 5u) << "both to the device";
+  EXPECT_EQ(moves(), 3u);
+}
+
+TEST(CudaMemory, MovesToItsOwnDevice) {
+  const StubDriver stub("devices=2");
+  const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code(), {.index = 1});
+  Array<uint32_t> values(device->memory());
+  values.assign(kLarge, 0);
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, kLarge, 1});
+  EXPECT_EQ(StubDriver::objects("moved to 1"), 1u);
+  EXPECT_EQ(StubDriver::objects("moved to 0"), 0u);
+  EXPECT_EQ(values.read()[7], 1u);
 }
 
 TEST(CudaMemory, IsNotMovedWithoutConcurrentAccess) {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "frame/cuda/devices.h"
 #include "frame/cuda/launch_slots.h"
 #include "frame/cuda/managed_memory.h"
+#include "frame/cuda/memory_budget.h"
 #include "frame/cuda/module.h"
 #include "frame/cuda/queue.h"
 #include "relume/error.h"
@@ -53,7 +55,10 @@ class CudaDevice final : public Device {
         queue_(driver, number_of(driver, gpu_.index), fmt::format("{} (cuda:{})", gpu_.name, gpu_.index)),
         module_(queue_, ptx),
         slots_(queue_),
-        memory_(queue_, options.memory_bytes > 0 ? options.memory_bytes : free_bytes(), gpu_.concurrent_access) {}
+        memory_(queue_, options.memory_bytes > 0 ? options.memory_bytes : std::numeric_limits<size_t>::max(),
+                MemoryBudget::of_gpu(queue_.device(), gpu_.concurrent_access, queue_.device_name(),
+                                     [this] { return free_bytes(); }),
+                gpu_.concurrent_access) {}
 
   Memory& memory() override { return memory_; }
   uint32_t parallel_threads() const override {
@@ -64,6 +69,7 @@ class CudaDevice final : public Device {
   void wait(size_t launches) override;
   void finish() override;
   std::vector<double> take_times() override;
+  double take_move_time() override { return slots_.take_move_time(); }
 
  private:
   /// Memory of the GPU that blocks may take, with room left for the stacks of all threads.
@@ -107,8 +113,10 @@ const Kernel& CudaDevice::kernel_of(const DeviceLaunch& launch) const {
 void CudaDevice::launch(const DeviceLaunch& launch) {
   const Queue::Current current(queue_);
   const Kernel& kernel = kernel_of(launch);
-  const LaunchSlot& slot = slots_.free_slot();
+  LaunchSlot& slot = slots_.free_slot();
   try {
+    slot.has_moves = memory_.has_moves();
+    if (slot.has_moves) record(slot.moves);
     memory_.move_to_device();
     record(slot.begin);
     copy_argument(launch, slot);
@@ -120,8 +128,7 @@ void CudaDevice::launch(const DeviceLaunch& launch) {
     last_argument_.clear();
     throw;
   }
-  slots_.add();
-  queue_.added(launch.name);
+  slots_.add(launch.name);
 }
 
 void CudaDevice::record(Event event) {
@@ -146,10 +153,10 @@ void CudaDevice::run(const DeviceLaunch& launch, const Kernel& kernel) {
     part.y1 = launch.window.y1 - part.y0 > rows ? part.y0 + rows : launch.window.y1;
     std::array<void*, 4> parameters{&part.x0, &part.y0, &part.x1, &part.y1};  // groups have the first two
     const uint32_t threads = kernel.is_group ? launch.threads : block.width;
-    queue_.check(queue_.driver().cuLaunchKernel(kernel.function, blocks(part.width(), block.width),
-                                                blocks(part.height(), block.height), 1, threads, block.height, 1, 0,
-                                                queue_.stream(), parameters.data(), nullptr),
-                 fmt::format("launching '{}'", launch.name));
+    const Result result = queue_.driver().cuLaunchKernel(kernel.function, blocks(part.width(), block.width),
+                                                         blocks(part.height(), block.height), 1, threads, block.height,
+                                                         1, 0, queue_.stream(), parameters.data(), nullptr);
+    if (result != Result::success) queue_.check(result, fmt::format("launching '{}'", launch.name));
   }
 }
 
@@ -163,6 +170,7 @@ void CudaDevice::finish() {
   try {
     queue_.finish();
     slots_.wait(0);
+    memory_.free_blocks();
   } catch (...) {
     slots_.clear();
     throw;

@@ -11,8 +11,8 @@ LaunchSlots::LaunchSlots(Queue& queue) : queue_(queue) {
     queue_.check(driver.cuMemHostAlloc(&arguments_, kSlots * kArgumentBytes, 0), "allocating page-locked memory");
     for (size_t i = 0; i < kSlots; ++i) {
       slots_[i].argument = static_cast<std::byte*>(arguments_) + i * kArgumentBytes;
-      queue_.check(driver.cuEventCreate(&slots_[i].begin, 0), "creating an event");
-      queue_.check(driver.cuEventCreate(&slots_[i].end, 0), "creating an event");
+      for (Event* const event : slots_[i].events())
+        queue_.check(driver.cuEventCreate(event, kEventBlockingSync), "creating an event");
     }
   } catch (...) {
     free();
@@ -26,21 +26,24 @@ void LaunchSlots::free() {
   const Driver& driver = queue_.driver();
   queue_.free_objects([&] {
     driver.cuStreamSynchronize(queue_.stream());
-    for (const LaunchSlot& slot : slots_) {
-      for (const Event event : {slot.begin, slot.end}) {
-        if (event) driver.cuEventDestroy(event);
+    for (LaunchSlot& slot : slots_) {
+      for (Event* const event : slot.events()) {
+        if (*event) driver.cuEventDestroy(*event);
       }
     }
     if (arguments_) driver.cuMemFreeHost(arguments_);
   });
 }
 
-const LaunchSlot& LaunchSlots::free_slot() {
+LaunchSlot& LaunchSlots::free_slot() {
   wait(kSlots - 1);
   return slots_[(first_ + queued_) % kSlots];
 }
 
-void LaunchSlots::add() { ++queued_; }
+void LaunchSlots::add(std::string_view name) {
+  queue_.launched(name);
+  ++queued_;
+}
 
 void LaunchSlots::wait(size_t launches) {
   while (queued_ > launches) {
@@ -52,12 +55,21 @@ void LaunchSlots::wait(size_t launches) {
 void LaunchSlots::clear() {
   queued_ = 0;
   times_.clear();
+  move_s_ = 0;
+  queue_.all_ended();
+}
+
+double LaunchSlots::seconds_between(Event begin, Event end) {
+  float milliseconds = 0;
+  queue_.check(queue_.driver().cuEventElapsedTime(&milliseconds, begin, end), "timing a kernel");
+  return 1e-3 * static_cast<double>(milliseconds);
 }
 
 void LaunchSlots::end_oldest() {
-  float milliseconds = 0;
-  queue_.check(queue_.driver().cuEventElapsedTime(&milliseconds, oldest().begin, oldest().end), "timing a kernel");
-  times_.push_back(1e-3 * static_cast<double>(milliseconds));
+  const LaunchSlot& slot = oldest();
+  times_.push_back(seconds_between(slot.begin, slot.end));
+  if (slot.has_moves) move_s_ += seconds_between(slot.moves, slot.begin);
+  queue_.oldest_ended();
   ++first_;
   --queued_;
 }

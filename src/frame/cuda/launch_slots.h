@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "frame/cuda/queue.h"
@@ -12,12 +14,16 @@ namespace relume::cuda {
 /// Size of an argument: the limit of KernelArgument, bytes.
 inline constexpr size_t kArgumentBytes = 4096;
 
-/// What a queued launch needs until it has ended.
+/// Objects of a queued launch, until it has ended.
 struct LaunchSlot {
+  Event moves = nullptr;  ///< begin of the moves of memory before the launch
   Event begin = nullptr;
   Event end = nullptr;
-  std::byte* argument =
-      nullptr;  ///< kArgumentBytes that the device copies; page-locked, so that the copy is queued, too
+  /// kArgumentBytes that the device copies. Page-locked, so that the copy is queued, too.
+  std::byte* argument = nullptr;
+  bool has_moves = false;  ///< whether `moves` is in the queue
+
+  std::array<Event*, 3> events() { return {&moves, &begin, &end}; }
 };
 
 /// A ring of slots. One thread uses it, with the queue's context current.
@@ -33,9 +39,9 @@ class LaunchSlots {
   LaunchSlots& operator=(const LaunchSlots&) = delete;
 
   /// A slot for the next launch. Waits for the oldest launch if none is free.
-  const LaunchSlot& free_slot();
-  /// Begins the use of free_slot(), whose events are now in the queue.
-  void add();
+  LaunchSlot& free_slot();
+  /// Begins the use of free_slot(), whose events are now in the queue. `name`: of the launch, for messages.
+  void add(std::string_view name);
   /// Waits until at most `launches` launches have not ended.
   void wait(size_t launches);
   /// Forgets all launches, which have ended or failed, and their times.
@@ -43,11 +49,14 @@ class LaunchSlots {
 
   /// Times of the launches that have ended since the last call, seconds.
   std::vector<double> take_times();
+  /// Time of the moves before them, seconds.
+  double take_move_time() { return std::exchange(move_s_, 0); }
 
  private:
   const LaunchSlot& oldest() const { return slots_[first_ % kSlots]; }
   /// Frees the slot of the oldest launch, which has ended.
   void end_oldest();
+  double seconds_between(Event begin, Event end);
   void free();
 
   Queue& queue_;
@@ -56,6 +65,7 @@ class LaunchSlots {
   size_t first_ = 0;   ///< number of the oldest launch in the queue
   size_t queued_ = 0;  ///< launches in the queue
   std::vector<double> times_;
+  double move_s_ = 0;
 };
 
 }  // namespace relume::cuda

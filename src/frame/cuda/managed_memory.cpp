@@ -1,6 +1,7 @@
 #include "frame/cuda/managed_memory.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <iterator>
 #include <string>
@@ -22,27 +23,57 @@ std::string mebibytes(size_t bytes) { return fmt::format("{:.1f} MiB", static_ca
 }  // namespace
 
 ManagedMemory::~ManagedMemory() {
-  queue_.free_objects([&] {
-    queue_.driver().cuStreamSynchronize(queue_.stream());
-    on_device_.merge(on_host_);
-    for (const Blocks::value_type& block : on_device_) queue_.driver().cuMemFree(address_of(block.first));
-  });
+  queue_.free_objects([&] { queue_.driver().cuStreamSynchronize(queue_.stream()); });
+  for (const Blocks* blocks : {&on_host_, &on_device_, &unused_}) free(*blocks);
+}
+
+bool ManagedMemory::try_reserve(size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes > limit_ - used_ || !budget_->take(bytes)) return false;
+  used_ += bytes;
+  return true;
 }
 
 void ManagedMemory::reserve(size_t bytes) {
-  const std::lock_guard lock(mutex_);
-  if (bytes > limit_ - used_) {
-    throw DeviceMemoryError(
-        fmt::format("{} has no room for {}: {} of {} are in use; use a smaller image or scene, or "
-                    "end other programs that use the GPU",
-                    queue_.device_name(), mebibytes(bytes), mebibytes(used_), mebibytes(limit_)));
+  if (try_reserve(bytes)) return;
+  {
+    const Queue::Current current(queue_);
+    queue_.finish();
   }
-  used_ += bytes;
+  free_blocks();
+  if (try_reserve(bytes)) return;
+  const std::lock_guard lock(mutex_);
+  const bool is_own = bytes > limit_ - used_;
+  throw DeviceMemoryError(
+      fmt::format("{} has no room for {}: {} of {} are in use; use a smaller image or scene, or "
+                  "end other programs that use the GPU",
+                  queue_.device_name(), mebibytes(bytes), mebibytes(is_own ? used_ : budget_->used_bytes()),
+                  mebibytes(is_own ? limit_ : budget_->limit_bytes())));
 }
 
 void ManagedMemory::give_back(size_t bytes) {
   const std::lock_guard lock(mutex_);
   used_ -= bytes;
+  budget_->give_back(bytes);
+}
+
+void ManagedMemory::free(const Blocks& blocks) noexcept {
+  if (blocks.empty()) return;
+  size_t bytes = 0;
+  for (const Blocks::value_type& block : blocks) bytes += block.second;
+  queue_.free_objects([&] {
+    for (const Blocks::value_type& block : blocks) queue_.driver().cuMemFree(address_of(block.first));
+  });
+  give_back(bytes);
+}
+
+void ManagedMemory::free_blocks() noexcept {
+  Blocks freed;
+  {
+    const std::lock_guard lock(mutex_);
+    if (queue_.has_finished(unused_until_)) freed.swap(unused_);
+  }
+  free(freed);
 }
 
 void* ManagedMemory::allocate(size_t bytes, size_t alignment) {
@@ -73,17 +104,19 @@ void ManagedMemory::deallocate(void* block, size_t, size_t) noexcept {
     const std::lock_guard lock(mutex_);
     auto node = on_host_.extract(static_cast<const std::byte*>(block));
     if (node.empty()) node = on_device_.extract(static_cast<const std::byte*>(block));
+    assert(!node.empty() && "no such block");
     if (node.empty()) return;
-    used_ -= node.mapped();
+    unused_.insert(std::move(node));
+    unused_until_ = queue_.queued();
   }
-  queue_.free_objects([&] {
-    queue_.driver().cuStreamSynchronize(queue_.stream());
-    queue_.driver().cuMemFree(address_of(block));
-  });
+  free_blocks();
 }
+
+bool ManagedMemory::is_moved(size_t bytes) const { return moves_blocks_ && bytes >= kMovedBytes; }
 
 void ManagedMemory::move(const Blocks::value_type& block, DeviceNumber to) {
   const auto& [address, bytes] = block;
+  if (!is_moved(bytes)) return;
   const Result result = queue_.driver().cuMemPrefetchAsync(address_of(address), bytes, to, queue_.stream());
   if (result != Result::success) queue_.check(result, fmt::format("moving {}", mebibytes(bytes)));
 }
@@ -104,13 +137,12 @@ void ManagedMemory::open(const std::byte* address) {
   }
   const Queue::Current current(queue_);
   queue_.finish();
+  free_blocks();
   const std::lock_guard lock(mutex_);
   const auto block = find(on_device_, address);
   if (block == on_device_.end()) return;
-  if (moves_blocks_ && block->second >= kMovedBytes) {
-    move(*block, kHostDevice);
-    queue_.check(queue_.driver().cuStreamSynchronize(queue_.stream()), "moving memory to the host");
-  }
+  move(*block, kHostDevice);
+  if (is_moved(block->second)) queue_.wait_for_stream("moving memory to the host");
   on_host_.insert(on_device_.extract(block));
 }
 
@@ -137,7 +169,7 @@ void ManagedMemory::copy(void* to, const void* from, size_t bytes) {
   bring(static_cast<const std::byte*>(to));
   const Result result = queue_.driver().cuMemcpyDtoDAsync(address_of(to), address_of(from), bytes, queue_.stream());
   if (result != Result::success) queue_.check(result, fmt::format("copying {}", mebibytes(bytes)));
-  queue_.added("copy");
+  queue_.added();
 }
 
 void ManagedMemory::zero(void* to, size_t bytes) {
@@ -148,20 +180,18 @@ void ManagedMemory::zero(void* to, size_t bytes) {
   bring(static_cast<const std::byte*>(to));
   const Result result = queue_.driver().cuMemsetD8Async(address_of(to), 0, bytes, queue_.stream());
   if (result != Result::success) queue_.check(result, fmt::format("clearing {}", mebibytes(bytes)));
-  queue_.added("clear");
+  queue_.added();
+}
+
+bool ManagedMemory::has_moves() const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(on_host_.begin(), on_host_.end(), [&](const auto& block) { return is_moved(block.second); });
 }
 
 void ManagedMemory::move_to_device() {
   const std::lock_guard lock(mutex_);
-  if (moves_blocks_) {
-    for (const Blocks::value_type& block : on_host_) move(block, queue_.device());
-  }
+  for (const Blocks::value_type& block : on_host_) move(block, queue_.device());
   on_device_.merge(on_host_);
-}
-
-size_t ManagedMemory::used_bytes() const {
-  const std::lock_guard lock(mutex_);
-  return used_;
 }
 
 }  // namespace relume::cuda

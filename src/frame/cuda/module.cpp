@@ -67,10 +67,11 @@ void LoadedModule::find_kernels(std::string_view ptx) {
     if (!named) continue;
     Kernel kernel{nullptr, named->is_group};
     int stack_bytes = 0;
-    queue_.check(queue_.driver().cuModuleGetFunction(&kernel.function, module_, entry.c_str()),
-                 fmt::format("loading the kernel {}", named->type));
-    queue_.check(queue_.driver().cuFuncGetAttribute(&stack_bytes, FunctionAttribute::local_size_bytes, kernel.function),
-                 fmt::format("asking for the stack of the kernel {}", named->type));
+    const Driver& driver = queue_.driver();
+    Result result = driver.cuModuleGetFunction(&kernel.function, module_, entry.c_str());
+    if (result == Result::success)
+      result = driver.cuFuncGetAttribute(&stack_bytes, FunctionAttribute::local_size_bytes, kernel.function);
+    if (result != Result::success) queue_.check(result, fmt::format("loading the kernel {}", named->type));
     stack_bytes_ = std::max(stack_bytes_, static_cast<size_t>(stack_bytes));
     kernels_.emplace(named->type, kernel);
   }

@@ -14,6 +14,7 @@ bool ends_context(Result result) {
   switch (result) {
     case Result::ecc_uncorrectable:
     case Result::nvlink_uncorrectable:
+    case Result::contained:
     case Result::illegal_address:
     case Result::launch_timeout:
     case Result::context_is_destroyed:
@@ -24,6 +25,9 @@ bool ends_context(Result result) {
     case Result::invalid_address_space:
     case Result::invalid_pc:
     case Result::launch_failed:
+    case Result::tensor_memory_leak:
+    case Result::mps_client_terminated:
+    case Result::external_device:
     case Result::unknown: return true;
     default: return false;
   }
@@ -46,28 +50,50 @@ Queue::Queue(const Driver& driver, DeviceNumber device, std::string device_name)
     : driver_(driver), device_(device), device_name_(std::move(device_name)) {
   cuda::check(driver_, driver_.cuDevicePrimaryCtxRetain(&context_, device_), "starting " + device_name_);
   try {
-    const Current current(*this);
-    check(driver_.cuStreamCreate(&stream_, kStreamNonBlocking), "creating a queue");
+    create_objects();
   } catch (...) {
+    destroy_objects();
     driver_.cuDevicePrimaryCtxRelease(device_);
     throw;
   }
 }
 
 Queue::~Queue() {
-  free_objects([&] {
-    driver_.cuStreamSynchronize(stream_);
-    driver_.cuStreamDestroy(stream_);
-  });
+  destroy_objects();
   driver_.cuDevicePrimaryCtxRelease(device_);
 }
 
-void Queue::added(std::string_view name) {
+void Queue::create_objects() {
+  const Current current(*this);
+  check(driver_.cuStreamCreate(&stream_, kStreamNonBlocking), "creating a queue");
+  check(driver_.cuEventCreate(&reached_, kEventBlockingSync), "creating an event");
+}
+
+void Queue::destroy_objects() const {
+  free_objects([&] {
+    if (!stream_) return;
+    driver_.cuStreamSynchronize(stream_);
+    if (reached_) driver_.cuEventDestroy(reached_);
+    driver_.cuStreamDestroy(stream_);
+  });
+}
+
+void Queue::launched(std::string_view name) {
   {
     const std::lock_guard lock(mutex_);
-    last_launch_ = name;
+    launches_.emplace_back(name);
   }
-  ++added_;
+  added();
+}
+
+void Queue::oldest_ended() {
+  const std::lock_guard lock(mutex_);
+  if (!launches_.empty()) launches_.pop_front();
+}
+
+void Queue::all_ended() {
+  const std::lock_guard lock(mutex_);
+  launches_.clear();
 }
 
 void Queue::finish() {
@@ -75,9 +101,14 @@ void Queue::finish() {
   const uint64_t added = added_.load();
   uint64_t finished = finished_.load();
   if (finished >= added) return;
-  check(driver_.cuStreamSynchronize(stream_), "executing kernels");
+  wait_for_stream("executing kernels");
   while (finished < added && !finished_.compare_exchange_weak(finished, added)) {
   }
+}
+
+void Queue::wait_for_stream(std::string_view action) {
+  check(driver_.cuEventRecord(reached_, stream_), action);
+  check(driver_.cuEventSynchronize(reached_), action);
 }
 
 void Queue::check(Result result, std::string_view action) {
@@ -101,8 +132,9 @@ void Queue::fail(Result result, std::string_view action) {
     throw Error(ErrorCode::device, fmt::format("{}: {} failed: {}; {}", device_name_, action, text, remedy(result)));
   }
   const std::lock_guard lock(mutex_);
-  failure_ =
-      fmt::format("{} failed after the launch of '{}': {}; {}", device_name_, last_launch_, text, remedy(result));
+  // The host does not know which of the queued launches have ended.
+  const std::string where = launches_.empty() ? "" : fmt::format(" in or after the launch of '{}'", launches_.front());
+  failure_ = fmt::format("{} failed{}: {}; {}", device_name_, where, text, remedy(result));
   failed_.store(true);
   throw Error(ErrorCode::device, failure_);
 }

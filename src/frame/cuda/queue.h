@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -40,11 +41,22 @@ class Queue {
   Stream stream() const { return stream_; }
 
   /// Call it after each launch. `name`: for messages.
-  void added(std::string_view name);
-  /// Whether no launch is queued, as far as the host knows.
+  void launched(std::string_view name);
+  /// Call it when the host knows that the oldest launch has ended, or that all have ended or failed.
+  void oldest_ended();
+  void all_ended();
+  /// Call it after other work is queued that accesses memory.
+  void added() { ++added_; }
+  /// Pieces of work that were queued so far.
+  uint64_t queued() const { return added_.load(); }
+  /// Whether the first `count` of them have ended, as far as the host knows.
+  bool has_finished(uint64_t count) const { return finished_.load() >= count; }
+  /// Whether no work is queued, as far as the host knows.
   bool idle() const { return finished_.load() >= added_.load(); }
-  /// Waits for the launches; returns at once if none is queued. The context must be current. Throws as check().
+  /// Waits for the work; returns at once if none is queued. The context must be current. Throws as check().
   void finish();
+  /// Waits for all commands in the stream, without occupying a core. Otherwise as finish(). `action`: as for check().
+  void wait_for_stream(std::string_view action);
 
   /// Throws unless `result` is success: DeviceMemoryError if the device is out of memory, else Error. `action`: what
   /// failed, for the sentence. The driver may report errors of earlier launches. After an error that the device does
@@ -64,6 +76,8 @@ class Queue {
   }
 
  private:
+  void create_objects();
+  void destroy_objects() const;
   [[noreturn]] void fail(Result result, std::string_view action);
 
   const Driver& driver_;
@@ -71,11 +85,12 @@ class Queue {
   std::string device_name_;
   Context context_ = nullptr;
   Stream stream_ = nullptr;
-  std::atomic<uint64_t> added_ = 0;     ///< number of calls of added()
+  Event reached_ = nullptr;             ///< end of the commands that a thread waits for
+  std::atomic<uint64_t> added_ = 0;     ///< pieces of work that were queued
   std::atomic<uint64_t> finished_ = 0;  ///< those whose work has ended
   std::atomic<bool> failed_ = false;
-  mutable std::mutex mutex_;  ///< guards the texts
-  std::string last_launch_ = "no kernel";
+  mutable std::mutex mutex_;          ///< guards the texts
+  std::deque<std::string> launches_;  ///< in the queue
   std::string failure_;
 };
 

@@ -10,7 +10,8 @@ extern "C" {
 void relume_stub_configure(const char* text);
 
 /// Objects of a kind that exist: "contexts", "modules", "streams", "events", "managed" and "locked" blocks. "leaked":
-/// those that existed when the last context ended without an error, since the last relume_stub_configure().
+/// those that existed when the last context ended without an error, since the last relume_stub_configure(). "moved to
+/// N": the blocks that were moved to device N since then.
 size_t relume_stub_objects(const char* kind);
 
 /// Calls of a function of the driver since the last relume_stub_configure(), with the name in the library.

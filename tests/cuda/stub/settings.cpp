@@ -39,6 +39,8 @@ bool set_number(Settings& s, const std::string& name, unsigned long value) {
     s.stack = static_cast<int>(value);
   else if (name == "eager")
     s.eager = value != 0;
+  else if (name == "open")
+    s.open = value != 0;
   else if (name == "seed")
     s.seed = value;
   else if (name == "lose")

@@ -1,4 +1,4 @@
-// What the stub driver pretends to be.
+// Properties of the stub driver and its devices.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,7 @@ struct Settings {
   size_t memory_mib = 4096;
   int stack = 0;
   bool eager = false;
+  bool open = false;
   uint64_t seed = 0;
   size_t lose = 0;
   /// Function and number of a call -> the result that it returns.

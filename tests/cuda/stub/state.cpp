@@ -1,6 +1,5 @@
 #include "stub/state.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <utility>
 
@@ -20,7 +19,9 @@ State& State::get() {
 
 void State::configure(const std::string& text) {
   settings = parse_settings(text);
+  sticky = kSuccess;
   leaked = 0;
+  moved_to.clear();
   calls_.clear();
   launches_ = 0;
 }
@@ -36,15 +37,15 @@ void State::end_contexts() {
   events.clear();
   locked.clear();
   managed.clear();
-  sticky = kSuccess;
+  memory_work_ = 0;
 }
 
 std::optional<int> State::enter(const std::string& function) {
   const size_t number = ++calls_[function];
   const auto failure = settings.failures.find({function, number});
   if (failure != settings.failures.end()) {
-    const bool ends_context = failure->second >= 700 && failure->second <= kLaunchFailed && failure->second != 701;
-    if (ends_context) sticky = failure->second;
+    const bool is_launch_error = failure->second >= 700 && failure->second <= kLaunchFailed && failure->second != 701;
+    if (is_launch_error || failure->second == kContained) sticky = failure->second;
     return failure->second;
   }
   return std::nullopt;
@@ -72,11 +73,14 @@ void State::add(Stream& stream, std::function<void()> work) {
 }
 
 void State::add_work(Stream& stream, std::function<void()> work) {
-  managed.close();
+  if (!settings.open) managed.close();
+  ++memory_work_;
   add(stream, [this, work = std::move(work)] {
+    --memory_work_;
+    if (sticky != kSuccess) return;
     managed.open();
     work();
-    managed.close();
+    if (!settings.open) managed.close();
   });
 }
 
@@ -88,14 +92,18 @@ bool State::execute_one(Stream& stream) {
   if (stream.work.empty()) return false;
   const std::function<void()> work = std::move(stream.work.front());
   stream.work.pop_front();
-  if (sticky == kSuccess) work();
+  work();
   return true;
+}
+
+void State::open_memory() {
+  if (memory_work_ == 0) managed.open();
 }
 
 void State::drain(Stream& stream) {
   while (execute_one(stream)) {
   }
-  managed.open();
+  open_memory();
 }
 
 void State::run(const KernelCall& call) {
@@ -108,6 +116,7 @@ void State::run(const KernelCall& call) {
   launch.block = {call.block[0], call.block[1], call.block[2]};
   launch.dynamic_shared_bytes = call.shared_bytes;
   launch.seed = settings.seed + launches_;
+  clock_s += 1e-6 * call.grid[0] * call.grid[1] * call.block[0] * call.block[1];
   std::vector<void*> parameters;
   for (const std::vector<uint64_t>& value : call.parameters) parameters.push_back(const_cast<uint64_t*>(value.data()));
   parameters.push_back(nullptr);
@@ -122,7 +131,5 @@ std::vector<Context*>& current_contexts() {
   thread_local std::vector<Context*> contexts;
   return contexts;
 }
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace stub

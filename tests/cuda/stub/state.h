@@ -27,9 +27,11 @@ inline constexpr int kNoDevice = 100;
 inline constexpr int kInvalidDevice = 101;
 inline constexpr int kInvalidContext = 201;
 inline constexpr int kInvalidPtx = 218;
+inline constexpr int kContained = 226;
 inline constexpr int kInvalidHandle = 400;
 inline constexpr int kNotFound = 500;
 inline constexpr int kNotReady = 600;
+inline constexpr int kIllegalAddress = 700;
 inline constexpr int kLaunchFailed = 719;
 
 // Objects behind the handles.
@@ -41,8 +43,8 @@ struct Module {
   const ptx::Module* translated = nullptr;
 };
 struct Event {
-  bool recorded = false;
-  bool done = false;
+  size_t records = 0;  ///< the last one counts
+  bool done = false;   ///< whether that was reached
   double time_s = 0;
 };
 /// Work of a queue, in order. Without "eager", it runs when the host waits for it or asks about it, which shows whether
@@ -75,15 +77,18 @@ class State {
   size_t calls(const std::string& function) const;
 
   void add(Stream& stream, std::function<void()> work);
-  /// The same for work that accesses managed memory. The host cannot access any until drain().
+  /// The same for work that accesses managed memory. The host cannot access any until no such work is queued and the
+  /// host has waited.
   void add_work(Stream& stream, std::function<void()> work);
   void add_kernel(Stream& stream, KernelCall call);
   /// Executes the first piece of work. Returns false if there is none.
   bool execute_one(Stream& stream);
-  /// Executes all work; the host may then access managed memory.
+  /// The host has waited: it may access managed memory if no work on it is queued.
+  void open_memory();
+  /// Executes all work.
   void drain(Stream& stream);
 
-  /// Frees the objects of all contexts, the last of which has ended.
+  /// Frees the objects of all contexts, the last of which has ended. The error that the device did not survive stays.
   void end_contexts();
 
   Settings settings;
@@ -96,6 +101,8 @@ class State {
   ManagedBlocks managed;
   std::map<void*, size_t> locked;  ///< page-locked blocks
   size_t leaked = 0;               ///< objects that end_contexts() freed after no error
+  double clock_s = 0;              ///< of the device: 1 µs for each thread, 0.1 ns for each byte that is moved
+  std::map<int, size_t> moved_to;  ///< number of blocks that were moved to each device
   std::mutex mutex;                ///< held by every entry point
 
  private:
@@ -104,11 +111,10 @@ class State {
 
   std::map<std::string, size_t> calls_;
   size_t launches_ = 0;
+  size_t memory_work_ = 0;  ///< queued pieces of work on managed memory
 };
 
 /// The contexts that are current on this thread; the last one is used.
 std::vector<Context*>& current_contexts();
-
-double now_s();
 
 }  // namespace stub

@@ -1,4 +1,5 @@
 // Entry points of the stub driver: the driver itself, devices, contexts, and the control of tests.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -20,10 +21,12 @@ constexpr ErrorText kErrors[] = {
     {1, "CUDA_ERROR_INVALID_VALUE", "invalid argument"},
     {2, "CUDA_ERROR_OUT_OF_MEMORY", "out of memory"},
     {3, "CUDA_ERROR_NOT_INITIALIZED", "initialization error"},
+    {46, "CUDA_ERROR_DEVICE_UNAVAILABLE", "CUDA-capable device(s) is/are busy or unavailable"},
     {100, "CUDA_ERROR_NO_DEVICE", "no CUDA-capable device is detected"},
     {101, "CUDA_ERROR_INVALID_DEVICE", "invalid device ordinal"},
     {201, "CUDA_ERROR_INVALID_CONTEXT", "invalid device context"},
     {218, "CUDA_ERROR_INVALID_PTX", "a PTX JIT compilation failed"},
+    {226, "CUDA_ERROR_CONTAINED", "Invalid access of peer GPU memory over nvlink or a hardware error"},
     {400, "CUDA_ERROR_INVALID_HANDLE", "invalid resource handle"},
     {500, "CUDA_ERROR_NOT_FOUND", "named symbol not found"},
     {600, "CUDA_ERROR_NOT_READY", "device not ready"},
@@ -31,6 +34,7 @@ constexpr ErrorText kErrors[] = {
     {701, "CUDA_ERROR_LAUNCH_OUT_OF_RESOURCES", "too many resources requested for launch"},
     {719, "CUDA_ERROR_LAUNCH_FAILED", "unspecified launch failure"},
     {803, "CUDA_ERROR_SYSTEM_DRIVER_MISMATCH", "system has unsupported display driver / cuda driver combination"},
+    {999, "CUDA_ERROR_UNKNOWN", "unknown error"},
 };
 
 const ErrorText* find_error(int result) {
@@ -97,6 +101,7 @@ size_t relume_stub_objects(const char* kind) {
   if (name == "managed") return state.managed.count();
   if (name == "locked") return state.locked.size();
   if (name == "leaked") return state.leaked;
+  if (name.starts_with("moved to ")) return state.moved_to[std::stoi(name.substr(9))];
   std::abort();
 }
 
@@ -184,8 +189,9 @@ int cuDevicePrimaryCtxRelease(int device) { return release_context("cuDevicePrim
 int cuDevicePrimaryCtxRelease_v2(int device) { return release_context("cuDevicePrimaryCtxRelease_v2", device); }
 
 int cuCtxPushCurrent_v2(Context* context) {
-  return without_context("cuCtxPushCurrent_v2", [&](State&) {
-    if (!context) return kInvalidContext;
+  return without_context("cuCtxPushCurrent_v2", [&](State& state) {
+    const auto exists = [&](const auto& known) { return &known.second == context; };
+    if (std::none_of(state.contexts.begin(), state.contexts.end(), exists)) return kInvalidContext;
     current_contexts().push_back(context);
     return kSuccess;
   });

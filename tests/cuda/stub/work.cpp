@@ -12,6 +12,7 @@ namespace stub {
 namespace {
 
 constexpr unsigned kAttachGlobal = 1;
+constexpr unsigned kBlockingSync = 1;
 constexpr int kHost = -1;
 constexpr int kErrorLog = 5;
 constexpr int kErrorLogBytes = 6;
@@ -120,7 +121,14 @@ int cuMemPrefetchAsync(unsigned long long address, size_t bytes, int device, Str
     if (!state.settings.concurrent) return kInvalidDevice;
     if (device != kHost && (device < 0 || device >= state.settings.devices)) return kInvalidDevice;
     if (bytes == 0 || !state.managed.contains(pointer(address), bytes)) return kInvalidValue;
-    return state.streams.contains(stream) ? kSuccess : kInvalidHandle;
+    if (!state.streams.contains(stream)) return kInvalidHandle;
+    if (device != kHost) ++state.moved_to[device];
+    state.add(*stream, [&state, address, bytes] {
+      state.clock_s += 1e-10 * static_cast<double>(bytes);
+      // A block must not be freed before its move.
+      if (state.sticky == kSuccess && !state.managed.contains(pointer(address), bytes)) state.sticky = kIllegalAddress;
+    });
+    return kSuccess;
   });
 }
 
@@ -129,7 +137,9 @@ int cuMemcpyHtoDAsync_v2(unsigned long long to, const void* from, size_t bytes, 
     if (!state.streams.contains(stream)) return kInvalidHandle;
     // Other memory is copied before the driver's function returns, if at all.
     if (!is_locked(state, from, bytes) || !is_variable(state, pointer(to), bytes)) return kInvalidValue;
-    state.add(*stream, [=] { std::memcpy(pointer(to), from, bytes); });
+    state.add(*stream, [&state, to, from, bytes] {
+      if (state.sticky == kSuccess) std::memcpy(pointer(to), from, bytes);
+    });
     return kSuccess;
   });
 }
@@ -241,8 +251,10 @@ int cuStreamSynchronize(Stream* stream) {
 }
 
 int cuEventCreate(Event** event, unsigned flags) {
-  return with_context("cuEventCreate",
-                      [&](State& state) { return flags == 0 ? create(state.events, event) : kInvalidValue; });
+  return with_context(
+      "cuEventCreate",
+      // Others occupy a core while the host waits.
+      [&](State& state) { return flags == kBlockingSync ? create(state.events, event) : kInvalidValue; });
 }
 
 int cuEventDestroy_v2(Event* event) {
@@ -252,11 +264,11 @@ int cuEventDestroy_v2(Event* event) {
 int cuEventRecord(Event* event, Stream* stream) {
   return with_context("cuEventRecord", [&](State& state) {
     if (!state.events.contains(event) || !state.streams.contains(stream)) return kInvalidHandle;
-    event->recorded = true;
     event->done = false;
-    state.add(*stream, [event] {
+    state.add(*stream, [&state, event, record = ++event->records] {
+      if (state.sticky != kSuccess || record != event->records) return;
       event->done = true;
-      event->time_s = now_s();
+      event->time_s = state.clock_s;
     });
     return kSuccess;
   });
@@ -268,7 +280,7 @@ int cuEventQuery(Event* event) {
     // The device proceeds while the host asks.
     for (Stream* stream : state.streams) state.execute_one(*stream);
     if (state.sticky != kSuccess) return state.sticky;
-    return event->done || !event->recorded ? kSuccess : kNotReady;
+    return event->done || event->records == 0 ? kSuccess : kNotReady;
   });
 }
 
@@ -276,9 +288,10 @@ int cuEventSynchronize(Event* event) {
   return with_context("cuEventSynchronize", [&](State& state) {
     if (!state.events.contains(event)) return kInvalidHandle;
     for (Stream* stream : state.streams) {
-      while (event->recorded && !event->done && state.sticky == kSuccess && state.execute_one(*stream)) {
+      while (event->records > 0 && !event->done && state.sticky == kSuccess && state.execute_one(*stream)) {
       }
     }
+    if (event->done) state.open_memory();
     return state.sticky;
   });
 }
@@ -286,7 +299,7 @@ int cuEventSynchronize(Event* event) {
 int cuEventElapsedTime(float* milliseconds, Event* begin, Event* end) {
   return with_context("cuEventElapsedTime", [&](State& state) {
     if (!state.events.contains(begin) || !state.events.contains(end)) return kInvalidHandle;
-    if (!begin->recorded || !end->recorded) return kInvalidHandle;
+    if (begin->records == 0 || end->records == 0) return kInvalidHandle;
     if (!begin->done || !end->done) return kNotReady;
     *milliseconds = static_cast<float>(1e3 * (end->time_s - begin->time_s));
     return kSuccess;
