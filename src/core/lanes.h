@@ -103,6 +103,18 @@ struct Lanes {
   }
 };
 
+/// What kernels compute with where lanes only make the host faster: lanes there, single numbers on a device, whose
+/// threads would keep lanes in memory. Both give the same bits.
+#if RELUME_DEVICE_CODE
+using HostLanes = float;
+#else
+using HostLanes = Lanes;
+#endif
+
+/// Count of numbers in a T: kLanes, or 1 for float.
+template <typename T>
+inline constexpr uint32_t kWidthOf = sizeof(T) / sizeof(float);
+
 /// The mask whose lane i is set if condition(i) holds.
 template <typename Condition>
 RELUME_HD_INLINE LaneMask mask_of(const Condition& condition) {

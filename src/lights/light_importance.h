@@ -80,7 +80,7 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
     const float albedo = luminance(lobe_albedo(lobe, *bsdf.tables, wo_local.z));
     if (is_glossy(lobe.kind) && !transmits(lobe.kind)) {
       r.glossy += albedo;
-      roughness += albedo * std::sqrt(lobe.microfacet.alpha);
+      roughness += albedo * std::sqrt(lobe.alpha);
     } else if (is_rough_transmission(lobe.kind)) {
       // The direction of refraction is not modelled: half goes to each side, as a cosine lobe.
       r.behind += 0.5f * albedo;
@@ -168,24 +168,41 @@ RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsV
   return light_importance::of_members<float>(r, members);
 }
 
-/// Importances of `count` finite lights; returns their sum.
-RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights,
-                                         const View<const CompactLight>& compact, const LightId* ids, uint32_t count,
-                                         float* weights) {
+/// Calls use(i, importance) for the finite lights id_at(i) with i < `count`, in this order. Returns the sum of the
+/// importances.
+template <typename IdAt, typename Use>
+RELUME_HD inline float for_each_importance(const LightReceiver& r, const LightsView& lights,
+                                           const View<const CompactLight>& compact, uint32_t count, const IdAt& id_at,
+                                           const Use& use) {
+  float sum = 0;
+  const auto add = [&](uint32_t i, float importance) {
+    use(i, importance);
+    sum += importance;
+  };
+  if constexpr (kWidthOf<HostLanes> == 1) {
+    for (uint32_t i = 0; i < count; ++i) add(i, light_importance_of(r, lights, compact, id_at(i)));
+    return sum;
+  }
   for (uint32_t first = 0; first < count; first += kLanes) {
     uint32_t block[kLanes];
-    for (uint32_t k = 0; k < kLanes; ++k) block[k] = ids[first + k < count ? first + k : first];
+    for (uint32_t k = 0; k < kLanes; ++k) block[k] = id_at(first + k < count ? first + k : first);
     Lanes members[kLanes];
     load_rows(&compact.data->centre.x, block, members);
     const Lanes importance = light_importance::of_members<Lanes>(r, members);
     const Lanes& emission = members[kLanes - 1];
-    for (uint32_t k = 0; k < kLanes && first + k < count; ++k) {
-      weights[first + k] = emission[k] < 0.0f ? light_importance_of(r, lights, compact, block[k]) : importance[k];
-    }
+    for (uint32_t k = 0; k < kLanes && first + k < count; ++k)
+      add(first + k, emission[k] < 0.0f ? light_importance_of(r, lights, compact, block[k]) : importance[k]);
   }
-  float sum = 0;
-  for (uint32_t i = 0; i < count; ++i) sum += weights[i];
   return sum;
+}
+
+/// Importances of `count` finite lights; returns their sum.
+RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights,
+                                         const View<const CompactLight>& compact, const LightId* ids, uint32_t count,
+                                         float* weights) {
+  return for_each_importance(
+      r, lights, compact, count, [&](uint32_t i) { return ids[i]; },
+      [&](uint32_t i, float importance) { weights[i] = importance; });
 }
 
 }  // namespace relume

@@ -24,11 +24,13 @@ void bm_weigh_lights(benchmark::State& state) {
   sp.frame = make_frame(Vec3(0, 1, 0));
   sp.wo_local = Vec3(0, 0, 1);
   make_bsdf(sp.bsdf, MaterialSample{}, MaterialData{}, energy_tables(), 1, true);
-  WeighedLights weighed;
-  weighed.count = static_cast<uint32_t>(state.range(0));
-  for (uint32_t i = 0; i < weighed.count; ++i) weighed.ids[i] = hash(i) % kLamps;
+  const View<const CompactLight> view = view_of(compact);
+  const LtcTable ltc = ltc_table();
+  const uint32_t count = static_cast<uint32_t>(state.range(0));
+  const auto id_at = [](uint32_t i) { return hash(i) % kLamps; };
+  const LightCandidates<decltype(id_at)> candidates{ltc, lights, view, count, id_at};
   for (auto _ : state) {
-    weighed.weigh(sp, ltc_table(), lights, view_of(compact));
+    const WeighedLights weighed(candidates, sp);
     benchmark::DoNotOptimize(weighed.sum);
   }
 }

@@ -102,12 +102,15 @@ RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
 
 /// Weights of a node's children, and their sum. Intensities replace bounds that are all zero or overflow.
 RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, float weights[kLightTreeWidth]) {
-  static_assert(kLightTreeWidth == kLanes);
-  const auto lanes = [](const float* from) { return load_lanes(from); };
-  const Lanes center[3] = {lanes(n.center[0]), lanes(n.center[1]), lanes(n.center[2])};
-  const Lanes axis[3] = {lanes(n.axis[0]), lanes(n.axis[1]), lanes(n.axis[2])};
-  store_lanes(weights, importance<Lanes>(p, center, lanes(n.radius), axis, lanes(n.cos_o), lanes(n.cos_e),
-                                         lanes(n.intensity), lanes(n.two_sided)));
+  using T = HostLanes;
+  static_assert(kLightTreeWidth % kWidthOf<T> == 0);
+  for (uint32_t i = 0; i < kLightTreeWidth; i += kWidthOf<T>) {
+    const auto at = [i](const float* from) { return load_lanes<T>(from + i); };
+    const T center[3] = {at(n.center[0]), at(n.center[1]), at(n.center[2])};
+    const T axis[3] = {at(n.axis[0]), at(n.axis[1]), at(n.axis[2])};
+    store_lanes(weights + i, importance<T>(p, center, at(n.radius), axis, at(n.cos_o), at(n.cos_e), at(n.intensity),
+                                           at(n.two_sided)));
+  }
   float sum = 0;
   for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i];
   if (sum > 0.0f && is_finite(sum)) return sum;
@@ -118,8 +121,43 @@ RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, flo
 
 }  // namespace light_tree
 
+namespace light_tree {
+
+/// A stack of child indices, in 24 bytes.
+class Way {
+ public:
+  static constexpr uint32_t kMost = 64;
+
+  RELUME_HD uint32_t count() const { return count_; }
+  RELUME_HD void push(uint32_t child) {
+    high_ = high_ << kBits | middle_ >> (64 - kBits);
+    middle_ = middle_ << kBits | low_ >> (64 - kBits);
+    low_ = low_ << kBits | child;
+    ++count_;
+  }
+  RELUME_HD uint32_t pop() {
+    const uint32_t child = static_cast<uint32_t>(low_) % kLightTreeWidth;
+    low_ = low_ >> kBits | middle_ << (64 - kBits);
+    middle_ = middle_ >> kBits | high_ << (64 - kBits);
+    high_ >>= kBits;
+    --count_;
+    return child;
+  }
+
+ private:
+  static constexpr uint32_t kBits = 3;
+  static_assert(1u << kBits == kLightTreeWidth && kMost * kBits <= 3 * 64);
+
+  uint64_t low_ = 0;
+  uint64_t middle_ = 0;
+  uint64_t high_ = 0;
+  uint32_t count_ = 0;
+};
+
+}  // namespace light_tree
+
 struct LightTree {
-  static constexpr uint32_t kMostLevels = 64;
+  static constexpr uint32_t kMostLevels = light_tree::Way::kMost;
 
   View<const LightTreeNode> nodes;
   View<const LightBounds> bounds;  ///< in leaf order
@@ -154,23 +192,23 @@ struct LightTree {
     if (place.empty() || place[light] == light_tree::kNoParent) return 0.0f;
     const light_tree::Point p = point_of(sp);
     // The same factors in the same order as in sample(), so that the bits agree.
-    uint32_t way[kMostLevels];
-    uint32_t length = 0;
-    for (uint32_t at = place[light]; at != light_tree::kNoParent && length < kMostLevels; at = nodes[at / 8].parent)
-      way[length++] = at;
+    light_tree::Way way;
+    uint32_t node = 0;
+    for (uint32_t at = place[light]; at != light_tree::kNoParent && way.count() < kMostLevels;
+         at = nodes[node].parent) {
+      node = at / kLightTreeWidth;
+      way.push(at % kLightTreeWidth);
+    }
     float pmf = 1.0f - infinite.share;
-    for (uint32_t i = length; i-- > 0;) {
+    for (;;) {
+      const LightTreeNode& n = nodes[node];
+      const uint32_t child = way.pop();
       float weights[kLightTreeWidth];
-      const float sum = light_tree::child_weights(p, nodes[way[i] / 8], weights);
-      pmf *= weights[way[i] % 8] / sum;
+      const float sum = light_tree::child_weights(p, n, weights);
+      pmf *= weights[child] / sum;
+      node = n.child[child];
+      if (way.count() == 0) return pmf * share_in_leaf(p, n, child, light);
     }
-    const LightTreeNode& n = nodes[way[0] / 8];
-    float leaf[kLightTreeLeafSize];
-    const float leaf_sum = leaf_weights(p, n, way[0] % 8, leaf);
-    for (uint32_t k = 0; k < n.lights[way[0] % 8]; ++k) {
-      if (lights[n.child[way[0] % 8] + k] == light) return pmf * (leaf[k] / leaf_sum);
-    }
-    return 0.0f;
   }
 
  private:
@@ -180,6 +218,17 @@ struct LightTree {
       if (is_rough_transmission(sp.bsdf.lobes[i].kind)) p.both_sides = 1.0f;
     }
     return p;
+  }
+
+  /// Share of a light in the weights of its leaf.
+  RELUME_HD float share_in_leaf(const light_tree::Point& p, const LightTreeNode& n, uint32_t child,
+                                LightId light) const {
+    float leaf[kLightTreeLeafSize];
+    const float sum = leaf_weights(p, n, child, leaf);
+    for (uint32_t k = 0; k < n.lights[child]; ++k) {
+      if (lights[n.child[child] + k] == light) return leaf[k] / sum;
+    }
+    return 0.0f;
   }
 
   RELUME_HD float leaf_weights(const light_tree::Point& p, const LightTreeNode& n, uint32_t child,

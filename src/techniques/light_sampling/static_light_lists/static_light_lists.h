@@ -56,10 +56,10 @@ struct StaticLightLists {
       return {s.index, pmf(sp, s.index), s.u};
     }
     const uint32_t offset = choose_evenly(list.stride, n);
-    WeighedLights w;
-    weigh(sp, list, offset, w);
-    const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, n);
-    return {w.ids[i], density(list, w, i, w.ids[i]), n.u};
+    const WeighedLights w(candidates(list, offset), sp);
+    const uint32_t i = w.choose(n);
+    const LightId light = list.ids[offset + i * list.stride];
+    return {light, density(list, w[i], light), n.u};
   }
 
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
@@ -68,16 +68,21 @@ struct StaticLightLists {
     const List list = list_at(sp);
     if (list.ids.empty()) return (1.0f - infinite.share) * all.pmf(light);
     const uint32_t place = find(list, light);
-    WeighedLights w;
-    if (place == list.ids.size) return density(list, w, 0, light);
-    weigh(sp, list, place % list.stride, w);
-    return density(list, w, place / list.stride, light);
+    if (place == list.ids.size) return density(list, {}, light);
+    return density(list, weigh_light(candidates(list, place % list.stride), sp, place / list.stride), light);
   }
 
  private:
   struct List {
     View<const LightId> ids;
     uint32_t stride = 1;
+  };
+
+  struct EveryNth {
+    const LightId* first;
+    uint32_t stride;
+
+    RELUME_HD LightId operator()(uint32_t i) const { return first[i * stride]; }
   };
 
   RELUME_HD List list_at(const SurfacePoint& sp) const {
@@ -102,14 +107,15 @@ struct StaticLightLists {
     return low < list.ids.size && list.ids[low] == light ? low : list.ids.size;
   }
 
-  /// Weighs every stride-th light, from `offset` on.
-  RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
-    for (uint32_t i = offset; i < list.ids.size; i += list.stride) w.ids[w.count++] = list.ids[i];
-    w.weigh(sp, ltc, lights, compact);
+  /// Every stride-th light of the list, from `offset` on.
+  RELUME_HD LightCandidates<EveryNth> candidates(const List& list, uint32_t offset) const {
+    const uint32_t count = (list.ids.size - offset + list.stride - 1) / list.stride;
+    return {ltc, lights, compact, count, {list.ids.data + offset, list.stride}};
   }
 
-  RELUME_HD float density(const List& list, const WeighedLights& w, uint32_t i, LightId light) const {
-    const float listed = w.count > 0 ? w.weights[i] / (w.sum * static_cast<float>(list.stride)) : 0.0f;
+  /// `w`: of the light among the candidates that include it; sum 0 if it is not on the list.
+  RELUME_HD float density(const List& list, const WeighedLight& w, LightId light) const {
+    const float listed = w.sum > 0.0f ? w.weight / (w.sum * static_cast<float>(list.stride)) : 0.0f;
     return (1.0f - infinite.share) * (exploration * all.pmf(light) + (1.0f - exploration) * listed);
   }
 };

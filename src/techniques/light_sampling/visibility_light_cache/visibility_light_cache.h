@@ -58,26 +58,20 @@ struct VisibilityLightCache {
     } else {
       bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, n);
     }
-    WeighedLights w;
-    if (buckets.count > 0) fill(buckets, bucket, w);
-    if (!exploring) {
-      w.weigh(sp, ltc, lights, compact);
-      light = w.ids[choose_by_weight(w.weights, w.count, w.sum, n)];
-    }
-    return {light, density(sp, buckets, bucket, w, light), n.u};
+    if (exploring) return {light, density(sp, buckets, bucket, light), n.u};
+    const auto known = candidates(buckets, bucket);
+    if (known.count == 0) return {};
+    const WeighedLights w(known, sp);
+    const uint32_t i = w.choose(n);
+    light = known.id_at(i);
+    return {light, density(sp, buckets, bucket, w[i], light), n.u};
   }
 
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
     if (light >= infinite.first) return infinite.pmf(light);
     if (all.empty()) return 0.0f;
     const LightBuckets buckets = buckets_of(sp);
-    WeighedLights w;
-    uint32_t bucket = 0;
-    if (buckets.count > 0) {
-      bucket = light % buckets.count;
-      fill(buckets, bucket, w);
-    }
-    return density(sp, buckets, bucket, w, light);
+    return density(sp, buckets, buckets.count > 0 ? light % buckets.count : 0, light);
   }
 
  private:
@@ -86,24 +80,40 @@ struct VisibilityLightCache {
   }
   RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
 
-  RELUME_HD void fill(const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
-    const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
-    for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
-      w.ids[w.count] = CachedLight::id(entry[w.count]);
+  struct IdsOfBucket {
+    const uint32_t* first;
+
+    RELUME_HD LightId operator()(uint32_t i) const { return CachedLight::id(first[i]); }
+  };
+
+  /// The lights of a bucket.
+  RELUME_HD LightCandidates<IdsOfBucket> candidates(const LightBuckets& b, uint32_t bucket) const {
+    const uint32_t* const entry = entries.data + b.first + bucket * bucket_size;
+    uint32_t count = 0;
+    while (count < bucket_size && entry[count] != CachedLight::kNone) ++count;
+    return {ltc, lights, compact, count, {entry}};
   }
 
-  /// Probability of `light`, given its bucket: a one-sample mixture. Weighs the bucket only if needed, because most
-  /// explored lights are not in it.
-  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, WeighedLights& w,
+  /// Probability of `light`, given its bucket. Weighs the bucket only if needed, because most explored lights are not
+  /// in it.
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, LightId light) const {
+    WeighedLight w;
+    if (buckets.count > 0) {
+      const auto known = candidates(buckets, bucket);
+      uint32_t place = 0;
+      while (place < known.count && known.id_at(place) != light) ++place;
+      if (place < known.count) w = weigh_light(known, sp, place);
+    }
+    return density(sp, buckets, bucket, w, light);
+  }
+
+  /// The same for the light's weight in its bucket (sum 0: it is not there): a one-sample mixture.
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const WeighedLight& w,
                           LightId light) const {
     const float finite = 1.0f - infinite.share;
     const float explored = all.at(sp.position).pmf(light);
     if (buckets.count == 0) return finite * explored;
-    float cached = 0;
-    if (const uint32_t place = w.find(light); place < w.count) {
-      if (!w.weighed()) w.weigh(sp, ltc, lights, compact);
-      cached = w.weights[place] / w.sum * weights_of(buckets)[bucket];
-    }
+    const float cached = w.sum > 0.0f ? w.weight / w.sum * weights_of(buckets)[bucket] : 0.0f;
     return finite * (exploration * explored + (1.0f - exploration) * cached);
   }
 };
