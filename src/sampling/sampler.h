@@ -1,6 +1,7 @@
 // Random numbers of one sample of one pixel: a pure function of (seed, pixel, sample, dimension).
 #pragma once
 
+#include "core/lanes.h"
 #include "sampling/blue_noise.h"
 #include "sampling/choose.h"
 #include "sampling/sobol.h"
@@ -40,7 +41,7 @@ class Sampler {
     camera_index_ = other.reversed_index_;
   }
 
-  /// Two stratified numbers. Computes blocks of eight dimensions, which share vector registers on CPUs; a path rarely
+  /// Two stratified numbers. The host computes blocks of eight dimensions, which share vector registers; a path rarely
   /// needs more.
   RELUME_HD Vec2 next_2d() {
     const uint32_t in_block = dimension_ % kBlock;
@@ -75,7 +76,7 @@ class Sampler {
   RELUME_HD uint32_t camera_ray_id() const { return hash(identity_ ^ reversed_index_); }
 
  private:
-  static constexpr uint32_t kBlock = 8;
+  static constexpr uint32_t kBlock = kWidthOf<HostLanes>;
   static constexpr uint32_t kSinglesPerDimension = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
   static constexpr uint32_t kSaltBits = 0x2c1b3c6du;
@@ -116,9 +117,7 @@ class Sampler {
       for (uint32_t k = 0; k < kBlock; ++k) set(k, shifted({x_[k], y_[k]}, seed_of(start + k)));
     }
     const bool own_camera = camera_scramble_ != scramble_ || camera_index_ != reversed_index_;
-    if (start == 0 && own_camera) {
-      for (uint32_t k = 0; k < kCameraDimensions; ++k) set(k, camera_2d(k));
-    }
+    for (uint32_t k = 0; k < kBlock && start + k < kCameraDimensions && own_camera; ++k) set(k, camera_2d(start + k));
   }
   RELUME_HD_INLINE void set(uint32_t k, const Vec2& point) {
     x_[k] = point.x;
