@@ -18,8 +18,9 @@ struct IncidentPolicy : NoPolicy {
   }
 };
 
-/// Estimate of the incident radiance at `sp` from `wi`, without light that next event estimation at `sp` samples.
-RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint& sp, const Vec3& wi, Sampler& sampler) {
+/// Estimate of the incident radiance at `sp` from `wi`, without light that next event estimation at `sp` samples. The
+/// path overwrites `sp`.
+RELUME_HD inline Rgb incident_radiance(const PathContext& c, SurfacePoint& sp, const Vec3& wi, Sampler& sampler) {
   PathState path;
   path.ray = sp.spawn_ray(wi);
   path.cone_width = sp.footprint;
@@ -27,10 +28,8 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   path.delta = false;
   path.pdf_w = 1.0f;  // only affects the MIS weight of light that is excluded
   path.bounce = 1;
-  SurfacePoint points[2];
-  points[0] = sp;
   IncidentPolicy policy;
-  walk(c, intersect(c.scene, path.ray, sampler.ray_id()), points, path, sampler, policy);
+  walk(c, intersect(c.scene, path.ray, sampler.ray_id()), sp, path, sampler, policy);
   return path.radiance - policy.nee_radiance;
 }
 
@@ -62,9 +61,10 @@ struct IncidentLightKernel {
     const Vec2 jitter = sampler.next_2d();
     const Vec2 at = (Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter) / static_cast<float>(edge);
     const Vec3 wi = direction_from_square(at);
-    const SurfacePoint point = viewed[0].surface(context.scene);
+    SurfacePoint point = viewed[0].surface(context.scene);
     if (glm::dot(wi, point.ng) <= 0.0f) return;
-    const float found = luminance(incident_radiance(context, point, wi, sampler)) * shading_cosine(point, wi);
+    const float cosine = shading_cosine(point, wi);
+    const float found = luminance(incident_radiance(context, point, wi, sampler)) * cosine;
     if (is_finite(found)) sums[y * edge + x] += found;
   }
 };

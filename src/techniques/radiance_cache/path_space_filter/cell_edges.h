@@ -26,14 +26,14 @@ struct CellEdges {
 
   /// Mean emission within pixel (x, y).
   RELUME_HD Rgb emission(uint32_t x, uint32_t y) const {
-    SurfacePoint points[2];
-    points[1].bsdf.lobe_count = 0;  // the camera
     NoPolicy policy;
     return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       PathState path = start_path(context, x, y, sampler);
-      points[1].position = path.ray.origin;
+      SurfacePoint sp;
+      sp.position = path.ray.origin;
+      sp.bsdf.lobe_count = 0;  // the camera
       const Hit hit = intersect_from_camera(context.scene, path.ray, sampler.camera_ray_id());
-      arrive(context, hit, points[1], points[0], path, policy);
+      arrive(context, hit, sp, path, policy);
       return path.radiance;
     });
   }

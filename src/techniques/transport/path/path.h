@@ -90,16 +90,18 @@ RELUME_HD inline Rgb dispersion_weight(const SceneView& scene, const SurfacePoin
   return !path.dispersed && disperses(scene, sp, w) ? wavelength_weight(path.wavelength_nm) : Rgb(1);
 }
 
-/// Adds the emission of the hit surface, weighted against next event estimation from the previous vertex. Returns
-/// whether next event estimation could have sampled it.
-RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
-                                           PathState& path) {
+/// Adds the emission of the hit surface, weighted against next event estimation from the previous vertex, at
+/// `previous`. `light_pmf(id)`: probability with which the selector chooses a light there. Returns whether next event
+/// estimation could have sampled it.
+template <typename LightPmf>
+RELUME_HD inline bool add_surface_emission(const PathContext& c, const Vec3& previous, const LightPmf& light_pmf,
+                                           const SurfacePoint& sp, PathState& path) {
   if (is_black(sp.emission)) return false;
   const bool covered_by_nee = !path.delta && sp.light != kNoLight;
   float weight = 1.0f;
   if (covered_by_nee) {
-    const float pdf_light = c.selector.pmf(previous, sp.light) *
-                            pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
+    const float pdf_light =
+        light_pmf(sp.light) * pdf_li(c.scene.lights, sp.light, previous, path.ray.direction, sp.emitter_point());
     weight = power_heuristic(path.pdf_w, pdf_light);
   }
   path.radiance += path.throughput * sp.emission * weight;
@@ -248,7 +250,22 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
   return path;
 }
 
-/// Evaluates the vertex at the end of the ray: fills `sp` and adds its emission. Returns false if the path ends here.
+/// Evaluates the vertex on the hit surface: fills `sp` and adds its emission. `previous`, `light_pmf`: as for
+/// add_surface_emission(). Returns false if the path ends here.
+template <typename LightPmf, typename Policy>
+RELUME_HD inline bool arrive_at_surface(const PathContext& c, const Hit& hit, const Vec3& previous,
+                                        const LightPmf& light_pmf, SurfacePoint& sp, PathState& path, Policy& policy) {
+  make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp, path.wavelength_nm);
+  absorb(c.scene, sp, hit.t, path);
+  policy.emitted(path, add_surface_emission(c, previous, light_pmf, sp, path));
+  // Inside a dispersive medium even reflection depends on the wavelength: policies see a dispersed path from here on,
+  // and caches bypass the vertex.
+  if (c.scene.disperses) disperse(c.scene, sp, sp.ng, TransportMode::radiance, path);
+  return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
+}
+
+/// Evaluates the vertex at the end of the ray, which is light from infinity if nothing is hit. Fills `sp`, a point
+/// other than `previous`. Returns false if the path ends here.
 template <typename Policy>
 RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const SurfacePoint& previous, SurfacePoint& sp,
                              PathState& path, Policy& policy) {
@@ -256,13 +273,23 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
     policy.emitted(path, add_infinite_lights(c, previous, path));
     return false;
   }
-  make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp, path.wavelength_nm);
-  absorb(c.scene, sp, hit.t, path);
-  policy.emitted(path, add_surface_emission(c, previous, sp, path));
-  // Inside a dispersive medium even reflection depends on the wavelength: policies see a dispersed path from here on,
-  // and caches bypass the vertex.
-  if (c.scene.disperses) disperse(c.scene, sp, sp.ng, TransportMode::radiance, path);
-  return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
+  const auto light_pmf = [&](LightId light) { return c.selector.pmf(previous, light); };
+  return arrive_at_surface(c, hit, previous.position, light_pmf, sp, path, policy);
+}
+
+/// The same for threads that store one point: `sp` is the previous vertex before, and the current one after.
+template <typename Policy>
+RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, SurfacePoint& sp, PathState& path, Policy& policy) {
+  if (!hit.valid()) {
+    policy.emitted(path, add_infinite_lights(c, sp, path));
+    return false;
+  }
+  const Vec3 previous = sp.position;
+  const Instance& instance = c.scene.instances[hit.instance];
+  const bool weighted = !path.delta && instance.first_light != kNoLight;
+  const float pmf = weighted ? c.selector.pmf(sp, light_of(instance, hit.primitive)) : 0.0f;
+  return arrive_at_surface(
+      c, hit, previous, [pmf](LightId) { return pmf; }, sp, path, policy);
 }
 
 /// Selects the light of next event estimation at a vertex; none where only delta lobes scatter.
@@ -279,15 +306,12 @@ RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, cons
   return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
 }
 
-/// Traces a path from the hit of its ray until it ends. The current vertex is stored in points[bounce & 1], the
-/// previous one in the other element.
+/// Traces a path from the hit of its ray until it ends. `sp`: the vertex where the ray starts; then each vertex.
 template <typename Policy>
-RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)[2], PathState& path, Sampler& sampler,
+RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint& sp, PathState& path, Sampler& sampler,
                            Policy& policy) {
   for (;;) {
-    SurfacePoint& sp = points[path.bounce & 1u];
-    const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
-    if (!arrive(c, hit, previous, sp, path, policy)) break;
+    if (!arrive(c, hit, sp, path, policy)) break;
     if constexpr (DecidesLater<Policy>) {
       if (!policy.goes_on(path)) break;
     }
@@ -311,9 +335,10 @@ template <typename Policy = NoPolicy>
 RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, const Hit& hit,
                                       Policy&& policy = Policy{}) {
   PathState path = start_path(c, x, y, sampler);
-  SurfacePoint points[2];
-  points[1].position = path.ray.origin;
-  walk(c, hit, points, path, sampler, policy);
+  SurfacePoint sp;
+  sp.position = path.ray.origin;
+  sp.bsdf.lobe_count = 0;  // the camera
+  walk(c, hit, sp, path, sampler, policy);
   return path;
 }
 
