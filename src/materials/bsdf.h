@@ -2,84 +2,15 @@
 // on the side of wo. `f` excludes the cosine; densities are per solid angle of wi.
 #pragma once
 
-#include <cstddef>
-
 #include "materials/lobes/coat_with_normal.h"
 #include "materials/lobes/dielectric.h"
 #include "materials/lobes/lambert.h"
 #include "materials/lobes/reflection.h"
 #include "materials/lobes/sheen.h"
 #include "materials/lobes/thin_transmission.h"
+#include "materials/lobes_of_point.h"
 
 namespace relume {
-
-inline constexpr int kMaxLobes = 8;
-
-struct BsdfEval {
-  Rgb f{0};               ///< 1/sr
-  float pdf_forward = 0;  ///< density of wi given wo, excluding delta lobes
-  float pdf_reverse = 0;  ///< density of wo given wi; only from eval_pdf<true>
-};
-
-struct BsdfSample {
-  Vec3 wi{0};
-  Rgb weight{0};        ///< f · |cos θ| / pdf; zero ends the path
-  float pdf_w = 0;      ///< density of the whole mixture; undefined for delta
-  float alpha = 1;      ///< width of the chosen lobe (diffuse: 1), for ray cones
-  float eta_scale = 1;  ///< factor 1/η² of refraction within `weight`, which does not change the energy
-  bool delta = false;
-  bool valid = false;
-  float guide_pdf_w = 0;  ///< density of the guiding distribution alone, if it is part of `pdf_w`
-
-  RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
-};
-
-/// Lobes of one surface point, prepared for wo. Those of make_bsdf() use the first 320 bytes only.
-struct Bsdf {
-  const EnergyTables* tables;  ///< a member of the kernel's SceneView, which must outlive the BSDF
-  int lobe_count;
-  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat
-  bool layered;           ///< whether `sheen` and `detail` are used; set by make_layered_bsdf() only
-  bool coat_has_normal;   ///< layered: the coat has the normal detail.coat_normal
-  Lobe lobes[kMaxLobes];  ///< lobe_count valid elements
-  float sheen;            ///< largest component of the sheen colour, above all later lobes; 0: none
-  InterfaceDetail detail;
-
-  RELUME_HD bool empty() const { return lobe_count == 0; }
-  RELUME_HD bool has_coat() const { return coat > 0.0f; }
-  RELUME_HD bool has_sheen() const { return layered && sheen > 0.0f; }
-  RELUME_HD bool is_coat(int lobe) const { return lobe == 0 && has_coat(); }
-  RELUME_HD int sheen_lobe() const { return has_coat() ? 1 : 0; }  ///< if has_sheen()
-};
-
-/// Maximum number of lobes from make_bsdf(): coat, reflection, multiple reflection, diffuse base, transmission.
-inline constexpr int kMaxPlainLobes = 5;
-static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= 320);
-
-/// Removes all lobes.
-RELUME_HD inline void clear(Bsdf& bsdf) {
-  bsdf.lobe_count = 0;
-  bsdf.coat = 0;
-  bsdf.layered = false;
-}
-
-enum class SpecularLobes : uint8_t { none, some, all };
-
-/// Whether none, some or all lobes are specular; none in an empty BSDF.
-RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
-  int count = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) count += is_specular(bsdf.lobes[i].kind) ? 1 : 0;
-  if (count == 0) return SpecularLobes::none;
-  return count == bsdf.lobe_count ? SpecularLobes::all : SpecularLobes::some;
-}
-
-/// Whether any lobe can be evaluated, as next event estimation requires.
-RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    if (!is_delta(bsdf.lobes[i].kind)) return true;
-  }
-  return false;
-}
 
 /// Value and density of lobe i, either as stored or flipped; zero for delta lobes. `kLayered`: bsdf.layered.
 template <bool kLayered>
@@ -131,7 +62,7 @@ RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo,
 /// Directional albedo of the lobe at `cos_theta`, for sampling probabilities. Exact for reflection; an estimate for
 /// transmission, anisotropic microfacets and films.
 RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
-  const EnergyTable& table = tables.of(lobe.microfacet.model);
+  const EnergyTable& table = tables.of(lobe.model);
   switch (lobe.kind) {
     case LobeKind::lambert: return lobe.color * lobe.weight;
     case LobeKind::covered_lambert:
@@ -140,14 +71,15 @@ RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
     case LobeKind::sheen: return lobe.color * (sheen::albedo(lobe, tables, cos_theta) * lobe.weight);
     case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
-    case LobeKind::specular_reflection: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
+    case LobeKind::specular_reflection: return fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta) * lobe.weight;
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric: {
       const Rgb reflected = dielectric::reflectance(lobe, cos_theta);
       return (reflected + lobe.color * (Rgb(1) - reflected)) * lobe.weight;
     }
     case LobeKind::thin_transmission:
-    case LobeKind::null: return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, lobe.f90, cos_theta)) * lobe.weight;
+    case LobeKind::null:
+      return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta)) * lobe.weight;
   }
   return Rgb(0);
 }
@@ -199,39 +131,53 @@ RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const 
   return t;
 }
 
-/// The lobe as seen from the other side of the interface.
+/// Turns a lobe to the other side of the interface.
+RELUME_HD inline void flip(Lobe& lobe) { lobe.eta = 1.0f / lobe.eta; }
 RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   Lobe other = lobe;
-  other.eta = 1.0f / lobe.eta;
+  flip(other);
   return other;
 }
 
 enum class Side : uint8_t { same, other };  ///< side of the surface relative to the viewer of a BSDF
 
-/// Probabilities of the lobes for a viewer at `cos_theta` on that side. Returns false if nothing is reflected.
-RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
+namespace bsdf_detail {
+
+/// Sets at(i), a reference, to the probability of lobe i. `albedo(lobe)`: of lobes, for the viewer at `cos_theta`.
+template <typename Albedo, typename At>
+RELUME_HD_INLINE bool set_probabilities(const Bsdf& bsdf, float cos_theta, const Albedo& albedo, const At& at) {
   if (bsdf.lobe_count == 1) {
-    probabilities[0] = 1.0f;
+    at(0) = 1.0f;
     return true;
   }
   const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta);
   float sum = 0;
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Rgb reflected = side == Side::same ? lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)
-                                             : lobe_albedo(flipped(bsdf.lobes[i]), *bsdf.tables, cos_theta);
-    probabilities[i] = luminance(reflected) * layers.to(bsdf, i);
-    sum += probabilities[i];
+    const float probability = luminance(albedo(bsdf.lobes[i])) * layers.to(bsdf, i);
+    at(i) = probability;
+    sum += probability;
   }
   if (!(sum > 0.0f)) return false;
-  for (int i = 0; i < bsdf.lobe_count; ++i) probabilities[i] /= sum;
+  for (int i = 0; i < bsdf.lobe_count; ++i) at(i) /= sum;
   return true;
+}
+
+}  // namespace bsdf_detail
+
+/// Probabilities of the lobes for a viewer at `cos_theta` on that side. Returns false if nothing is reflected.
+RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
+  const auto albedo = [&](const Lobe& lobe) {
+    return side == Side::same ? lobe_albedo(lobe, *bsdf.tables, cos_theta)
+                              : lobe_albedo(flipped(lobe), *bsdf.tables, cos_theta);
+  };
+  return bsdf_detail::set_probabilities(bsdf, cos_theta, albedo, [&](int i) -> float& { return probabilities[i]; });
 }
 
 /// Computes the sampling probabilities of the lobes for wo. Removes all lobes of a BSDF that reflects nothing.
 RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
-  float probabilities[kMaxLobes];
-  if (!lobe_probabilities(bsdf, cos_theta_o, Side::same, probabilities)) bsdf.lobe_count = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) bsdf.lobes[i].probability = probabilities[i];
+  const auto albedo = [&](const Lobe& lobe) { return lobe_albedo(lobe, *bsdf.tables, cos_theta_o); };
+  const auto at = [&](int i) -> float& { return bsdf.lobes[i].probability; };
+  if (!bsdf_detail::set_probabilities(bsdf, cos_theta_o, albedo, at)) bsdf.lobe_count = 0;
 }
 
 namespace bsdf_detail {
@@ -363,7 +309,7 @@ RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, flo
   if (!(e.pdf_forward > 0.0f)) return {};
   result.weight = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
   result.pdf_w = e.pdf_forward;
-  result.alpha = is_glossy(lobe.kind) ? lobe.microfacet.alpha : 1.0f;
+  result.alpha = is_glossy(lobe.kind) ? lobe.alpha : 1.0f;
   result.valid = true;
   return result;
 }

@@ -11,7 +11,8 @@ namespace bsdf_assembly {
 RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfacet) {
   Lobe& lobe = bsdf.lobes[bsdf.lobe_count++];
   lobe.kind = kind;
-  lobe.microfacet = microfacet;
+  lobe.model = microfacet.model;
+  lobe.alpha = microfacet.alpha;
   lobe.eta = 1.0f;
   lobe.weight = 1.0f;
   return lobe;
@@ -25,12 +26,12 @@ RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, Microfa
   const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};
   Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
   lobe.f0 = Rgb(0.04f);
-  lobe.f90 = Rgb(1);
+  lobe.f90 = 1;
   lobe.weight = m.clearcoat;
   bsdf.coat = m.clearcoat;
 }
 
-RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, const Microfacet& microfacet) {
+RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, float f90, const Microfacet& microfacet) {
   Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
   lobe.f0 = f0;
   lobe.f90 = f90;
@@ -55,7 +56,7 @@ RELUME_HD inline bool bends(float ior) { return std::fabs(ior - 1.0f) > 1e-3f; }
 RELUME_HD inline float relative_index(float ior, bool front_face) { return front_face ? ior : 1.0f / ior; }
 
 RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
-                                        const Rgb& f0, const Rgb& f90, float weight, bool front_face,
+                                        const Rgb& f0, float f90, float weight, bool front_face,
                                         const Microfacet& microfacet) {
   const Microfacet interface { microfacet.model, bends(m.ior) ? microfacet.alpha : 0.0f };
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
@@ -75,7 +76,7 @@ struct BaseShares {
   float diffuse;
   float interface_share;  ///< of the dielectric reflection; a refracting interface has its own reflection
   Rgb dielectric_f0;
-  Rgb dielectric_f90;
+  float dielectric_f90;
 };
 
 RELUME_HD inline BaseShares base_shares(const MaterialSample& m, const MaterialData& material) {
@@ -84,7 +85,7 @@ RELUME_HD inline BaseShares base_shares(const MaterialSample& m, const MaterialD
   b.diffuse = (1.0f - m.metallic) * (1.0f - m.transmission);
   b.interface_share = material.volume ? b.diffuse : 1.0f - m.metallic;  // thin walls share the opaque part's
   b.dielectric_f0 = glm::min(f0_from_ior(material.ior) * m.specular_color, Rgb(1)) * m.specular;
-  b.dielectric_f90 = Rgb(m.specular);
+  b.dielectric_f90 = m.specular;
   return b;
 }
 
@@ -100,10 +101,10 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
   const Microfacet microfacet{material.microfacet_model, sqr(m.roughness)};
   const BaseShares shares = base_shares(m, material);
   const Rgb f0 = shares.dielectric_f0 * shares.interface_share + m.base_color * m.metallic;
-  const Rgb f90 = shares.dielectric_f90 * shares.interface_share + Rgb(m.metallic);
+  const float f90 = shares.dielectric_f90 * shares.interface_share + m.metallic;
 
   const bool covered = m.specular > 0.0f;
-  if (!is_black(f0) || !is_black(f90)) {
+  if (!is_black(f0) || f90 != 0.0f) {
     add_reflection(bsdf, f0, f90, microfacet);
     if (m.metallic > 0.0f && !microfacet.smooth()) {
       const float average = tables.of(microfacet.model).average_shares(m.roughness).total;
@@ -140,7 +141,8 @@ RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const Mater
   } else if (!is_black(m.base_color)) {
     Lobe& lobe = add(bsdf, LobeKind::lambert, {material.microfacet_model, sqr(m.roughness)});
     lobe.color = m.base_color;
-    lobe.f0 = lobe.f90 = Rgb(0);
+    lobe.f0 = Rgb(0);
+    lobe.f90 = 0;
     lobe.probability = 1.0f;
   }
 }

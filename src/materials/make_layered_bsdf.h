@@ -14,7 +14,8 @@ RELUME_HD inline void add_sheen(Bsdf& bsdf, const LayerSample& l) {
   const float alpha = relume::max(sqr(l.sheen_roughness), kMinSheenAlpha);
   Lobe& lobe = add(bsdf, LobeKind::sheen, {MicrofacetModel::ggx, alpha});
   lobe.color = l.sheen_color;
-  lobe.f0 = lobe.f90 = Rgb(0);
+  lobe.f0 = Rgb(0);
+  lobe.f90 = 0;
   bsdf.sheen = max_component(l.sheen_color);
 }
 
@@ -39,7 +40,7 @@ struct LayeredBase {
   const Microfacet microfacet;
   const bool anisotropic;
   Rgb f0[2];  ///< of dielectric and metal, for albedos
-  Rgb f90;    ///< of the dielectric
+  float f90;  ///< of the dielectric
   bool film;
 
   RELUME_HD LayeredBase(Bsdf& target, const MaterialSample& sample, const LayerSample& layers,
@@ -58,11 +59,11 @@ struct LayeredBase {
                         shares.dielectric_f0, m.specular,        m.base_color};
     if (m.metallic < 1.0f) f0[0] = film_f0_bound(bsdf.detail.film, FilmBase::dielectric);
     if (m.metallic > 0.0f) f0[1] = film_f0_bound(bsdf.detail.film, FilmBase::metal);
-    f90 = Rgb(1);
+    f90 = 1;
   }
 
-  RELUME_HD void add_reflection(FilmBase base, const Rgb& base_f0, const Rgb& base_f90, float weight) const {
-    if (!(weight > 0.0f) || (is_black(base_f0) && is_black(base_f90))) return;
+  RELUME_HD void add_reflection(FilmBase base, const Rgb& base_f0, float base_f90, float weight) const {
+    if (!(weight > 0.0f) || (is_black(base_f0) && base_f90 == 0.0f)) return;
     Lobe& lobe = bsdf_assembly::add_reflection(bsdf, base_f0, base_f90, microfacet);
     lobe.weight = weight;
     lobe.anisotropic = anisotropic;
@@ -115,7 +116,7 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   const LayeredBase base(bsdf, m, l, material);
   const BaseShares& shares = base.shares;
   base.add_reflection(FilmBase::dielectric, base.f0[0], base.f90, shares.interface_share);
-  base.add_reflection(FilmBase::metal, base.f0[1], Rgb(1), m.metallic);
+  base.add_reflection(FilmBase::metal, base.f0[1], 1, m.metallic);
   base.add_multiple_reflection(tables);
   base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)), 1.0f);
   base.add_diffuse(LobeKind::diffuse_transmission,

@@ -30,7 +30,7 @@ RELUME_HD inline float reflection_probability(const Rgb& reflectance) { return s
 template <bool kLayered>
 RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
                                           const Vec3& wi) {
-  const Microfacet& mf = lobe.microfacet;
+  const Microfacet mf = lobe.microfacet();
   const Vec3 m = glm::normalize(wo + wi);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
@@ -43,7 +43,7 @@ RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const InterfaceDetai
 template <bool kLayered>
 RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
                                           const Vec3& wi, TransportMode mode) {
-  const Microfacet& mf = lobe.microfacet;
+  const Microfacet mf = lobe.microfacet();
   Vec3 m = wo + lobe.eta * wi;
   if (length_squared(m) < 1e-12f) return {};
   m = glm::normalize(m);
@@ -71,7 +71,7 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 template <bool kLayered>
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, float u_side,
                                    const Vec2& u) {
-  const Vec3 m = lobe.microfacet.sample(wo, u);
+  const Vec3 m = lobe.microfacet().sample(wo, u);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
   if (u_side < reflection_probability(reflectance<kLayered>(lobe, detail, cos_om))) {

@@ -25,7 +25,7 @@ RELUME_HD inline Rgb interface_albedo(const Lobe& lobe, const EnergyShares& shar
 
 /// Transmittance of the interface for direction `cos_theta`.
 RELUME_HD inline Rgb transmitted(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
-  const float r = std::sqrt(lobe.microfacet.alpha);
+  const float r = std::sqrt(lobe.alpha);
   return Rgb(1) - interface_albedo(lobe, table.directional_shares(cos_theta, r));
 }
 
@@ -53,8 +53,8 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
                                const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   if (kLayered && lobe.anisotropic) return eval_anisotropic(lobe, detail.anisotropy, tables, wo, wi);
-  const EnergyTable& table = tables.of(lobe.microfacet.model);
-  const Rgb average = Rgb(1) - interface_albedo(lobe, table.average_shares(std::sqrt(lobe.microfacet.alpha)));
+  const EnergyTable& table = tables.of(lobe.model);
+  const Rgb average = Rgb(1) - interface_albedo(lobe, table.average_shares(std::sqrt(lobe.alpha)));
   return below(lobe, transmitted(lobe, table, wo.z), transmitted(lobe, table, wi.z), average, wi.z);
 }
 

@@ -85,19 +85,23 @@ RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
 struct Lobe {
   LobeKind kind;
   FilmBase film;     ///< of layered BSDFs: base of the film of InterfaceDetail; none: Fresnel's term follows f0 and f90
-  bool anisotropic;  ///< of layered BSDFs: uses InterfaceDetail; `microfacet` has the geometric mean of both widths
-  Microfacet microfacet;
+  bool anisotropic;  ///< of layered BSDFs: uses InterfaceDetail; `alpha` is the geometric mean of both widths
+  MicrofacetModel model;
+  float alpha;        ///< of Microfacet
   float eta;          ///< of transmitting lobes: index beyond over index on wo's side
   Rgb color;          ///< diffuse albedo; tint of transmission; multiple_reflection: F_ms of [Kulla17]
   Rgb f0;             ///< reflectance at normal incidence, of the interface for bases; below a film: film_f0_bound()
-  Rgb f90;            ///< reflectance at grazing angles
+  float f90;          ///< reflectance at grazing angles
   float weight;       ///< share of this lobe in the mixture
   float probability;  ///< probability of sampling this lobe
+
+  RELUME_HD Microfacet microfacet() const { return {model, alpha}; }
 };
+static_assert(sizeof(Lobe) == 48);
 
 /// Whether the lobe shows an image: a delta lobe, or narrower than kNarrowAlpha.
 RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
-  return is_delta(lobe.kind) || (is_glossy(lobe.kind) && lobe.microfacet.alpha < kNarrowAlpha);
+  return is_delta(lobe.kind) || (is_glossy(lobe.kind) && lobe.alpha < kNarrowAlpha);
 }
 
 /// Parameters shared by the lobes of a layered BSDF, filled only where a lobe needs them.
@@ -112,7 +116,7 @@ struct InterfaceDetail {
 template <bool kLayered>
 RELUME_HD inline Rgb fresnel(const Lobe& lobe, const InterfaceDetail& detail, float cos_theta) {
   if (kLayered && lobe.film != FilmBase::none) return film_reflectance(detail.film, lobe.film, cos_theta);
-  return fresnel_schlick(lobe.f0, lobe.f90, cos_theta);
+  return fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta);
 }
 
 /// Value and density of a lobe for one pair of directions.

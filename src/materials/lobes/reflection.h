@@ -19,7 +19,7 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
   const float cos_om = glm::dot(wo, m);
   const Rgb reflected = fresnel<kLayered>(lobe, detail, cos_om);
   if (kLayered && lobe.anisotropic) return eval_anisotropic(detail.anisotropy, reflected, wo, wi, m);
-  const Microfacet& mf = lobe.microfacet;
+  const Microfacet mf = lobe.microfacet();
   const float d = mf.d(m);
   const Rgb f = reflected * (d * mf.g2(wo, wi) / (4.0f * wo.z * wi.z));
   const float pdf_m = mf.model == MicrofacetModel::ggx ? mf.g1(wo) * cos_om * d / wo.z : d * m.z;
@@ -28,14 +28,14 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 
 template <bool kLayered>
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, const Vec2& u) {
-  const Vec3 m = kLayered && lobe.anisotropic ? detail.anisotropy.sample(wo, u) : lobe.microfacet.sample(wo, u);
+  const Vec3 m = kLayered && lobe.anisotropic ? detail.anisotropy.sample(wo, u) : lobe.microfacet().sample(wo, u);
   const Vec3 wi = reflect(wo, m);
   return {wi, Rgb(0), wi.z > 0.0f && glm::dot(wo, m) > 0.0f};
 }
 
 /// Albedo under Schlick's Fresnel.
 RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
-  const EnergyShares e = table.directional_shares(cos_theta, std::sqrt(lobe.microfacet.alpha));
+  const EnergyShares e = table.directional_shares(cos_theta, std::sqrt(lobe.alpha));
   return lobe.f0 * (e.total - e.grazing) + lobe.f90 * e.grazing;
 }
 
@@ -63,8 +63,8 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
                                const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   if (kLayered && lobe.anisotropic) return eval_anisotropic(lobe, detail.anisotropy, tables, wo, wi);
-  const EnergyTable& table = tables.of(lobe.microfacet.model);
-  const float r = std::sqrt(lobe.microfacet.alpha);
+  const EnergyTable& table = tables.of(lobe.model);
+  const float r = std::sqrt(lobe.alpha);
   const float missing_o = 1.0f - table.directional_shares(wo.z, r).total;
   const float missing_i = 1.0f - table.directional_shares(wi.z, r).total;
   const float missing_avg = 1.0f - table.average_shares(r).total;
@@ -72,7 +72,7 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 }
 
 RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
-  return lobe.color * (1.0f - table.directional_shares(cos_theta, std::sqrt(lobe.microfacet.alpha)).total);
+  return lobe.color * (1.0f - table.directional_shares(cos_theta, std::sqrt(lobe.alpha)).total);
 }
 
 }  // namespace relume::multiple_reflection

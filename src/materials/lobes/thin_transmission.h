@@ -12,14 +12,14 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
   const Vec3 wi_up(wi.x, wi.y, -wi.z);
   const Vec3 m = glm::normalize(wo + wi_up);
   const float cos_om = glm::dot(wo, m);
-  const Microfacet& mf = lobe.microfacet;
+  const Microfacet mf = lobe.microfacet();
   const Rgb transmitted = lobe.color * (Rgb(1) - fresnel<kLayered>(lobe, detail, cos_om));
   const float f = mf.d(m) * mf.g2(wo, wi_up) / (4.0f * wo.z * wi_up.z);
   return {transmitted * f, mf.pdf(wo, m) / (4.0f * cos_om)};
 }
 
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, const Vec2& u) {
-  const Vec3 m = lobe.microfacet.sample(wo, u);
+  const Vec3 m = lobe.microfacet().sample(wo, u);
   const Vec3 wi = reflect(wo, m);
   return {{wi.x, wi.y, -wi.z}, Rgb(0), wi.z > 0.0f && glm::dot(wo, m) > 0.0f};
 }

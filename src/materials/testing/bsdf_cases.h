@@ -25,11 +25,12 @@ inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
   lobe.kind = kind;
   lobe.film = FilmBase::none;
   lobe.anisotropic = false;
-  lobe.microfacet = microfacet;
+  lobe.model = microfacet.model;
+  lobe.alpha = microfacet.alpha;
   lobe.eta = eta;
   lobe.color = Rgb(0.9f, 0.6f, 0.3f);
   lobe.f0 = Rgb(0.04f, 0.5f, 0.9f);
-  lobe.f90 = Rgb(1);
+  lobe.f90 = 1;
   lobe.weight = 1;
   return lobe;
 }

@@ -152,7 +152,7 @@ struct FeatureTracer {
     const int chosen = reflection_detail::main_lobe(sp, &albedo);
     if (chosen < 0) return;
     const Lobe& lobe = sp.bsdf.lobes[chosen];
-    const float alpha = is_delta(lobe.kind) ? 0.0f : lobe.microfacet.alpha;
+    const float alpha = is_delta(lobe.kind) ? 0.0f : lobe.alpha;
     if (alpha > kWidestReflection) return;
     Rgb share;
     float eta_scale = 1;

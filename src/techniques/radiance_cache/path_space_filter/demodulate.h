@@ -55,11 +55,11 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
     const bool microfacets = is_glossy(lobe.kind);
     const bool delta = is_delta(lobe.kind);
     total += luminance(albedo);
-    if (delta || (microfacets && lobe.microfacet.alpha < narrow_alpha)) narrow += luminance(albedo);
+    if (delta || (microfacets && lobe.alpha < narrow_alpha)) narrow += luminance(albedo);
     d.has_delta = d.has_delta || delta;
     if (delta) continue;
     d.albedo += albedo;
-    d.glossy = d.glossy || (microfacets && lobe.microfacet.alpha < kGlossyAlpha);
+    d.glossy = d.glossy || (microfacets && lobe.alpha < kGlossyAlpha);
     d.raised += microfacets ? albedo : raised_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
   }
   d.filtered = max_component(d.albedo) > 0.0f && narrow * 2.0f <= total;
