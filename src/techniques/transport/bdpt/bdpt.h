@@ -17,8 +17,28 @@ struct BdptKernel {
   View<uint32_t> rays;              ///< of this sample
   View<uint64_t> saturated;         ///< one counter of clamped splats
   View<uint64_t> nonfinite;         ///< one counter of splats left out as not finite
+  // Of the form for one pixel: memory of LightVertices for `kept_rows` rows. A launch traces at most as many.
+  View<PathVertex> vertices = {};
+  View<CameraConnection> to_camera = {};
+  uint32_t kept_rows = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t size = context.max_kept_vertices();
+    const uint32_t first = (y % kept_rows * context.width + x) * size;
+    trace(x, y, {{vertices.data + first, size}, {to_camera.data + first, size}});
+  }
+
+  /// Host: threads have enough memory on their stack.
+  void operator()(const Tile& tile) const {
+    LightVertexArrays arrays;
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) trace(x, y, arrays.view());
+    }
+  }
+
+ private:
+  /// `kept`: memory for the light subpath.
+  RELUME_HD void trace(uint32_t x, uint32_t y, LightVertices kept) const {
     const uint32_t pixel = y * context.width + x;
     if (!allocation.empty() && allocation[pixel] == 0) {
       radiance[pixel] = Rgb(0);
@@ -26,7 +46,6 @@ struct BdptKernel {
       return;
     }
     BdptCounters counters;
-    LightVertices kept;
     Sampler light_sampler = index.sampler(x, y);
     trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);

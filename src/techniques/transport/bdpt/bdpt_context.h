@@ -28,6 +28,12 @@ struct BdptContext {
     if (path.max_bounces == 1 && connection_roulette > 0.0f && !light_only) return 2;
     return light_only ? longest : (longest < max_light_vertices + 1 ? longest : max_light_vertices + 1);
   }
+
+  /// Maximum number of vertices kept of a light subpath: not that on the light, and not the last of the longest path.
+  RELUME_HD uint32_t max_kept_vertices() const {
+    const uint32_t longest = max_bidirectional_vertices();
+    return light_only || longest < 2 ? 0 : longest - 2;
+  }
 };
 
 /// Probability of choosing `light` for a connection, as used by the weights. It must not depend on the start of the

@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/stream_io.h"
 #include "frame/primitives/fill.h"
 #include "frame/primitives/reduce.h"
-#include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/light_medium.h"
 
 namespace relume {
 namespace {
 
 constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
+
+/// Limit of the memory for light subpaths of one launch, except that of a single row.
+constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
 
 }  // namespace
 
@@ -44,6 +48,32 @@ void BdptPass::prepare_lights(const FrameContext& frame) {
   launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }
 
+void BdptPass::prepare_light_vertices(const FrameContext& frame, BdptKernel& kernel) {
+  if (!frame.backend.has_device() && frame.backend.form() == KernelForm::host) return;
+  const uint64_t row = uint64_t{kernel.context.max_kept_vertices()} * frame.width();
+  const uint64_t rows =
+      kLightVertexBytes / std::max<uint64_t>(row * (sizeof(PathVertex) + sizeof(CameraConnection)), 1);
+  kernel.kept_rows = static_cast<uint32_t>(std::clamp<uint64_t>(rows, 1, frame.height()));
+  const size_t elements = row * kernel.kept_rows;
+  if (vertices_.size() != elements) {
+    vertices_.reset(elements, kUninitialized);
+    to_camera_.reset(elements, kUninitialized);
+  }
+  kernel.vertices = vertices_.mutable_view();
+  kernel.to_camera = to_camera_.mutable_view();
+}
+
+/// Returns false if a stop was requested.
+bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) const {
+  if (kernel.kept_rows == 0) return frame.launch_or_stop("trace", kernel);
+  Tile band = frame.rendered();
+  for (const uint32_t end = band.y1; band.y0 < end; band.y0 = band.y1) {
+    band.y1 = std::min(band.y0 + kernel.kept_rows, end);
+    if (!launch(frame.backend, "trace", kernel, band, frame.stop)) return false;
+  }
+  return true;
+}
+
 bool BdptPass::run(const FrameContext& frame) {
   prepare_lights(frame);
   BdptKernel kernel;
@@ -73,7 +103,8 @@ bool BdptPass::run(const FrameContext& frame) {
     const uint64_t traced = sum({frame.backend, "splats", scratch_}, kernel.allocation);
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
-  if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
+  prepare_light_vertices(frame, kernel);
+  if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) {
     // Discards the splats of the abandoned frame.
     fill(frame.backend, "splats", c.splats, FixedPointRgb{});
     return false;

@@ -7,6 +7,7 @@
 #include "frame/pass.h"
 #include "frame/primitives/primitive.h"
 #include "techniques/light_sampling/light_selection/settings.h"
+#include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/settings.h"
 #include "techniques/transport/path/path_pass.h"
 
@@ -37,6 +38,8 @@ class BdptPass final : public Pass {
         emission_(memory),
         connection_(memory),
         light_medium_(memory),
+        vertices_(memory),
+        to_camera_(memory),
         faults_(memory) {}
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
@@ -47,7 +50,7 @@ class BdptPass final : public Pass {
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
     return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes() +
-           scratch_.memory_bytes();
+           vertices_.memory_bytes() + to_camera_.memory_bytes() + scratch_.memory_bytes();
   }
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
@@ -55,6 +58,8 @@ class BdptPass final : public Pass {
 
  private:
   void prepare_lights(const FrameContext& frame);
+  void prepare_light_vertices(const FrameContext& frame, BdptKernel& kernel);
+  bool trace(const FrameContext& frame, const BdptKernel& kernel) const;
 
   BdptSettings settings_;
   LightSelectionSettings selection_;
@@ -64,6 +69,8 @@ class BdptPass final : public Pass {
   Array<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
+  Array<PathVertex> vertices_;    ///< of the light subpaths of one launch; empty if the host's stack holds them
+  Array<CameraConnection> to_camera_;
   KernelValue<SplatFaults> faults_;
   PrimitiveScratch scratch_;
   bool prepared_ = false;

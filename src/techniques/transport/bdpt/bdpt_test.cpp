@@ -124,10 +124,21 @@ TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSavesRays) {
   EXPECT_LT(fewer, 0.9 * all);
 }
 
+TEST(Bdpt, BandsOfRowsChangeNothing) {
+  const auto image = [](uint32_t rows) {
+    BdptFrame frame(find_builtin_scene("cornell")->build(), {.width = 24, .height = 10, .max_light_vertices = 5});
+    frame.run(3, 0, rows);
+    return frame.radiance;
+  };
+  const std::vector<Rgb> expected = image(0);
+  for (const uint32_t rows : {1u, 4u, 10u}) EXPECT_EQ(image(rows), expected) << rows;
+}
+
 TEST(Bdpt, SmallCameraConnectionsAreRarelyTested) {
   BdptFrame frame(make_closed_sphere(0.6f), {.connection_roulette = 0.5f});
   const BdptContext c = frame.context();
-  LightVertices light;
+  LightVertexArrays arrays;
+  LightVertices light = arrays.view();
   light.connections = 1;
   light.to_camera[0] = {.ray = {Vec3(0), Vec3(0, 0, 1), 1e-3f}, .contribution = Rgb(1), .raster = {3.5f, 2.5f}};
   constexpr int kSamples = 40000;

@@ -98,12 +98,20 @@ RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnectio
 
 /// Vertices and camera connections kept until the camera subpath is traced.
 struct LightVertices {
-  PathVertex vertices[kMaxLightVertices - 1];  ///< excludes the vertex on the light
-  CameraConnection to_camera[kMaxLightVertices - 1];
-  uint32_t count = 0;        ///< size of vertices
-  uint32_t connections = 0;  ///< number of connections to the camera
+  View<PathVertex> vertices;         ///< excludes the vertex on the light; BdptContext::max_kept_vertices() elements
+  View<CameraConnection> to_camera;  ///< as many
+  uint32_t count = 0;                ///< of the vertices
+  uint32_t connections = 0;          ///< of those to the camera
 
-  RELUME_HD View<const PathVertex> view() const { return {vertices, count}; }
+  RELUME_HD View<const PathVertex> view() const { return {vertices.data, count}; }
+};
+
+/// Memory for the longest light subpath, 4.5 KB.
+struct LightVertexArrays {
+  PathVertex vertices[kMaxLightVertices - 1];
+  CameraConnection to_camera[kMaxLightVertices - 1];
+
+  LightVertices view() { return {{vertices, kMaxLightVertices - 1}, {to_camera, kMaxLightVertices - 1}}; }
 };
 
 /// Tests the connections to the camera. `tried`: roulette of the camera subpath. Each connection is compared with those

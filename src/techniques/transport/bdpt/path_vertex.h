@@ -73,7 +73,7 @@ RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVerte
   }
   SurfacePoint sp;
   restore(scene, v, wavelength_nm, sp);
-  return eval_adjoint(sp, w);
+  return eval_last_adjoint(sp, w);
 }
 
 }  // namespace relume

@@ -68,21 +68,20 @@ RELUME_HD inline void transform_to_frame(Bsdf& bsdf, const Frame& from, const Fr
   if (length > 0.0f) tangent = {along.x / length, along.y / length};
 }
 
-/// The same surface for another viewer.
-RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) {
-  SurfacePoint other = sp;
-  other.wo = wo;
+/// Changes the viewer of a surface.
+RELUME_HD inline void view_from(SurfacePoint& sp, const Vec3& wo) {
+  sp.wo = wo;
   if (glm::dot(sp.ng, wo) < 0.0f) {
-    other.ng = -sp.ng;
-    other.ns = -sp.ns;
-    other.front_face = !sp.front_face;
-    for (int i = 0; i < other.bsdf.lobe_count; ++i) other.bsdf.lobes[i] = flipped(sp.bsdf.lobes[i]);
+    sp.ng = -sp.ng;
+    sp.ns = -sp.ns;
+    sp.front_face = !sp.front_face;
+    for (int i = 0; i < sp.bsdf.lobe_count; ++i) flip(sp.bsdf.lobes[i]);
   }
-  other.frame = make_frame(surface_detail::visible_shading_normal(other.ns, other.ng, wo));
-  other.wo_local = other.frame.to_local(wo);
-  transform_to_frame(other.bsdf, sp.frame, other.frame);
-  prepare(other.bsdf, other.wo_local.z);
-  return other;
+  const Frame before = sp.frame;
+  sp.frame = make_frame(surface_detail::visible_shading_normal(sp.ns, sp.ng, wo));
+  sp.wo_local = sp.frame.to_local(wo);
+  transform_to_frame(sp.bsdf, before, sp.frame);
+  prepare(sp.bsdf, sp.wo_local.z);
 }
 
 /// Scattering at a vertex of a light subpath, towards the camera's side.
@@ -92,16 +91,27 @@ struct AdjointEval {
   float pdf_camera = 0;  ///< density of the light's direction for a camera subpath, per solid angle
 };
 
+/// eval_adjoint() where both viewers have the same shading frame.
+RELUME_HD inline AdjointEval eval_in_same_frame(const SurfacePoint& sp, const Vec3& w) {
+  const BsdfEval e = eval_pdf<true>(sp, w, TransportMode::importance);
+  return {e.f * (sp.wo_local.z / glm::dot(sp.ng, sp.wo)), e.pdf_forward, e.pdf_reverse};
+}
+
+/// eval_adjoint() for a surface that is used for nothing more: it is then seen from the camera's side.
+RELUME_HD inline AdjointEval eval_last_adjoint(SurfacePoint& sp, const Vec3& w) {
+  if (same_shading_frame(sp, w)) return eval_in_same_frame(sp, w);
+  const Vec3 light = sp.wo;
+  const float cos_geometric = glm::dot(sp.ng, light);
+  view_from(sp, w);
+  const BsdfEval e = eval_pdf(sp, light);
+  return {e.f * (shading_cosine(sp, light) / cos_geometric), 0.0f, e.pdf_forward};
+}
+
 /// `sp` is seen from the light; `w` points to the camera's side.
 RELUME_HD inline AdjointEval eval_adjoint(const SurfacePoint& sp, const Vec3& w) {
-  const float cos_geometric = glm::dot(sp.ng, sp.wo);
-  if (same_shading_frame(sp, w)) {
-    const BsdfEval e = eval_pdf<true>(sp, w, TransportMode::importance);
-    return {e.f * (sp.wo_local.z / cos_geometric), e.pdf_forward, e.pdf_reverse};
-  }
-  const SurfacePoint viewed = seen_from(sp, w);
-  const BsdfEval e = eval_pdf(viewed, sp.wo);
-  return {e.f * (shading_cosine(viewed, sp.wo) / cos_geometric), 0.0f, e.pdf_forward};
+  if (same_shading_frame(sp, w)) return eval_in_same_frame(sp, w);
+  SurfacePoint copy = sp;
+  return eval_last_adjoint(copy, w);
 }
 
 /// Throughput factor for light that arrived along −sp.wo and leaves along `w` ([Veach97], §5.3).

@@ -1,6 +1,7 @@
 // Runs the kernels of bidirectional path tracing without a session, to give tests access to every buffer.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -63,23 +64,40 @@ class BdptFrame {
     return c;
   }
 
-  /// Traces sample `sample` of every pixel.
-  void run(uint32_t seed, uint32_t sample) {
+  /// Traces sample `sample` of every pixel. `rows`: of the bands in which threads with little memory trace them; 0: the
+  /// host traces tiles.
+  void run(uint32_t seed, uint32_t sample, uint32_t rows = 0) {
     const SampleIndex index{.seed = seed, .sample = sample, .frame = sample, .age = sample};
     const SceneView& view = compiled.view();
     launch(backend, "gbuffer", PrimaryHitsKernel{view, index, mutable_view_of(hits), {}, width()}, width(), height());
-    launch(backend, "trace",
-           BdptKernel{context(),
+    BdptKernel kernel{context(),
                       index,
                       view_of(hits),
                       view_of(allocation),
                       mutable_view_of(radiance),
                       mutable_view_of(rays),
                       {&saturated, 1},
-                      {&nonfinite, 1}},
-           width(), height());
+                      {&nonfinite, 1}};
+    if (rows == 0) {
+      launch(backend, "trace", kernel, width(), height());
+    } else {
+      trace_in_bands(kernel, rows);
+    }
     launch(backend, "splats", AddSplatsKernel{mutable_view_of(splats), mutable_view_of(radiance), {}, 1.0f, width()},
            width(), height());
+  }
+
+  void trace_in_bands(BdptKernel kernel, uint32_t rows) {
+    const size_t size = size_t{kernel.context.max_kept_vertices()} * width() * rows;
+    std::vector<PathVertex> vertices(size);
+    std::vector<CameraConnection> to_camera(size);
+    kernel.vertices = mutable_view_of(vertices);
+    kernel.to_camera = mutable_view_of(to_camera);
+    kernel.kept_rows = rows;
+    backend.configure(options.threads, KernelForm::device);
+    for (uint32_t y = 0; y < height(); y += rows)
+      launch(backend, "trace", kernel, Tile{0, y, width(), std::min(y + rows, height())});
+    backend.configure(options.threads, KernelForm::host);
   }
 
   uint32_t width() const { return static_cast<uint32_t>(options.width); }
