@@ -40,11 +40,9 @@ struct ViewedPoint {
   float cone_width = 0;  ///< of the ray at the point, metres
   uint32_t region = kNoRegion;
 
-  RELUME_HD SurfacePoint surface(const SceneView& scene) const {
-    SurfacePoint point;
+  RELUME_HD void make_surface(const SceneView& scene, SurfacePoint& point) const {
     make_surface_point(scene, ray, hit, cone_width, point);
     point.region = region;
-    return point;
   }
 };
 
@@ -61,7 +59,8 @@ struct IncidentLightKernel {
     const Vec2 jitter = sampler.next_2d();
     const Vec2 at = (Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter) / static_cast<float>(edge);
     const Vec3 wi = direction_from_square(at);
-    SurfacePoint point = viewed[0].surface(context.scene);
+    SurfacePoint point;
+    viewed[0].make_surface(context.scene, point);
     if (glm::dot(wi, point.ng) <= 0.0f) return;
     const float cosine = shading_cosine(point, wi);
     const float found = luminance(incident_radiance(context, point, wi, sampler)) * cosine;
