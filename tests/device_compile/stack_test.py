@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Stack that a thread of each kernel needs on a device. RELUME_PTX: the device code; RELUME_CXXFILT: demangles its names.
+RELUME_PTXAS: CUDA's assembler, if it is compared too."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
+
+from parser import parse
+from stack_sizes import stack_sizes
+
+# Bytes. A GPU reserves the largest stack for each thread that it can hold: 270,000 on one with 132 multiprocessors.
+LIMIT = 4096
+# Upper bounds of kernels with large stacks, in bytes. The first pattern that fits a type counts; others need at most OTHERS.
+BOUNDS = (
+    (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
+    (r"BdptKernel", 2300),
+    (r"PathKernel<CellsOutput<PathGraphContext>", 2300),  # vertices of the path
+    (r"PathKernel<RadianceOutput> ", 1450),
+    (r"PathKernel<", 1700),
+    (r"DepthVoteKernel", 1600),
+    (r"IncidentLightKernel", 1600),
+    (r"ResolveCellsKernel", 1300),
+    (r"device::run<SurfaceKernel>", 1250),
+)
+OTHERS = 1100
+# The assembler may align frames, and store registers that calls need.
+ASSEMBLER_TOLERANCE = 64
+
+MODULE = """.version 6.3
+.target sm_75
+.address_size 64
+.func leaf() { .local .align 8 .b8 a[20]; ret; }
+.func middle() { .local .align 1 .b8 a[1]; .local .align 4 .b8 b[8]; call.uni leaf, (); ret; }
+.func shallow() { .local .align 4 .b8 a[4]; ret; }
+.visible .entry k() { .local .align 4 .b8 a[100]; call.uni shallow, (); call.uni middle, (); ret; }
+.visible .entry none() { ret; }
+"""
+RECURSION = ".version 6.3\n.target sm_75\n.address_size 64\n.func f() { call.uni f, (); ret; }\n.visible .entry k() { call.uni f, (); ret; }\n"
+
+
+def demangled(names):
+    text = "\n".join(names) + "\n"
+    lines = subprocess.run([os.environ["RELUME_CXXFILT"]], input=text, check=True, capture_output=True, text=True).stdout
+    return [line.replace("relume::", "") for line in lines.splitlines()]
+
+
+def bound_of(kernel):
+    return next((bound for pattern, bound in BOUNDS if re.search(pattern, kernel)), OTHERS)
+
+
+class Chains(unittest.TestCase):
+    def test_the_deepest_chain_of_calls_counts(self):
+        chains = stack_sizes(parse(MODULE, "module.ptx"))
+        self.assertEqual(chains["k"].frames, (("k", 100), ("middle", 12), ("leaf", 20)))
+        self.assertEqual((chains["k"].size, chains["none"].size), (132, 0))
+
+    def test_recursion_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "'f' calls itself"):
+            stack_sizes(parse(RECURSION, "module.ptx"))
+
+
+class Stack(unittest.TestCase):
+    maxDiff = None
+
+    @classmethod
+    def setUpClass(cls):
+        path = os.environ["RELUME_PTX"]
+        chains = stack_sizes(parse(pathlib.Path(path).read_text(encoding="utf-8"), path))
+        cls.kernels = dict(zip(chains, demangled(chains)))
+        cls.chains = chains
+
+    def test_no_kernel_needs_more_than_its_bound(self):
+        excess = []
+        for name, chain in self.chains.items():
+            if chain.size > bound_of(self.kernels[name]):
+                frames = zip(demangled(f for f, _ in chain.frames), chain.frames)
+                excess.append(f"{chain.size}: " + " > ".join(f"{f[:60]} {size}" for f, (_, size) in frames))
+        self.assertEqual(excess, [], "more stack than before")
+
+    def test_bounds_are_within_the_limit_and_name_kernels(self):
+        self.assertLessEqual(max(bound for _, bound in BOUNDS), LIMIT)
+        for pattern, _ in BOUNDS:
+            self.assertTrue(any(re.search(pattern, k) for k in self.kernels.values()), pattern)
+
+    @unittest.skipUnless(os.environ.get("RELUME_PTXAS"), "without CUDA's assembler")
+    def test_the_assembler_needs_as_much(self):
+        command = [os.environ["RELUME_PTXAS"], "-arch=sm_75", "-v", os.environ["RELUME_PTX"], "-o", os.devnull]
+        report = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+        entry = r"Compiling entry function '(\w+)'.*?Used (\d+) registers(?:[^\n]*?(\d+) bytes cumulative stack size)?"
+        found = {name: int(size or 0) for name, _, size in re.findall(entry, report, re.DOTALL)}
+        self.assertEqual(set(found), set(self.chains))
+        more = {self.kernels[n]: (size, self.chains[n].size) for n, size in found.items()
+                if size > self.chains[n].size + ASSEMBLER_TOLERANCE}
+        self.assertEqual(more, {})
+
+
+if __name__ == "__main__":
+    unittest.main()
