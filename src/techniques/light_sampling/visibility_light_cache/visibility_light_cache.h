@@ -107,7 +107,7 @@ struct VisibilityLightCache {
     return density(sp, buckets, bucket, w, light);
   }
 
-  /// The same for the light's weight in its bucket (sum 0: it is not there): a one-sample mixture.
+  /// The same for the weight of the light in its bucket (sum 0: the bucket lacks it): a one-sample mixture.
   RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const WeighedLight& w,
                           LightId light) const {
     const float finite = 1.0f - infinite.share;
