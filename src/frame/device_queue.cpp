@@ -16,6 +16,10 @@ constexpr double kQueueSeconds = 0.015;
 constexpr uint64_t kGrowth = 8;          ///< after bands that took less than kBandSeconds / kGrowth
 constexpr uint64_t kSmallestGrowth = 2;  ///< after longer ones
 
+/// Part of the device's threads that take the time of one: as many as fit with the most registers per thread. Smaller
+/// bands of a known kernel would be no shorter.
+constexpr uint64_t kSideBySide = 8;
+
 /// Share of a kernel's time per thread that a faster band leaves. Bands keep to the slowest part of earlier frames.
 constexpr double kDecay = 0.9;
 
@@ -117,9 +121,10 @@ double DeviceQueue::expected_seconds(const Estimate& estimate, uint64_t threads)
   return estimate.thread_s * static_cast<double>(timed);
 }
 
-uint64_t DeviceQueue::fitting_threads(const Estimate& estimate) {
+uint64_t DeviceQueue::fitting_threads(const Estimate& estimate) const {
   constexpr double kMost = 1e15;
-  return static_cast<uint64_t>(estimate.thread_s > 0 ? std::min(kBandSeconds / estimate.thread_s, kMost) : kMost);
+  const double fitting = estimate.thread_s > 0 ? std::min(kBandSeconds / estimate.thread_s, kMost) : kMost;
+  return std::max<uint64_t>(static_cast<uint64_t>(fitting), device_.parallel_threads() / kSideBySide);
 }
 
 void DeviceQueue::learn(Estimate& estimate, uint64_t threads, double seconds) const {

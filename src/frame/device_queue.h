@@ -39,7 +39,7 @@ class DeviceQueue {
   /// Time of a kernel, from the bands of launches with one name that have ended.
   struct Estimate {
     double thread_s = 0;         ///< per thread; 0: unknown
-    uint64_t most_threads = 32;  ///< of the next band
+    uint64_t most_threads = 32;  ///< of the next band, unless a block has more
   };
   /// A band in the queue.
   struct Band {
@@ -56,8 +56,8 @@ class DeviceQueue {
   /// Whether a launch takes the same time with more threads, up to parallel_threads().
   bool fills_device(const Estimate& estimate) const;
   double expected_seconds(const Estimate& estimate, uint64_t threads) const;
-  /// Number of threads that the device executes in kBandSeconds.
-  static uint64_t fitting_threads(const Estimate& estimate);
+  /// Number of threads that the device executes in kBandSeconds; at least those that take no longer than one.
+  uint64_t fitting_threads(const Estimate& estimate) const;
   void learn(Estimate& estimate, uint64_t threads, double seconds) const;
   /// Waits until the queue is expected to be empty after kQueueSeconds.
   void make_room();

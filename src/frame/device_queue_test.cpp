@@ -179,13 +179,41 @@ TEST_F(DeviceQueueTest, DividesLaunchesThatCanBeStoppedIntoBands) {
   EXPECT_EQ(device_.launches.size(), 1u);
 }
 
-TEST_F(DeviceQueueTest, BandsAreShortWhateverTheDeviceIs) {
+TEST_F(DeviceQueueTest, BandsAreShortWhateverTheKernelIs) {
+  device_.parallel = 800;
+  device_.least_elements = 100;
+  for (const double element_s : {1e-5, 5e-5, 1e-4}) {  // 1, 5, 10 ms for up to 100 elements
+    device_.element_s = element_s;
+    Backend backend(device_, 2);
+    launch(backend, "bands", ElementKernel{}, 20000, 1, stop_.get_token());
+    launch(backend, "bands", ElementKernel{}, 5000, 4, stop_.get_token());
+    EXPECT_LT(device_.longest_queue_s, 0.050);
+  }
+}
+
+TEST_F(DeviceQueueTest, ThreadsThatTakeLongRunSideBySide) {
   device_.parallel = 100000;
-  device_.element_s = 1e-3;
-  launch_stoppable(20000, 1);
-  expect_cover(device_.launches, 20000, 1);
-  launch_stoppable(5000, 4);
+  device_.least_elements = 12500;
+  device_.element_s = 1e-6;  // 12.5 ms for up to 12,500 elements
+  device_.elements_of_block = {128, 1};
+  launch_stoppable(2000, 1000);
+  EXPECT_LE(device_.launches.size(), 200u) << "160 in bands of 12,500";
+  device_.launches.clear();
+  launch_stoppable(2000, 1000);
+  EXPECT_LE(device_.launches.size(), 170u);
+  expect_cover(device_.launches, 2000, 1000);
   EXPECT_LT(device_.longest_queue_s, 0.050);
+}
+
+TEST_F(DeviceQueueTest, ASlowFirstLaunchDoesNotDivideLaterOnes) {
+  device_.parallel = 100000;
+  device_.least_elements = 100000;
+  device_.element_s = 4e-7;  // 40 ms, as if the driver loaded the kernel
+  launch_stoppable(128, 1);
+  device_.element_s = 1e-9;
+  device_.launches.clear();
+  launch_stoppable(2000, 1000);
+  EXPECT_LE(device_.launches.size(), 160u + 20u);
 }
 
 TEST_F(DeviceQueueTest, FewBandsTestAKernelThatFillsTheDevice) {
