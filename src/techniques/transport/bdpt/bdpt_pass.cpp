@@ -55,10 +55,8 @@ void BdptPass::prepare_light_vertices(const FrameContext& frame, BdptKernel& ker
       kLightVertexBytes / std::max<uint64_t>(row * (sizeof(PathVertex) + sizeof(CameraConnection)), 1);
   kernel.kept_rows = static_cast<uint32_t>(std::clamp<uint64_t>(rows, 1, frame.height()));
   const size_t elements = row * kernel.kept_rows;
-  if (vertices_.size() != elements) {
-    vertices_.reset(elements, kUninitialized);
-    to_camera_.reset(elements, kUninitialized);
-  }
+  vertices_.reset(elements, kUninitialized);
+  to_camera_.reset(elements, kUninitialized);
   kernel.vertices = vertices_.mutable_view();
   kernel.to_camera = to_camera_.mutable_view();
 }
@@ -104,11 +102,10 @@ bool BdptPass::run(const FrameContext& frame) {
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
   prepare_light_vertices(frame, kernel);
-  if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) {
-    // Discards the splats of the abandoned frame.
-    fill(frame.backend, "splats", c.splats, FixedPointRgb{});
-    return false;
-  }
+  if (has_splats_) fill(frame.backend, "splats", c.splats, FixedPointRgb{});
+  has_splats_ = true;
+  if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;
+  has_splats_ = false;
   saturated_ += faults_.read().saturated;
   nonfinite_ += faults_.read().nonfinite;
   return true;
