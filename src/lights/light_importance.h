@@ -181,17 +181,17 @@ RELUME_HD inline float for_each_importance(const LightReceiver& r, const LightsV
   };
   if constexpr (kWidthOf<HostLanes> == 1) {
     for (uint32_t i = 0; i < count; ++i) add(i, light_importance_of(r, lights, compact, id_at(i)));
-    return sum;
-  }
-  for (uint32_t first = 0; first < count; first += kLanes) {
-    uint32_t block[kLanes];
-    for (uint32_t k = 0; k < kLanes; ++k) block[k] = id_at(first + k < count ? first + k : first);
-    Lanes members[kLanes];
-    load_rows(&compact.data->centre.x, block, members);
-    const Lanes importance = light_importance::of_members<Lanes>(r, members);
-    const Lanes& emission = members[kLanes - 1];
-    for (uint32_t k = 0; k < kLanes && first + k < count; ++k)
-      add(first + k, emission[k] < 0.0f ? light_importance_of(r, lights, compact, block[k]) : importance[k]);
+  } else {
+    for (uint32_t first = 0; first < count; first += kLanes) {
+      uint32_t block[kLanes];
+      for (uint32_t k = 0; k < kLanes; ++k) block[k] = id_at(first + k < count ? first + k : first);
+      Lanes members[kLanes];
+      load_rows(&compact.data->centre.x, block, members);
+      const Lanes importance = light_importance::of_members<Lanes>(r, members);
+      const Lanes& emission = members[kLanes - 1];
+      for (uint32_t k = 0; k < kLanes && first + k < count; ++k)
+        add(first + k, emission[k] < 0.0f ? light_importance_of(r, lights, compact, block[k]) : importance[k]);
+    }
   }
   return sum;
 }
