@@ -93,7 +93,7 @@ struct WriteListKernel {
 /// Sets bit `light` of a cell's row if any ray reaches the light. `i`: index into `cells`; `part`: a batch of rays,
 /// small enough for quick stops.
 struct CellVisibilityKernel {
-  static constexpr uint32_t kPartRays = 256;
+  static constexpr uint32_t kPartRays = 4096;
 
   SceneView scene;
   LightGrid grid;

@@ -75,8 +75,8 @@ class BdptPass final : public Pass {
   PrimitiveScratch scratch_;
   bool prepared_ = false;
   bool has_splats_ = false;  ///< whether a frame that was stopped or failed has left splats
-  uint64_t saturated_ = 0;  ///< splats clamped so far
-  uint64_t nonfinite_ = 0;  ///< splats left out so far
+  uint64_t saturated_ = 0;   ///< splats clamped so far
+  uint64_t nonfinite_ = 0;   ///< splats left out so far
 };
 
 }  // namespace relume
