@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Stack that a thread of each kernel needs on a device. RELUME_PTX: the device code; RELUME_CXXFILT: demangles its names.
-RELUME_PTXAS: CUDA's assembler, if it is compared too."""
+"""Stack that a thread of each kernel needs on a device. RELUME_PTX: the device code; RELUME_CLANG_VERSION: of its
+compiler; RELUME_CXXFILT: demangles its names. RELUME_PTXAS: CUDA's assembler, if it is compared too."""
 
 import os
 import pathlib
@@ -17,7 +17,10 @@ from stack_sizes import stack_sizes
 
 # Bytes. A GPU reserves the largest stack for each thread that it can hold: 270,000 on one with 132 multiprocessors.
 LIMIT = 4096
-# Upper bounds of kernels with large stacks, in bytes. The first pattern that fits a type counts; others need at most OTHERS.
+# Upper bounds of kernels with large stacks, in bytes, in the PTX of clang 14. The first pattern that fits a type
+# counts; others need at most OTHERS. The plan was 1.2 KB for paths. They need 1,432 to 1,640 bytes: 0.6 KB for a
+# surface point with eight lobes, the rest along the calls that sample and evaluate it. Path graphs need 2,264, with
+# their vertices.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
     (r"BdptKernel", 2300),
@@ -30,6 +33,8 @@ BOUNDS = (
     (r"device::run<SurfaceKernel>", 1250),
 )
 OTHERS = 1100
+# Other versions of the compiler inline other functions.
+SLACK = 1 if os.environ["RELUME_CLANG_VERSION"].startswith("14.") else 1.25
 # The assembler may align frames, and store registers that calls need.
 ASSEMBLER_TOLERANCE = 64
 
@@ -47,12 +52,13 @@ RECURSION = ".version 6.3\n.target sm_75\n.address_size 64\n.func f() { call.uni
 
 def demangled(names):
     text = "\n".join(names) + "\n"
-    lines = subprocess.run([os.environ["RELUME_CXXFILT"]], input=text, check=True, capture_output=True, text=True).stdout
+    command = [os.environ["RELUME_CXXFILT"]]
+    lines = subprocess.run(command, input=text, check=True, capture_output=True, text=True).stdout
     return [line.replace("relume::", "") for line in lines.splitlines()]
 
 
 def bound_of(kernel):
-    return next((bound for pattern, bound in BOUNDS if re.search(pattern, kernel)), OTHERS)
+    return SLACK * next((bound for pattern, bound in BOUNDS if re.search(pattern, kernel)), OTHERS)
 
 
 class Chains(unittest.TestCase):
@@ -85,7 +91,7 @@ class Stack(unittest.TestCase):
         self.assertEqual(excess, [], "more stack than before")
 
     def test_bounds_are_within_the_limit_and_name_kernels(self):
-        self.assertLessEqual(max(bound for _, bound in BOUNDS), LIMIT)
+        self.assertLessEqual(SLACK * max(bound for _, bound in BOUNDS), LIMIT)
         for pattern, _ in BOUNDS:
             self.assertTrue(any(re.search(pattern, k) for k in self.kernels.values()), pattern)
 
