@@ -1,10 +1,10 @@
-"""Stack that a thread of each entry of a PTX module needs: the .local variables of its functions, along the deepest chain of calls.
-Registers that the driver's compiler spills come on top."""
+"""Stack that a thread of each entry of a PTX module needs: the .local variables of its functions, along the deepest
+chain of calls. Registers that the driver's compiler spills come on top."""
 
 from dataclasses import dataclass
 
-from emitter import instructions_in, names_in
-from module import Block, Variable
+from emitter import instructions_in
+from module import Block, Name, Variable
 
 
 def local_bytes(block):
@@ -29,6 +29,14 @@ class Chain:
         return sum(size for _, size in self.frames)
 
 
+def target_of(call):
+    """The function that a call names."""
+    target = next(operand.text for operand in call.operands if isinstance(operand, Name))
+    if target.startswith("%"):
+        raise ValueError(f"line {call.line} calls a function by its address, so that the stack has no bound")
+    return target
+
+
 class Stacks:
     def __init__(self, module):
         self.functions = {f.name: f for f in module.functions if f.body}
@@ -42,7 +50,7 @@ class Stacks:
             return Chain()
         if name not in self.known:
             calls = [i for i in instructions_in(self.functions[name].body) if i.opcode.split(".")[0] == "call"]
-            called = sorted(set().union(*map(names_in, calls)) & set(self.functions))
+            called = sorted(set(map(target_of, calls)))
             chains = [self.deepest(c, (*callers, name)) for c in called]
             below = max(chains, key=lambda chain: chain.size, default=Chain())
             self.known[name] = Chain(((name, local_bytes(self.functions[name].body)), *below.frames))
