@@ -16,8 +16,8 @@ constexpr double kQueueSeconds = 0.015;
 constexpr uint64_t kGrowth = 8;          ///< after bands that took less than kBandSeconds / kGrowth
 constexpr uint64_t kSmallestGrowth = 2;  ///< after longer ones
 
-/// Part of the device's threads that take the time of one: as many as fit with the most registers per thread. Smaller
-/// bands of a known kernel would be no shorter.
+/// 1 / kSideBySide of the device's threads fit on it with the most registers per thread, and take the time of one. So
+/// smaller bands of a known kernel would be no shorter.
 constexpr uint64_t kSideBySide = 8;
 
 /// Share of a kernel's time per thread that a faster band leaves. Bands keep to the slowest part of earlier frames.
