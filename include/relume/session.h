@@ -121,7 +121,8 @@ class RELUME_API Session {
   NodeHandle find_node(const std::string& name) const;
 
   /// Uses other settings from the next frame on. Returns false if they affect how the scene is compiled and so need a
-  /// new session. Throws Error as the constructor does; the session then keeps its settings.
+  /// new session. Throws Error as the constructor does; the session then keeps its settings. So it does if memory is
+  /// missing or a GPU fails, except perhaps for the time.
   bool set_settings(const Settings& settings);
 
   /// Mean radiance of the last complete frame, denoised if a denoiser is set. Changes show with the next frame; black

@@ -216,28 +216,29 @@ bool Session::set_settings(const Settings& wanted) {
     const bool keeps_histories = setting->name == "upscale" && switches_upscaling;
     if (setting->traits.resets_history && !keeps_histories) change = Change::settings;
   }
-  // Before other changes, because they may throw.
-  if (settings.time_s != current.time_s) set_time(settings.time_s);
+  // Steps that may throw come first. If one does, the session keeps its settings, except perhaps the time.
   std::optional<State::Fresh> fresh;
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
-  s.edit(change);
+  if (fresh && !resized) s.keep_image();
+  if (settings.time_s != current.time_s) set_time(settings.time_s);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
     s.backend->configure(settings.threads, kernel_form(settings));
-  current = settings;
-  if (resized) s.backend->run(kSceneChanges, [&] { s.scene->set_resolution(settings.width, settings.height); });
-  if (fresh) {
-    if (resized) {
-      s.replacement.clear();
-      s.drop_kept_image();
-    } else {
-      s.keep_image();
-      s.show_kept_image();
-    }
-    s.take(std::move(*fresh));
-    s.edit(Change::settings);  // the new buffers are empty, even if only `auxiliary` changed
-  } else {
+  if (resized)
+    s.change_scene([&](CompiledScene& scene) { return scene.set_resolution(settings.width, settings.height); });
+  s.edit(change);
+  current = std::move(settings);
+  if (!fresh) {
     configure(s.passes, current);
+    return true;
   }
+  if (resized) {
+    s.replacement.clear();
+    s.drop_kept_image();
+  } else {
+    s.show_kept_image();
+  }
+  s.take(std::move(*fresh));
+  s.edit(Change::settings);  // the new buffers are empty, even if only `auxiliary` changed
   return true;
 }
 

@@ -100,6 +100,28 @@ TEST(SessionErrors, HistoriesEndWhereTheSceneChangedInPart) {
   expect_new_histories([](Session& session) { session.set_time(0.3f); }, "deformation");
 }
 
+TEST(SessionErrors, FailedChangesOfSettingsCanBeRepeated) {
+  const RenderSettings settings = small_settings();
+  RenderSettings resized = settings;
+  resized.width += 5;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  session.render_frame();
+  {
+    const FailingLaunches failing(session, "scene");
+    EXPECT_EQ(error_of([&] { session.set_settings(resized); }), "failure 1");
+  }
+  EXPECT_EQ(render_settings(session).width, settings.width);
+  EXPECT_TRUE(session.render_frame());
+  EXPECT_EQ(session.image().width, settings.width);
+  EXPECT_TRUE(session.set_settings(resized));
+  session.restart(resized.seed);
+  session.render_frame();
+  Session fresh(find_builtin_scene("cornell")->build(), resized);
+  fresh.render_frame();
+  EXPECT_EQ(session.image().width, resized.width);
+  EXPECT_EQ(session.image().pixels, fresh.image().pixels);
+}
+
 TEST(SessionErrors, HistoriesContinueAfterRejectedChanges) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   session.render_frame();

@@ -1,6 +1,7 @@
 // Updates of a compiled scene between frames.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,10 +52,19 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
 
 Change CompiledScene::set_resolution(int width, int height) {
   open_for_host();
-  resolution_ = {width, height};
-  camera_view_ = view_through(camera());
-  previous_camera_view_ = camera_view_;
-  refresh_view();
+  const auto before = std::tuple(resolution_, camera_view_, previous_camera_view_);
+  try {
+    resolution_ = {width, height};
+    camera_view_ = view_through(camera());
+    previous_camera_view_ = camera_view_;
+    refresh_view();
+  } catch (...) {
+    // Buffers keep their size, so rays must not leave it.
+    std::tie(resolution_, camera_view_, previous_camera_view_) = before;
+    view_.camera = camera_view_;
+    view_.previous_camera = previous_camera_view_;
+    throw;
+  }
   return Change::settings;
 }
 

@@ -199,6 +199,30 @@ TEST(FailingMemory, LeavesSessionsUsableBetweenFrames) {
   }
 }
 
+TEST(FailingMemory, SettingsChangeTogetherOrNotAtAll) {
+  RenderSettings settings = settings_of("svgf");
+  RenderSettings other = settings;
+  other.width += 5;
+  other.time_s = 0.4f;
+  Session whole(build("turntable"), settings);
+  ASSERT_TRUE(whole.set_settings(other));
+  const std::vector<uint32_t> expected = bits_after_restart(whole, other.seed);
+  testing::FailingMemory memory;
+  bool fails = true;
+  for (int before = 0; fails; ++before) {
+    SCOPED_TRACE(before);
+    Session session = make_session(build("turntable"), settings, memory);
+    session.render_frame();
+    fails = fails_in(memory, before, 2, [&] { session.set_settings(other); });
+    if (!fails) break;
+    RenderSettings kept = render_settings(session);
+    EXPECT_TRUE(differing_settings(describe(settings), describe(kept)).empty());
+    EXPECT_TRUE(session.render_frame());
+    EXPECT_TRUE(session.set_settings(other));
+    EXPECT_EQ(bits_after_restart(session, other.seed), expected);
+  }
+}
+
 TEST(FailingMemory, EndsConstructionWithoutLeaks) {
   const RenderSettings settings = small_settings(24, 14);
   testing::FailingMemory memory;
