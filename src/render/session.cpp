@@ -223,8 +223,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (settings.time_s != current.time_s) set_time(settings.time_s);
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
     s.backend->configure(settings.threads, kernel_form(settings));
-  if (resized)
-    s.change_scene([&](CompiledScene& scene) { return scene.set_resolution(settings.width, settings.height); });
+  if (resized) s.edit([&](CompiledScene& scene) { return scene.set_resolution(settings.width, settings.height); });
   s.edit(change);
   current = std::move(settings);
   if (!fresh) {

@@ -205,11 +205,8 @@ struct Session::State {
         commit_edits();
         result = change(*scene);
       });
-    } catch (const Error& error) {
-      if (error.code() == ErrorCode::device) edit(Change::any);  // as below; other errors leave the scene unchanged
-      throw;
     } catch (...) {
-      edit(Change::any);  // parts of the scene may have changed
+      if (scene->is_stale()) edit(Change::any);
       throw;
     }
     return result;

@@ -139,13 +139,13 @@ void CompiledScene::decide_instancing() {
 
 void CompiledScene::build_materials() {
   std::vector<MaterialData> materials;
-  layers_.clear();
+  std::vector<LayerData> layers;
   for (const Material& m : source_.materials) {
     MaterialData& data = materials.emplace_back(material_data(m));
-    const std::optional<LayerData> layers = layer_data(m);
-    if (!layers) continue;
-    data.layers = static_cast<int32_t>(layers_.size());
-    layers_.push_back(*layers);
+    const std::optional<LayerData> own_layers = layer_data(m);
+    if (!own_layers) continue;
+    data.layers = static_cast<int32_t>(layers.size());
+    layers.push_back(*own_layers);
   }
   for (MaterialData& data : materials) {
     if (!data.is_mixture()) continue;
@@ -153,7 +153,11 @@ void CompiledScene::build_materials() {
     data.cull_back_faces = false;  // its parts may have a volume
   }
   materials.push_back(material_data(Material{}));  // glTF's default, for meshes without a material
+  // Both change together, or none.
+  materials_.reserve(materials.size());
+  layers_.reserve(layers.size());
   materials_.assign(materials);
+  layers_.assign(layers);
 }
 
 void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {

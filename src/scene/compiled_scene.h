@@ -53,8 +53,8 @@ class CompiledScene {
 
   /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
   /// kernels cannot handle (a camera collapsed by a scale of 0, a node beyond kMaxCoordinate). The scene then stays
-  /// unchanged. If memory is missing or a device fails, the scene may stay without geometry until one of them
-  /// succeeds.
+  /// unchanged. If memory is missing or a device fails, kernels may get a scene without geometry and lights until the
+  /// next of them succeeds.
   Change set_time(float time_s);
   /// Uses another camera; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);
@@ -64,11 +64,13 @@ class CompiledScene {
   Change set_environment(const Environment& environment);
   /// Replaces the parameters of a material. Its textures must belong to the scene.
   Change set_material(Index material, const Material& value);
-  /// Sets the image size.
+  /// Sets the image size. Keeps the old one if it throws.
   Change set_resolution(int width, int height);
+  /// Whether one of them failed, so that kernels get an empty scene until the next.
+  bool is_stale() const { return is_stale_; }
 
   /// Add parts and return their indices. Nodes refer to existing meshes, lights and parents; an added node is movable.
-  /// Throw Error for invalid values and references; then nothing is added.
+  /// Throw Error for invalid values and references, std::bad_alloc if memory is missing; then nothing is added.
   Index add_material(const Material& material);
   Index add_mesh(const Mesh& mesh);
   Index add_light(const PunctualLight& light);
@@ -78,7 +80,8 @@ class CompiledScene {
   /// Remove a mesh or a light without nodes. Throw Error if a node uses it.
   void remove_mesh(Index mesh);
   void remove_light(Index light);
-  /// Rebuilds the structures affected by added or removed parts. Must precede any other use of the scene.
+  /// Rebuilds the structures affected by added or removed parts, also where adding failed. Must precede any other use
+  /// of the scene.
   Change commit_edits();
 
   bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
@@ -137,6 +140,17 @@ class CompiledScene {
   /// Copies the vertices of deformed meshes to the previous positions. Launches kernels, which invalidates spans from
   /// read() and write().
   void keep_previous_positions();
+  /// Numbers of elements in the arrays of meshes.
+  struct GeometrySize {
+    uint32_t meshes;
+    uint32_t vertices;
+    uint32_t triangles;
+    uint32_t uv1;
+    uint32_t colors;
+  };
+  GeometrySize geometry_size() const;
+  /// Removes the elements of meshes beyond these numbers. Allocates nothing.
+  void drop_geometry_beyond(const GeometrySize& size);
   /// Throws Error if a joint of the node is to be removed.
   void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;
   /// Stops updating meshes of removed nodes.
@@ -167,6 +181,20 @@ class CompiledScene {
   void collect_lights();
   void compute_bounds();
   void set_bounds();
+  /// Calls `change`. If it throws, empties the view: arrays may have moved, or be incomplete.
+  template <typename F>
+  Change updated(const F& change) {
+    try {
+      return change();
+    } catch (...) {
+      empty_view();
+      throw;
+    }
+  }
+  /// Removes geometry and lights from the view until the next update, which rebuilds them.
+  void empty_view() noexcept;
+  /// Sets the addresses in the view.
+  void point_view();
   void refresh_view();
   std::vector<AccelInstance> accel_instances() const;
 
@@ -189,7 +217,7 @@ class CompiledScene {
   float studio_rotation_rad_ = 0;
   std::optional<bool> automatic_is_studio_;  ///< set at the first decision
   bool edited_ = false;                      ///< since commit_edits()
-  bool is_stale_ = false;                    ///< an update ended with an exception, so that the next one rebuilds
+  bool is_stale_ = false;                    ///< an update ended with an exception, so that the next one rebuilds all
   Array<Vertex> vertices_;
   Array<UVec3> triangles_;
   Array<Vec2> uv1_;

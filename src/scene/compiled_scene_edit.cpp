@@ -38,11 +38,17 @@ Index CompiledScene::add_material(const Material& material) {
   for (const TextureRef* ref : texture_refs(material))
     check_reference(ref->texture, source_.textures.size(), "texture", error_place(source_));
   check_mixture(static_cast<Index>(source_.materials.size()), material);
+  edited_ = true;  // even if this fails: arrays may have moved
+  const std::span<MeshView> meshes = meshes_.write();
   const Index index = append(source_.materials, material);
-  build_materials();
+  try {
+    build_materials();
+  } catch (...) {
+    source_.materials.pop_back();
+    throw;
+  }
   // The default material, for meshes without one, follows the others.
-  for (MeshView& mesh : meshes_.write()) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
-  edited_ = true;
+  for (MeshView& mesh : meshes) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
   return index;
 }
 
@@ -55,17 +61,39 @@ Index CompiledScene::add_mesh(const Mesh& mesh) {
                             error_place(source_), mesh.name));
   }
   check_reference(mesh.material, source_.materials.size(), "material", error_place(source_));
+  edited_ = true;  // even if this fails: arrays may have moved
   const Index index = append(source_.meshes, mesh);
-  shared_meshes_.resize(source_.meshes.size(), kNoHit);
-  shared_meshes_.back() = static_cast<uint32_t>(meshes_.size());
-  append_mesh(static_cast<uint32_t>(index), nullptr);
-  Mesh& kept = source_.meshes.back();  // the compiled copy replaces the arrays
-  kept = Mesh{};
-  kept.name = mesh.name;
-  kept.material = mesh.material;
-  boxes_.push_back(box_of(meshes_.read().back()));
-  edited_ = true;
+  const GeometrySize before = geometry_size();
+  try {
+    shared_meshes_.resize(source_.meshes.size(), kNoHit);
+    shared_meshes_.back() = before.meshes;
+    append_mesh(static_cast<uint32_t>(index), nullptr);
+    boxes_.push_back(box_of(meshes_.read().back()));
+    Mesh kept;  // without arrays, which the compiled copy replaces
+    kept.name = mesh.name;
+    kept.material = mesh.material;
+    source_.meshes.back() = std::move(kept);
+  } catch (...) {
+    source_.meshes.pop_back();
+    shared_meshes_.resize(source_.meshes.size());
+    drop_geometry_beyond(before);
+    throw;
+  }
   return index;
+}
+
+CompiledScene::GeometrySize CompiledScene::geometry_size() const {
+  const auto size = [](const auto& array) { return static_cast<uint32_t>(array.size()); };
+  return {size(meshes_), size(vertices_), size(triangles_), size(uv1_), size(colors_)};
+}
+
+void CompiledScene::drop_geometry_beyond(const GeometrySize& size) {
+  meshes_.resize(size.meshes, kUninitialized);
+  boxes_.resize(size.meshes);
+  vertices_.resize(size.vertices, kUninitialized);
+  triangles_.resize(size.triangles, kUninitialized);
+  uv1_.resize(size.uv1, kUninitialized);
+  colors_.resize(size.colors, kUninitialized);
 }
 
 Index CompiledScene::add_light(const PunctualLight& light) {
@@ -101,9 +129,9 @@ Index CompiledScene::add_node(const Node& node) {
       box.add(transformed(boxes_[shared_meshes_[static_cast<size_t>(mesh)]], world.back() * to_node));
     });
     check_extent(box);
-    world_ = std::move(world);
     visible_ = visible_nodes(source_, time_s_);
-  } catch (const Error&) {
+    world_ = std::move(world);
+  } catch (...) {
     source_.nodes.pop_back();
     throw;
   }
@@ -190,17 +218,23 @@ void CompiledScene::remove_light(Index light) {
 Change CompiledScene::commit_edits() {
   if (!edited_) return Change::none;
   open_for_host();
-  instances_.clear();
-  place_instances();
-  extent_.add(placed_box(world_));
-  set_bounds();
-  build_accel();
-  lights_.discard_texture_tables();
-  collect_lights();
-  was_moved_ = true;
-  edited_ = false;
-  refresh_view();  // the rest, which needs the new structure
-  return Change::any;
+  return updated([&] {
+    instances_.clear();
+    place_instances();
+    extent_.add(placed_box(world_));
+    set_bounds();
+    if (is_stale_) {
+      place_everything(world_);
+    } else {
+      build_accel();
+      lights_.discard_texture_tables();
+      collect_lights();
+    }
+    was_moved_ = true;
+    edited_ = false;
+    refresh_view();  // the rest, which needs the new structure
+    return Change::any;
+  });
 }
 
 }  // namespace relume

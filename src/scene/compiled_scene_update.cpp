@@ -28,9 +28,11 @@ void CompiledScene::end_frame() {
 Change CompiledScene::set_time(float time_s) {
   open_for_host();
   std::vector<Mat4> world = checked_world(time_s);
-  time_s_ = time_s;
-  const Change change = animate_parameters();
-  return change | place_everything(std::move(world));
+  return updated([&] {
+    time_s_ = time_s;
+    const Change change = animate_parameters();
+    return change | place_everything(std::move(world));
+  });
 }
 
 Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
@@ -42,30 +44,34 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   }
   open_for_host();
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
-  const CameraView before = std::exchange(camera_view_, now);
-  camera_pose_ = camera;
-  refresh_view();
-  if (same_view(before, camera_view_)) return Change::none;
-  was_moved_ = true;
-  return Change::camera;
+  return updated([&] {
+    camera_pose_ = camera;
+    if (is_stale_) return place_everything(world_);
+    const CameraView before = std::exchange(camera_view_, now);
+    refresh_view();
+    if (same_view(before, camera_view_)) return Change::none;
+    was_moved_ = true;
+    return Change::camera;
+  });
 }
 
 Change CompiledScene::set_resolution(int width, int height) {
   open_for_host();
   const auto before = std::tuple(resolution_, camera_view_, previous_camera_view_);
-  try {
-    resolution_ = {width, height};
-    camera_view_ = view_through(camera());
-    previous_camera_view_ = camera_view_;
-    refresh_view();
-  } catch (...) {
-    // Buffers keep their size, so rays must not leave it.
-    std::tie(resolution_, camera_view_, previous_camera_view_) = before;
-    view_.camera = camera_view_;
-    view_.previous_camera = previous_camera_view_;
-    throw;
-  }
-  return Change::settings;
+  return updated([&] {
+    try {
+      resolution_ = {width, height};
+      camera_view_ = view_through(camera());
+      previous_camera_view_ = camera_view_;
+      if (is_stale_) return place_everything(world_);
+      refresh_view();
+    } catch (...) {
+      // Buffers keep their size, so paths must not reach pixels beyond it.
+      std::tie(resolution_, camera_view_, previous_camera_view_) = before;
+      throw;
+    }
+    return Change::settings;
+  });
 }
 
 Change CompiledScene::set_transform(Index node, const Transform& transform) {
@@ -87,29 +93,42 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
     source_.animation = std::move(animation_before);
     throw;
   }
-  extent_.add(placed_box(world));
-  set_bounds();
-  return place_everything(std::move(world));
+  return updated([&] {
+    extent_.add(placed_box(world));
+    set_bounds();
+    return place_everything(std::move(world));
+  });
 }
 
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
   check_index(light, source_.lights.size(), "light", error_place(source_));
   validate(value, error_place(source_));
   open_for_host();
-  source_.lights[static_cast<size_t>(light)] = value;
-  end_parameter_animation(AnimatedPart::light, light);
-  collect_lights();
-  was_moved_ = true;
-  return Change::lights;
+  return updated([&] {
+    source_.lights[static_cast<size_t>(light)] = value;
+    end_parameter_animation(AnimatedPart::light, light);
+    if (is_stale_) return place_everything(world_);
+    collect_lights();
+    was_moved_ = true;
+    return Change::lights;
+  });
 }
 
 Change CompiledScene::set_environment(const Environment& environment) {
   validate(environment, error_place(source_));
   open_for_host();
-  source_.environment = environment;
-  use_environment();
-  was_moved_ = true;
-  return Change::lights;
+  return updated([&] {
+    Environment before = std::exchange(source_.environment, environment);
+    try {
+      if (is_stale_) return place_everything(world_);
+      use_environment();
+    } catch (...) {
+      source_.environment = std::move(before);  // it may be smaller, so that the next update succeeds
+      throw;
+    }
+    was_moved_ = true;
+    return Change::lights;
+  });
 }
 
 Change CompiledScene::set_material(Index material, const Material& value) {
@@ -122,8 +141,10 @@ Change CompiledScene::set_material(Index material, const Material& value) {
   }
   check_mixture(material, value);
   open_for_host();
-  end_parameter_animation(AnimatedPart::material, material);
-  return replace_material(material, value);
+  return updated([&] {
+    end_parameter_animation(AnimatedPart::material, material);
+    return replace_material(material, value);
+  });
 }
 
 void CompiledScene::end_parameter_animation(AnimatedPart part, Index index) {
@@ -146,12 +167,9 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
   const MaterialData before = materials_.read()[index];
   const bool was_stale = std::exchange(is_stale_, true);
   target = value;
+  if (was_stale) return place_everything(world_);
   build_materials();
   refresh_view();
-  if (was_stale) {
-    lights_.discard_texture_tables();
-    return place_everything(world_);
-  }
   const MaterialData& now = materials_.read()[index];
   const bool other_filters = before.has_alpha() != now.has_alpha() || before.cull_back_faces != now.cull_back_faces;
   const std::span<const MeshView> meshes = meshes_.read();
@@ -183,6 +201,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
   world_ = std::move(world);
   visible_ = visible_nodes(source_, time_s_);
   Change change = was_stale ? Change::any : Change::none;
+  if (was_stale) build_materials();
   const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
   if (!same_view(camera_before, camera_view_)) change |= Change::camera;
   const std::vector<uint32_t> deformed = deform_meshes();
@@ -190,10 +209,12 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
   if (moved) change |= Change::geometry;
   if (was_stale) {
     build_accel();
-  } else if (moved) {
-    update_accel(deformed);
+    lights_.discard_texture_tables();
+    use_environment();  // which collects the lights, too
+  } else {
+    if (moved) update_accel(deformed);
+    collect_lights();
   }
-  collect_lights();
   for (const Light& light : view_.lights.lights) {
     if (light.changed) change |= Change::lights;
   }
@@ -265,7 +286,15 @@ CameraView CompiledScene::view_through(const CameraPose& placed) const {
   return c;
 }
 
-void CompiledScene::refresh_view() {
+void CompiledScene::empty_view() noexcept {
+  is_stale_ = true;
+  was_moved_ = true;
+  lights_.clear();
+  point_view();
+  view_.accel = {};
+}
+
+void CompiledScene::point_view() {
   view_.vertices = vertices_.view();
   view_.triangles = triangles_.view();
   view_.uv1 = uv1_.view();
@@ -275,6 +304,15 @@ void CompiledScene::refresh_view() {
   view_.instances = instances_.view();
   view_.materials = materials_.view();
   view_.layers = layers_.view();
+  view_.textures = textures_.view();
+  view_.energy_tables = energy_tables_.view();
+  view_.lights = lights_.view();
+  view_.camera = camera_view_;
+  view_.previous_camera = previous_camera_view_;
+}
+
+void CompiledScene::refresh_view() {
+  point_view();
   const std::span<const MaterialData> materials = materials_.read();
   const std::span<const Instance> instances = instances_.read();
   const std::span<const MeshView> meshes = meshes_.read();
@@ -289,10 +327,6 @@ void CompiledScene::refresh_view() {
                       const MaterialData& material = materials[meshes[i.mesh].material];
                       return material.dispersion > 0.0f || material.is_mixture();
                     });
-  view_.textures = textures_.view();
-  view_.lights = lights_.view();
-  view_.camera = camera_view_;
-  view_.previous_camera = previous_camera_view_;
   energy_tables_.update(
       {.anisotropic = std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
        .sheen =

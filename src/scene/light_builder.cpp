@@ -159,6 +159,14 @@ void LightBuilder::use_environment_map(std::span<const Rgb> map, int w, int h) {
                                distribution.height};
 }
 
+void LightBuilder::clear() noexcept {
+  lights_.clear();
+  changed_.clear();
+  first_infinite_ = 0;
+  environment_ = {};
+  has_sun_ = false;
+}
+
 void LightBuilder::collect(const SceneView& geometry, std::span<Instance> instances, const Scene& scene,
                            const PlacedNodes& nodes, const SceneBounds& bounds) {
   lights_.clear();

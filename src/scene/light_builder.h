@@ -33,6 +33,9 @@ class LightBuilder {
   /// Builds the environment arrays (map, sampling table). CompiledScene resolves `automatic`; here it is none.
   void set_environment(const Environment& environment);
 
+  /// Removes all lights and the environment.
+  void clear() noexcept;
+
   /// Discards the sampling tables of textured emitters after a change of their materials.
   void discard_texture_tables();
 

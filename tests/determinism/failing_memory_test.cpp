@@ -164,6 +164,11 @@ TEST(FailingMemory, LeavesSessionsUsableBetweenFrames) {
     }
     const Call calls[] = {
         {"set_time", [](Session& session) { session.set_time(0.4f); }},
+        {"set_transform",
+         [](Session& session) {
+           const Index moving = build("turntable").animation.front().node;
+           session.set_transform(moving, {.translation = Vec3(0, 0.1f, 0)});
+         }},
         {"set_environment",
          [](Session& session) {
            Environment light;
@@ -191,6 +196,7 @@ TEST(FailingMemory, LeavesSessionsUsableBetweenFrames) {
         move(session, 1);
         session.render_frame();
         fails = fails_in(memory, before, 2, [&] { call.run(session); });
+        EXPECT_TRUE(session.render_frame()) << "perhaps of an empty scene";
         expect_usable(session);
       }
       EXPECT_EQ(memory.blocks(), 0) << "leaked";

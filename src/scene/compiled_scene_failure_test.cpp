@@ -1,0 +1,195 @@
+// Changes of a compiled scene that run out of memory.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <new>
+
+#include "scene/compiled_scene.h"
+#include "scene/testing/figure.h"
+#include "scene/testing/light_scene.h"
+#include "testing/failing_memory.h"
+
+namespace relume {
+namespace {
+
+/// Memory in which allocations fail, and which knows its blocks.
+class WatchedMemory final : public Memory {
+ public:
+  testing::FailingMemory failing;
+
+  void* allocate(size_t bytes, size_t alignment) override {
+    void* const block = failing.allocate(bytes, alignment);
+    const std::lock_guard lock(mutex_);
+    blocks_[static_cast<std::byte*>(block)] = bytes;
+    return block;
+  }
+  void deallocate(void* block, size_t bytes, size_t alignment) noexcept override {
+    {
+      const std::lock_guard lock(mutex_);
+      blocks_.erase(static_cast<std::byte*>(block));
+    }
+    failing.deallocate(block, bytes, alignment);
+  }
+
+  /// Whether all elements of the view are in a block.
+  template <typename T>
+  bool has(const View<T>& view) const {
+    if (view.empty()) return true;
+    const auto* const begin = reinterpret_cast<const std::byte*>(view.data);
+    const std::lock_guard lock(mutex_);
+    const auto after = blocks_.upper_bound(begin);
+    if (after == blocks_.begin()) return false;
+    const auto block = std::prev(after);
+    return begin + size_t{view.size} * sizeof(T) <= block->first + block->second;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<const std::byte*, size_t> blocks_;
+};
+
+/// A lit figure.
+Scene source() {
+  Scene scene = testing::figure({.parts = 2});
+  scene.environment = testing::noise_environment(16, 8);
+  testing::add_light_node(scene, {.name = "bulb"}, Vec3(0, 3, 3), Vec3(0));
+  return scene;
+}
+
+CompileOptions options() { return {.width = 16, .height = 16, .accel = AccelChoice::bvh}; }
+
+/// Whether a ray along −Z at that height hits the figure.
+bool is_hit(const CompiledScene& scene, float height) {
+  return intersect(scene.view().accel, {Vec3(0, height, 5), Vec3(0, 0, -1), kInfinity}, 0).valid();
+}
+
+void expect_existing_arrays(const CompiledScene& scene, const WatchedMemory& memory) {
+  const SceneView& view = scene.view();
+  EXPECT_TRUE(memory.has(view.vertices) && memory.has(view.triangles) && memory.has(view.previous_positions));
+  EXPECT_TRUE(memory.has(view.meshes) && memory.has(view.instances));
+  EXPECT_TRUE(memory.has(view.materials) && memory.has(view.layers));
+  EXPECT_TRUE(memory.has(view.lights.lights) && memory.has(view.lights.previous) && memory.has(view.lights.changed));
+  EXPECT_TRUE(memory.has(view.lights.environment.map));
+}
+
+void expect_same_view(const CompiledScene& scene, const CompiledScene& expected) {
+  for (const float height : {0.05f, 0.5f, 1.0f, 1.5f, 1.95f, 2.2f})
+    EXPECT_EQ(is_hit(scene, height), is_hit(expected, height)) << height;
+  EXPECT_EQ(scene.view().camera.resolution, expected.view().camera.resolution);
+  EXPECT_EQ(scene.view().camera.position, expected.view().camera.position);
+  EXPECT_EQ(scene.view().lights.lights.size, expected.view().lights.lights.size);
+  EXPECT_EQ(scene.view().lights.environment.width, expected.view().lights.environment.width);
+  EXPECT_EQ(scene.view().lights.environment.map.size, expected.view().lights.environment.map.size);
+  EXPECT_EQ(scene.view().layers.size, expected.view().layers.size);
+  EXPECT_EQ(scene.view().materials[0].emission, expected.view().materials[0].emission);
+}
+
+/// Fails each allocation of an update in turn. Then the view must be valid, and the repeated update complete.
+void expect_valid_views(const std::function<Change(CompiledScene&)>& update) {
+  CompiledScene expected(source(), options());
+  update(expected);
+  for (int before = 0;; ++before) {
+    SCOPED_TRACE(before);
+    WatchedMemory memory;
+    CompiledScene scene(source(), options(), memory);
+    memory.failing.fail_after(before);
+    try {
+      update(scene);
+    } catch (const std::bad_alloc&) {
+    }
+    memory.failing.recover();
+    expect_existing_arrays(scene, memory);
+    if (!memory.failing.failed()) break;
+    EXPECT_TRUE(scene.is_stale());
+    EXPECT_FALSE(is_hit(scene, 0.5f));
+    EXPECT_EQ(scene.view().lights.lights.size, 0u);
+    EXPECT_EQ(update(scene), Change::any);
+    EXPECT_FALSE(scene.is_stale());
+    expect_same_view(scene, expected);
+  }
+}
+
+TEST(CompiledSceneFailure, OfAnUpdateLeavesAnEmptyScene) {
+  Material layered;
+  layered.sheen_color = Rgb(0.5f);
+  layered.emission = Rgb(1);
+  PunctualLight bright;
+  bright.intensity = Rgb(5);
+  expect_valid_views([](CompiledScene& scene) { return scene.set_time(1); });
+  expect_valid_views([](CompiledScene& scene) { return scene.set_transform(1, {.translation = Vec3(0, 0.2f, 0)}); });
+  expect_valid_views([&](CompiledScene& scene) { return scene.set_light(0, bright); });
+  expect_valid_views([](CompiledScene& scene) { return scene.set_environment(testing::noise_environment(64, 32)); });
+  expect_valid_views([&](CompiledScene& scene) { return scene.set_material(0, layered); });
+}
+
+TEST(CompiledSceneFailure, OfAnEnvironmentKeepsThePreviousOne) {
+  CompiledScene expected(source(), options());
+  for (int before = 0;; ++before) {
+    SCOPED_TRACE(before);
+    WatchedMemory memory;
+    CompiledScene scene(source(), options(), memory);
+    memory.failing.fail_after(before);
+    try {
+      scene.set_environment(testing::noise_environment(64, 32));
+    } catch (const std::bad_alloc&) {
+    }
+    memory.failing.recover();
+    if (!memory.failing.failed()) break;
+    EXPECT_EQ(scene.set_time(0), Change::any);
+    expect_same_view(scene, expected);
+  }
+}
+
+TEST(CompiledSceneFailure, AddsNothing) {
+  Material layered;
+  layered.sheen_color = Rgb(0.5f);
+  const auto add_wall = [&](CompiledScene& scene) {
+    Mesh wall;
+    wall.positions = {{-1, 2.1f, 1}, {1, 2.1f, 1}, {0, 3, 1}};
+    wall.uv1 = {{0, 0}, {1, 0}, {0, 1}};
+    wall.colors.assign(3, Vec4(1));
+    wall.triangles = {{0, 1, 2}};
+    wall.material = scene.add_material(layered);
+    return scene.add_mesh(wall);
+  };
+  const auto place = [](CompiledScene& scene, Index mesh) {
+    Node node;
+    node.meshes = {mesh};
+    scene.add_node(node);
+    scene.commit_edits();
+  };
+  CompiledScene expected(source(), options());
+  place(expected, add_wall(expected));
+  for (int before = 0;; ++before) {
+    SCOPED_TRACE(before);
+    WatchedMemory memory;
+    CompiledScene scene(source(), options(), memory);
+    const size_t materials = scene.source().materials.size();
+    const size_t meshes = scene.source().meshes.size();
+    const uint32_t vertices = scene.view().vertices.size;
+    memory.failing.fail_after(before);
+    try {
+      add_wall(scene);
+    } catch (const std::bad_alloc&) {
+    }
+    memory.failing.recover();
+    if (!memory.failing.failed()) break;
+    EXPECT_EQ(scene.source().meshes.size(), meshes);
+    EXPECT_LE(scene.source().materials.size(), materials + 1) << "that of the mesh may have been added";
+    scene.commit_edits();
+    expect_existing_arrays(scene, memory);
+    EXPECT_EQ(scene.view().vertices.size, vertices);
+    EXPECT_EQ(scene.view().materials.size, scene.source().materials.size() + 1);
+    const Index mesh = add_wall(scene);
+    EXPECT_EQ(mesh, static_cast<Index>(meshes));
+    place(scene, mesh);
+    EXPECT_TRUE(is_hit(scene, 2.2f));
+    for (const float height : {0.05f, 1.0f, 2.2f}) EXPECT_EQ(is_hit(scene, height), is_hit(expected, height)) << height;
+  }
+}
+
+}  // namespace
+}  // namespace relume
