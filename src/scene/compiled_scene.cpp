@@ -38,6 +38,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
     : launcher_(launcher),
       source_(std::move(scene)),
       deforming_(memory),
+      deforming_vertices_(memory),
       previous_positions_(memory),
       accel_choice_(options.accel),
       vertices_(memory),
@@ -374,7 +375,8 @@ size_t CompiledScene::memory_bytes() const {
   return vertices_.memory_bytes() + triangles_.memory_bytes() + uv1_.memory_bytes() + colors_.memory_bytes() +
          meshes_.memory_bytes() + instances_.memory_bytes() + materials_.memory_bytes() + layers_.memory_bytes() +
          energy_tables_.memory_bytes() + textures_.memory_bytes() + previous_positions_.memory_bytes() +
-         deforming_.memory_bytes() + lights_.memory_bytes() + accel_->memory_bytes();
+         deforming_vertices_.memory_bytes() + deforming_.memory_bytes() + lights_.memory_bytes() +
+         accel_->memory_bytes();
 }
 
 }  // namespace relume

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -48,7 +47,8 @@ class CompiledScene {
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 
-  /// Ends a frame: current positions become those of the previous frame, and no light counts as changed.
+  /// Ends a frame: current positions become those of the previous frame, and no light counts as changed. Changes
+  /// nothing if memory is missing.
   void end_frame();
 
   /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
@@ -137,8 +137,8 @@ class CompiledScene {
   /// Updates vertices from the current joints and weights. Returns the changed meshes of the view. Launches
   /// kernels, which invalidates spans from read() and write().
   std::vector<uint32_t> deform_meshes();
-  /// Copies the vertices of deformed meshes to the previous positions. Launches kernels, which invalidates spans from
-  /// read() and write().
+  /// Copies the vertices of deforming meshes to the previous positions, or changes nothing if it throws. Launches a
+  /// kernel, which invalidates spans from read() and write().
   void keep_previous_positions();
   /// Numbers of elements in the arrays of meshes.
   struct GeometrySize {
@@ -207,8 +207,9 @@ class CompiledScene {
   bool was_moved_ = false;                    ///< whether a previous position differs from the current one
   std::vector<MeshInstance> mesh_instances_;  ///< per instance
   DeformingMeshes deforming_;
-  std::set<uint32_t> deformed_;          ///< indices in deforming_, since the end of the last frame
-  Array<Vec3> previous_positions_;       ///< of deforming meshes
+  bool has_deformed_ = false;            ///< whether any mesh has since the end of the last frame
+  Array<uint32_t> deforming_vertices_;   ///< vertices of deforming meshes
+  Array<Vec3> previous_positions_;       ///< of each of them
   std::vector<bool> visible_;            ///< per node
   std::vector<bool> world_space_;        ///< per mesh instance
   std::vector<uint32_t> shared_meshes_;  ///< per mesh of the source: its mesh-space copy; kNoHit: none

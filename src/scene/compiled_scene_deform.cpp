@@ -1,7 +1,9 @@
 // Meshes deformed by skins and morph targets.
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "scene/compiled_scene.h"
 
@@ -59,6 +61,9 @@ void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
   mesh.deforms = true;
   mesh.first_previous = static_cast<uint32_t>(previous_positions_.size()) - first_vertex;
   previous_positions_.resize(previous_positions_.size() + count);
+  std::vector<uint32_t> added(count);
+  std::iota(added.begin(), added.end(), first_vertex);
+  deforming_vertices_.append(added);
   mesh_of_instance_.push_back(compiled_mesh);
 }
 
@@ -67,23 +72,21 @@ std::vector<uint32_t> CompiledScene::deform_meshes() {
   if (deforming_.size() == 0) return deformed;
   const JointMatrices joints = joint_matrices(source_, world_);
   for (const uint32_t number : deforming_.update(source_, joints, time_s_, vertices_.mutable_view(), launcher_)) {
-    deformed_.insert(number);
     deformed.push_back(deforming_.source(number).compiled_mesh);
   }
-  if (!deformed.empty()) open_for_host();  // launches have ended the host's access
+  if (deformed.empty()) return deformed;
+  has_deformed_ = true;
+  open_for_host();  // launches have ended the host's access
   return deformed;
 }
 
 void CompiledScene::keep_previous_positions() {
-  for (const uint32_t number : deformed_) {
-    const DeformingMeshes::Source& source = deforming_.source(number);
-    const uint32_t count = source.vertex_count;
-    const uint32_t first_previous = meshes_.read()[source.compiled_mesh].first_previous + source.first_vertex;
-    launcher_.run(StorePreviousPositionsKernel{{vertices_.view().data + source.first_vertex, count},
-                                               {previous_positions_.mutable_view().data + first_previous, count}},
-                  count);
-  }
-  deformed_.clear();
+  if (!has_deformed_) return;
+  // One launch: if it fails, no mesh has lost its previous positions.
+  launcher_.run(
+      StorePreviousPositionsKernel{vertices_.view(), deforming_vertices_.view(), previous_positions_.mutable_view()},
+      static_cast<uint32_t>(previous_positions_.size()));
+  has_deformed_ = false;
 }
 
 void CompiledScene::drop_removed_deformations() {

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <new>
+#include <vector>
 
 #include "scene/compiled_scene.h"
 #include "scene/testing/figure.h"
@@ -141,6 +142,52 @@ TEST(CompiledSceneFailure, OfAnEnvironmentKeepsThePreviousOne) {
     EXPECT_EQ(scene.set_time(0), Change::any);
     expect_same_view(scene, expected);
   }
+}
+
+/// Runs kernels on the host, except for one of those that store previous positions.
+class FailingLauncher final : public SceneLauncher {
+ public:
+  /// That after `before` others fails.
+  void fail_after(int before) { before_ = before; }
+
+  void run(const DeformVerticesKernel& kernel, uint32_t count) override { host_.run(kernel, count); }
+  void run(const StorePreviousPositionsKernel& kernel, uint32_t count) override {
+    if (before_-- == 0) throw std::bad_alloc();
+    host_.run(kernel, count);
+  }
+
+ private:
+  SceneLauncher& host_ = host_scene_launcher(Denormals::keep);
+  int before_ = -1;
+};
+
+std::vector<Vec3> previous_positions(const CompiledScene& scene) {
+  const View<const Vec3> positions = scene.view().previous_positions;
+  return {positions.begin(), positions.end()};
+}
+
+TEST(CompiledSceneFailure, OfTheEndOfAFrameKeepsPreviousPositions) {
+  FailingLauncher launcher;
+  int failures = 0;
+  for (bool fails = true; fails;) {
+    SCOPED_TRACE(failures);
+    CompiledScene scene(source(), options(), host_memory(), launcher);
+    const std::vector<Vec3> before = previous_positions(scene);
+    scene.set_time(1);
+    launcher.fail_after(failures);
+    fails = false;
+    try {
+      scene.end_frame();
+    } catch (const std::bad_alloc&) {
+      fails = true;
+      ++failures;
+      EXPECT_EQ(previous_positions(scene), before);
+      launcher.fail_after(-1);
+      scene.end_frame();
+    }
+    EXPECT_NE(previous_positions(scene), before);
+  }
+  EXPECT_GT(failures, 0);
 }
 
 TEST(CompiledSceneFailure, AddsNothing) {

@@ -101,12 +101,13 @@ struct DeformVerticesKernel {
   }
 };
 
-/// Pass kernel: copies the vertex positions of a mesh to its previous positions, for motion vectors.
+/// Pass kernel: copies the positions of deforming vertices to their previous positions, for motion vectors.
 struct StorePreviousPositionsKernel {
   View<const Vertex> vertices;
+  View<const uint32_t> deforming;  ///< vertex of each previous position
   View<Vec3> positions;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t) const { positions[x] = vertices[x].position; }
+  RELUME_HD void operator()(uint32_t x, uint32_t) const { positions[x] = vertices[deforming[x]].position; }
 };
 
 }  // namespace relume
