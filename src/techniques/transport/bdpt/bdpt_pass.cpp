@@ -73,6 +73,7 @@ bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) const 
 }
 
 bool BdptPass::run(const FrameContext& frame) {
+  frame_faults_ = {};
   prepare_lights(frame);
   BdptKernel kernel;
   BdptContext& c = kernel.context;
@@ -105,10 +106,17 @@ bool BdptPass::run(const FrameContext& frame) {
   if (has_splats_) fill(frame.backend, "splats", c.splats, FixedPointRgb{});
   has_splats_ = true;
   if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;
-  has_splats_ = false;
-  saturated_ += faults_.read().saturated;
-  nonfinite_ += faults_.read().nonfinite;
+  frame_faults_ = faults_.read();
+  has_splats_ = false;  // only now: reading waits for the launches, and throws if one has failed
+  saturated_ += frame_faults_.saturated;
+  nonfinite_ += frame_faults_.nonfinite;
   return true;
+}
+
+void BdptPass::abandon() {
+  saturated_ -= frame_faults_.saturated;
+  nonfinite_ -= frame_faults_.nonfinite;
+  frame_faults_ = {};
 }
 
 std::vector<std::string> BdptPass::warnings() const {
@@ -131,6 +139,7 @@ void BdptPass::save(std::ostream& out) const {
   write_value(out, nonfinite_);
 }
 void BdptPass::load(std::istream& in) {
+  frame_faults_ = {};
   read_value(in, saturated_);
   read_value(in, nonfinite_);
 }

@@ -47,6 +47,7 @@ class BdptPass final : public Pass {
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  void abandon() override;
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
     return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes() +
@@ -74,9 +75,10 @@ class BdptPass final : public Pass {
   KernelValue<SplatFaults> faults_;
   PrimitiveScratch scratch_;
   bool prepared_ = false;
-  bool has_splats_ = false;  ///< whether a frame that was stopped or failed has left splats
-  uint64_t saturated_ = 0;   ///< splats clamped so far
-  uint64_t nonfinite_ = 0;   ///< splats left out so far
+  bool has_splats_ = false;   ///< whether a frame that was stopped or failed has left splats
+  SplatFaults frame_faults_;  ///< of the last frame; 0 if it was abandoned
+  uint64_t saturated_ = 0;    ///< splats clamped so far
+  uint64_t nonfinite_ = 0;    ///< splats left out so far
 };
 
 }  // namespace relume
