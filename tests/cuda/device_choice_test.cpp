@@ -55,5 +55,13 @@ TEST(DeviceChoice, FallsBackToTheHostOnlyIfItIsAutomatic) {
   EXPECT_NE(error_of("cuda:3").find("there is no GPU 3"), std::string::npos) << error_of("cuda:3");
 }
 
+TEST(DeviceChoice, FallsBackToTheHostIfAGpuHasNoMemory) {
+  const StubDriver stub;
+  StubDriver::configure("fail=cuStreamCreate:1:2");
+  EXPECT_EQ(open_chosen_device("auto"), nullptr);
+  StubDriver::configure("fail=cuStreamCreate:1:2");
+  EXPECT_THROW(open_chosen_device("cuda"), DeviceMemoryError);
+}
+
 }  // namespace
 }  // namespace relume::cuda

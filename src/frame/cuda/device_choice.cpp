@@ -22,6 +22,8 @@ std::unique_ptr<Device> open_any() {
       return open_device(driver(), code, {.index = gpu.index});
     } catch (const Error&) {
       continue;  // the next GPU, or the host, takes its place
+    } catch (const DeviceMemoryError&) {
+      continue;
     }
   }
   return nullptr;
