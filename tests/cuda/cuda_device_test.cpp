@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/activity.h"
 #include "core/array.h"
 #include "kernels.h"
 #include "launch_kernel.h"
@@ -184,6 +186,22 @@ TEST(CudaDevice, DividesWindowsThatAreTallerThanAGrid) {
   EXPECT_EQ(device->take_times().size(), 1u);
   const std::span<const uint32_t> result = image.read();
   for (uint32_t y = 0; y < kHeight; ++y) ASSERT_EQ(result[2 * y + 1], y * 1000 + 1) << y;
+}
+
+TEST(CudaDevice, ShowsThatTheDriverCompiles) {
+  static decltype(Driver::cuModuleLoadDataEx) compile;
+  static std::optional<std::string> shown;
+  const StubDriver stub;
+  Driver driver = stub.driver();
+  compile = driver.cuModuleLoadDataEx;
+  driver.cuModuleLoadDataEx = [](Module* module, const void* image, unsigned options, CompilerOption* names,
+                                 void** values) {
+    shown = current_activity();
+    return compile(module, image, options, names, values);
+  };
+  open_device(driver, testing::test_device_code());
+  EXPECT_EQ(shown.value_or(""), "waiting for the driver to compile kernels for Stub GPU 0 (cuda:0)");
+  EXPECT_FALSE(current_activity().has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Drivers, CudaDeviceTest,

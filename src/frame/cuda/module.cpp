@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/activity.h"
 #include "frame/kernel_names.h"
 #include "relume/error.h"
 
@@ -48,6 +49,7 @@ LoadedModule::~LoadedModule() {
 }
 
 void LoadedModule::compile(const std::string& ptx) {
+  const Activity activity(fmt::format("waiting for the driver to compile kernels for {}", queue_.device_name()));
   std::string messages(size_t{8} * 1024, '\0');
   std::array<CompilerOption, 2> names{CompilerOption::error_log_buffer, CompilerOption::error_log_buffer_size_bytes};
   // The driver takes numbers as addresses.
