@@ -204,18 +204,13 @@ class Array {
     check(count);
     move_to(size_ > 0 ? std::max(count, std::min(2 * capacity_, kMaxSize)) : count);
   }
-  /// Moves the elements to a block for `capacity` elements.
+  /// Moves the elements to a block for `capacity` elements. Changes nothing if it throws.
   void move_to(size_t capacity) {
-    T* const moved = capacity > 0 ? allocate(capacity) : nullptr;
-    if (moved && size_ > 0) {
-      memory_->open_for_writing(moved);
-      std::memcpy(static_cast<void*>(moved), read().data(), size_ * sizeof(T));
-    }
-    const size_t size = size_;
-    release();
-    data_ = moved;
-    size_ = size;
-    capacity_ = capacity;
+    Array moved(*memory_);
+    moved.reset(capacity, kUninitialized);
+    if (size_ > 0) std::memcpy(static_cast<void*>(moved.write().data()), read().data(), size_ * sizeof(T));
+    moved.size_ = size_;
+    *this = std::move(moved);
   }
   /// Sets the elements from `first` on to T{}.
   void construct(size_t first) {

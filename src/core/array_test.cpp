@@ -32,10 +32,17 @@ class CountedMemory final : public Memory {
     blocks_.erase(block);
     host_memory().deallocate(block, bytes, alignment);
   }
-  void open_for_reading(const void* block) override { reads += blocks_.count(const_cast<void*>(block)); }
-  void open_for_writing(void* block) override { writes += blocks_.count(block); }
+  void open_for_reading(const void* block) override {
+    if (opening_fails) throw std::runtime_error("the device has failed");
+    reads += blocks_.count(const_cast<void*>(block));
+  }
+  void open_for_writing(void* block) override {
+    if (opening_fails) throw std::runtime_error("the device has failed");
+    writes += blocks_.count(block);
+  }
 
   size_t blocks() const { return blocks_.size(); }
+  bool opening_fails = false;
   int allocations = 0;
   size_t reads = 0;
   size_t writes = 0;
@@ -60,6 +67,19 @@ TEST(Array, NewElementsHaveTheirDefaultValue) {
   EXPECT_EQ(elements_of(records), (std::vector<Record>{{}, {}}));
   records.reset(2, kUninitialized);
   EXPECT_EQ(records.size(), 2u);
+}
+
+TEST(Array, KeepsItsBlockIfAnotherCannotBeOpened) {
+  CountedMemory memory;
+  Array<int> array(memory);
+  array.assign(std::vector<int>{1, 2, 3});
+  memory.opening_fails = true;
+  EXPECT_THROW(array.resize(10), std::runtime_error);
+  EXPECT_THROW(array.reserve(10), std::runtime_error);
+  EXPECT_THROW(array.push_back(4), std::runtime_error);
+  memory.opening_fails = false;
+  EXPECT_EQ(memory.blocks(), 1u);
+  EXPECT_EQ(elements_of(array), (std::vector<int>{1, 2, 3}));
 }
 
 TEST(Array, ResizeKeepsTheFirstElements) {
