@@ -103,8 +103,8 @@ struct Lanes {
   }
 };
 
-/// What kernels compute with where lanes only make the host faster: lanes there, single numbers on a device, whose
-/// threads would keep lanes in memory. Both give the same bits.
+/// Numbers of kernels where several at once are only faster on the host: lanes on the host, one number on a device,
+/// whose threads would keep lanes in memory. Both give the same bits.
 #if RELUME_DEVICE_CODE
 using HostLanes = float;
 #else
