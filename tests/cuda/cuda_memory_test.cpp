@@ -232,6 +232,23 @@ TEST(CudaMemory, SaysWhichCopyFails) {
   EXPECT_EQ(values.read()[100], 3u);
 }
 
+TEST(CudaMemory, IsNotFreedBeforeItsMove) {
+  const StubDriver stub("fail=cuMemcpyDtoDAsync_v2:1:1");
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> values(device->memory());
+  values.assign(16, 0);
+  {
+    Array<uint32_t> from(device->memory());
+    Array<uint32_t> to(device->memory());
+    from.assign(kLarge, 1);
+    to.assign(kLarge, 0);
+    EXPECT_THROW(device->memory().copy(to.mutable_view().data, from.view().data, kLarge * sizeof(uint32_t)), Error);
+  }
+  queue(*device, AddKernel{1, values.mutable_view()}, {0, 0, 16, 1});
+  EXPECT_NO_THROW(device->finish());
+  EXPECT_EQ(values.read()[0], 1u);
+}
+
 TEST(CudaMemory, PermitsReadingWithoutAMove) {
   const StubDriver stub;
   const std::unique_ptr<Device> device = open(stub);

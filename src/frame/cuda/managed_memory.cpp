@@ -157,6 +157,7 @@ void ManagedMemory::bring(const std::byte* address) {
   const auto block = find(on_host_, address);
   if (block == on_host_.end()) return;
   move(*block, queue_.device());
+  queue_.added();  // the block must not be freed before its move, even if the driver refuses the work that needs it
   on_device_.insert(on_host_.extract(block));
 }
 
