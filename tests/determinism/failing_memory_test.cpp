@@ -100,8 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Some, FailingMemory,
                          ::testing::Values("vlc_cdq_combination", "apsf_apg", "reproject", "svgf", "static_lists"),
                          [](const auto& instance) { return std::string(instance.param); });
 
-// A failed frame leaves what a stopped one does, after which all histories end. Techniques with an octree are left out:
-// their images differ, though both are unbiased.
+// A failed frame leaves what a stopped one does, after which all histories end.
 class FailedFrame : public FailingMemory {};
 TEST_P(FailedFrame, EqualsAStopAndAChangeOfSettings) {
   const RenderSettings settings = settings_of(GetParam());
@@ -137,7 +136,8 @@ TEST_P(FailedFrame, EqualsAStopAndAChangeOfSettings) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Some, FailedFrame, ::testing::Values("apsf_apg", "reproject", "svgf", "static_lists"),
+INSTANTIATE_TEST_SUITE_P(Some, FailedFrame,
+                         ::testing::Values("vlc_cdq_combination", "apsf_apg", "reproject", "svgf", "static_lists"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 /// A call between frames.

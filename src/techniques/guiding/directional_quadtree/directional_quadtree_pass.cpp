@@ -45,7 +45,7 @@ float kept_share(int frames) { return static_cast<float>(frames) / static_cast<f
 
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   const bool fits = trees_.bit_count() == bit_count() && trees_.size() == octree_.tree().leaf_slots();
-  if (octree_.begins_again() && fits) {
+  if (generation_ == octree_.generation() && fits) {
     snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
   } else {
     take_in_samples(frame);
@@ -59,12 +59,19 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
 void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   const bool same_size =
       octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
-  moved_.write() = 0;
+  // The frames of an epoch sample the same trees, so they have the same weight.
+  const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
+  next_trees_.reset(bit_count(), octree_.tree().leaf_slots());
+  if (remembers) {
+    weights_.reserve(trees_.size());
+    successors_.reset(trees_.size(), kUninitialized);
+    next_weights_.reset(octree_.tree().leaf_slots(), kUninitialized);
+  }
   // Whether the samples were drawn from other trees than those that they adapt.
   const bool sampled_others = snapshot_.frozen();
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
-  // The frames of an epoch sample the same trees, so they have the same weight.
-  const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
+  // Nothing allocates from here on.
+  moved_.write() = 0;
   if (same_size) {
     const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
@@ -76,18 +83,17 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
   }
   populate(frame, same_size, remembers);
+  generation_ = octree_.generation();
 }
 
 void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, bool remembers) {
   const Grid regions{octree_.tree().leaf_slots(), 1};
   const View<const uint32_t> previous = octree_.tree().links().previous.view();
-  next_trees_.reset(bit_count(), regions.width);
   const PopulateQuadtreesKernel kernel{previous, keep ? trees_.view() : QuadtreeArray{}, next_trees_.view()};
   frame.launch("cdq.populate", kernel, regions);
   if (!remembers || !keep) weights_.clear();
   if (!remembers) return std::swap(trees_, next_trees_);
   successors_.reset(weights_.size(), kUninitialized);
-  next_weights_.reset(regions.width, kUninitialized);
   if (!weights_.empty()) {
     fill(frame.backend, "cdq.populate", successors_.mutable_view(), 0u);
     frame.launch("cdq.populate", CountSuccessorsKernel{previous, successors_.mutable_view()}, regions);
@@ -139,6 +145,7 @@ void DirectionalQuadtreePass::load(std::istream& in) {
   trees_.load(in);
   snapshot_.load(in, Quadtrees(bit_count(), 0, memory));
   read_array(in, weights_);
+  generation_ = octree_.generation();
   if (in && (weights_.empty() || weights_.size() == trees_.size())) return;
   trees_ = Quadtrees(bit_count(), 0, memory);
   snapshot_.reset();

@@ -81,16 +81,17 @@ class DirectionalQuadtreePass final : public Pass {
   const DirectionSampler& directions() const { return directions_; }
 
  private:
-  /// Adapts the trees to the last frame's samples.
+  /// Adapts the trees to the last frame's samples. Changes nothing if memory is missing.
   void take_in_samples(const FrameContext& frame);
   /// Creates the trees of the current octree's leaves: copies of their origins' if `keep`, else uniform ones.
-  /// `remembers`: copies the weights, too.
+  /// `remembers`: copies the weights, too. Allocates nothing.
   void populate(const FrameContext& frame, bool keep, bool remembers);
   uint32_t bit_count() const { return 32 * (1 + static_cast<uint32_t>(settings_.bits)); }
 
   DirectionalQuadtreeSettings settings_;
   const OctreePass& octree_;
   DirectionSampler directions_;
+  uint64_t generation_ = 0;  ///< generation of the octree whose regions have the trees
   Quadtrees trees_;
   Quadtrees next_trees_;  ///< buffer for the next octree, swapped with trees_
   Snapshot<Quadtrees> snapshot_;

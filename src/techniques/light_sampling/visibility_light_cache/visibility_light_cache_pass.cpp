@@ -13,7 +13,7 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
   update_lights(frame);
   if (loaded_) drop_inconsistent(frame);
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, caches_);
-  if (!octree_.begins_again()) {
+  if (generation_ != octree_.generation()) {
     build_caches(frame);
   } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size)) {
     caches_.clear();
@@ -43,6 +43,7 @@ void VisibilityLightCachePass::update_lights(const FrameContext& frame) {
 void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   if (!octree_.has_samples()) {
     caches_.clear();
+    generation_ = octree_.generation();
     return;
   }
   CacheBuildOptions options;
@@ -51,8 +52,11 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   options.hysteresis = settings_.hysteresis;
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
-  caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options, scratch_);
+  if (built_generation_ != octree_.generation())
+    caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options, scratch_);
+  built_generation_ = octree_.generation();
   caches_.populate(frame.backend, octree_.tree(), scratch_);
+  generation_ = octree_.generation();
 }
 
 PassDeclaration KnownLightsPass::declaration() const {
@@ -145,6 +149,7 @@ void VisibilityLightCachePass::save(std::ostream& out) const {
 void VisibilityLightCachePass::load(std::istream& in) {
   caches_.load(in);
   snapshot_.load(in, LightCaches(summaries_.memory()));
+  generation_ = octree_.generation();
   loaded_ = true;
 }
 

@@ -29,7 +29,10 @@ class VisibilityLightCachePass final : public Pass {
     selector_.kind = LightSelectorKind::cache;
   }
 
-  void configure(const VisibilityLightCacheSettings& settings) { settings_ = settings; }
+  void configure(const VisibilityLightCacheSettings& settings) {
+    settings_ = settings;
+    built_generation_ = 0;  // buckets of another size cannot be completed
+  }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
   PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
@@ -59,9 +62,11 @@ class VisibilityLightCachePass final : public Pass {
   LightCaches caches_;
   CacheScratch scratch_;
   Snapshot<LightCaches> snapshot_;
-  bool loaded_ = false;          ///< whether a loaded checkpoint is still unchecked
-  bool built_ = false;           ///< whether the data of lights is complete
-  bool lights_changed_ = false;  ///< whether lights have changed since the frame before
+  uint64_t built_generation_ = 0;  ///< generation of the octree whose samples the caches include; 0: none
+  uint64_t generation_ = 0;        ///< generation of the octree whose regions have the caches
+  bool loaded_ = false;            ///< whether a loaded checkpoint is still unchecked
+  bool built_ = false;             ///< whether the data of lights is complete
+  bool lights_changed_ = false;    ///< whether lights have changed since the frame before
   Array<LightSummary> summaries_;
   ExplorationTables all_;
   Array<AliasEntry> infinite_;

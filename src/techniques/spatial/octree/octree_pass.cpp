@@ -41,16 +41,18 @@ OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
 
 bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
+  has_taken_samples_ = std::exchange(prepared_, false);
   // Resized before they are grouped, because other passes read the groups until the next frame.
   stream_.resize(frame.backend, frame.pixels(), vertices);
-  begins_again_ = std::exchange(prepared_, false);
   if (!tree_) {
     frame.backend.run("octree.first", [&] { tree_ = first_tree(frame.scene, memory_); });
+    ++generation_;
   } else {
     snapshot_.begin_frame(frame.backend, frame.begins_epoch, *tree_);
     // The samples of an abandoned frame are incomplete and are overwritten.
-    if (!begins_again_) adapt(frame);
+    if (!has_taken_samples_) adapt(frame);
   }
+  has_taken_samples_ = true;
   tree_->write_leaf_depths(frame.backend, depths_);
   recording_ = {.octree = tree_->view(),
                 .sampled = sampled().view(),
@@ -69,6 +71,7 @@ void OctreePass::adapt(const FrameContext& frame) {
       tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()), scratch_);
   previous_ = std::move(tree_);
   tree_ = std::move(next);
+  ++generation_;
 }
 
 PassDeclaration RegionViewPass::declaration() const {

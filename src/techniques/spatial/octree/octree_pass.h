@@ -27,7 +27,7 @@ class OctreePass final : public Pass {
   void configure(const OctreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  void abandon() override { prepared_ = true; }
+  void abandon() override { prepared_ = has_taken_samples_; }
   uint32_t longest_epoch() const override { return epochs_ ? static_cast<uint32_t>(settings_.longest_epoch) : 1; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
@@ -35,9 +35,10 @@ class OctreePass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Whether this frame restarts an abandoned one. tree() and the data of its regions then already include the samples
-  /// of the last complete frame.
-  bool begins_again() const { return begins_again_; }
+  /// Number of trees so far. It stays equal in a frame that restarts an abandoned one whose tree already included the
+  /// samples of the last complete frame. Data of the regions then include them, too, unless the frame was abandoned
+  /// before: later passes compare it with that of their data.
+  uint64_t generation() const { return generation_; }
   /// Whether the last frame recorded samples: previous() and groups() are valid.
   bool has_samples() const { return previous_.has_value(); }
   const OctreeTree& previous() const { return *previous_; }
@@ -58,8 +59,9 @@ class OctreePass final : public Pass {
   OctreeSettings settings_;
   bool epochs_;
   Memory& memory_;
-  bool prepared_ = false;  ///< whether the tree is already that of the next frame
-  bool begins_again_ = false;
+  bool prepared_ = false;           ///< whether the tree is already that of the next frame
+  bool has_taken_samples_ = false;  ///< whether the tree includes the samples of the last complete frame
+  uint64_t generation_ = 0;
   std::optional<OctreeTree> tree_;
   Snapshot<OctreeTree> snapshot_;
   std::optional<OctreeTree> previous_;
