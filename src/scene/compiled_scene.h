@@ -193,9 +193,12 @@ class CompiledScene {
   }
   /// Removes geometry and lights from the view until the next update, which rebuilds them.
   void empty_view() noexcept;
-  /// Sets the addresses in the view.
+  /// Sets the addresses and the cameras in the view.
   void point_view();
+  /// Sets everything in the view.
   void refresh_view();
+  /// Sets the medium around the camera in the view. Arrays must be readable by host code.
+  void find_camera_medium();
   std::vector<AccelInstance> accel_instances() const;
 
   SceneLauncher& launcher_;
@@ -205,6 +208,7 @@ class CompiledScene {
   std::vector<Mat4> world_;                   ///< per node
   std::vector<bool> moves_;                   ///< per node
   bool was_moved_ = false;                    ///< whether a previous position differs from the current one
+  bool has_placed_instances_ = false;         ///< whether instances may differ from their previous state
   std::vector<MeshInstance> mesh_instances_;  ///< per instance
   DeformingMeshes deforming_;
   bool has_deformed_ = false;            ///< whether any mesh has since the end of the last frame

@@ -17,11 +17,13 @@ namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
   keep_previous_positions();  // launches may throw; nothing below does
-  open_for_host();
-  for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
+  // Writing moves large arrays from a device and back.
+  if (std::exchange(has_placed_instances_, false)) {
+    for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
+  }
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
-  refresh_view();
+  point_view();
   was_moved_ = false;
 }
 
@@ -48,7 +50,8 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
     camera_pose_ = camera;
     if (is_stale_) return place_everything(world_);
     const CameraView before = std::exchange(camera_view_, now);
-    refresh_view();
+    point_view();
+    find_camera_medium();
     if (same_view(before, camera_view_)) return Change::none;
     was_moved_ = true;
     return Change::camera;
@@ -64,7 +67,8 @@ Change CompiledScene::set_resolution(int width, int height) {
       camera_view_ = view_through(camera());
       previous_camera_view_ = camera_view_;
       if (is_stale_) return place_everything(world_);
-      refresh_view();
+      point_view();
+      find_camera_medium();
     } catch (...) {
       // Buffers keep their size, so paths must not reach pixels beyond it.
       std::tie(resolution_, camera_view_, previous_camera_view_) = before;
@@ -178,6 +182,7 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
     if (meshes[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   view_.accel = accel_->view();
+  find_camera_medium();
   if (emits) {
     lights_.discard_texture_tables();
     collect_lights();
@@ -236,6 +241,7 @@ CameraPose CompiledScene::scene_camera(const std::vector<Mat4>& world) const {
 CameraPose CompiledScene::camera() const { return camera_pose_ ? *camera_pose_ : scene_camera(world_); }
 
 bool CompiledScene::place_instances() {
+  has_placed_instances_ = true;
   const bool first = instances_.empty();
   instances_.resize(mesh_instances_.size());
   const std::span<Instance> instances = instances_.write();
@@ -332,6 +338,10 @@ void CompiledScene::refresh_view() {
        .sheen =
            std::any_of(layers.begin(), layers.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
   view_.energy_tables = energy_tables_.view();
+  find_camera_medium();
+}
+
+void CompiledScene::find_camera_medium() {
   if (!accel_ || edited_) return;  // lacks the added parts; commit_edits() calls this again
   // Rays in every direction leave a closed mesh. A sheet of glass, or a gap in a mesh, affects one direction only.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };

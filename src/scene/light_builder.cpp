@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "scene/emission_table.h"
@@ -160,6 +161,7 @@ void LightBuilder::use_environment_map(std::span<const Rgb> map, int w, int h) {
 }
 
 void LightBuilder::clear() noexcept {
+  collected_ = true;
   lights_.clear();
   changed_.clear();
   first_infinite_ = 0;
@@ -169,6 +171,7 @@ void LightBuilder::clear() noexcept {
 
 void LightBuilder::collect(const SceneView& geometry, std::span<Instance> instances, const Scene& scene,
                            const PlacedNodes& nodes, const SceneBounds& bounds) {
+  collected_ = true;
   lights_.clear();
   bounds_ = bounds;
   textures_ = geometry.textures;
@@ -270,6 +273,7 @@ void LightBuilder::discard_texture_tables() {
 }
 
 void LightBuilder::mark_unchanged() {
+  if (!std::exchange(collected_, false)) return;
   previous_.reserve(lights_.size());  // so that nothing below throws
   for (Light& light : lights_.write()) light.changed = false;
   changed_.clear();

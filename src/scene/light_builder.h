@@ -80,6 +80,7 @@ class LightBuilder {
   Array<float> environment_conditional_;
   EnvironmentView environment_;
   bool has_previous_ = false;         ///< whether a frame has ended
+  bool collected_ = false;            ///< whether lights may differ from `previous_`
   bool environment_changed_ = false;  ///< since the end of the last frame
   bool has_sun_ = false;
   DirectionalLight sun_{};
