@@ -370,6 +370,7 @@ void RenderJob::report(StopReason reason) const {
       .files = written_,
       .passes = statistics.passes,
       .figures = {},
+      .device = statistics.device,
   };
   for (const PassStatistic& figure : statistics.pass_statistics) run.figures.emplace_back(figure.name, figure.value);
   write_file(options_.stats, to_json(run));

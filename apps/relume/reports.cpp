@@ -28,6 +28,16 @@ std::string text_of(const Json& json) {
   return text + "\n";
 }
 
+/// null: the processor.
+Json json_of(const std::optional<DeviceStatistics>& device) {
+  if (!device) return {};
+  return {{"name", device->name},
+          {"driver", device->driver},
+          {"memory_bytes", device->memory_bytes},
+          {"memory_limit_bytes", device->memory_limit_bytes},
+          {"memory_used_bytes", device->memory_used_bytes}};
+}
+
 }  // namespace
 
 std::string format_samples(double samples) { return fmt::format("{}", std::round(samples * 100) / 100); }
@@ -63,6 +73,7 @@ std::string to_json(const RunReport& report) {
       {"paths", report.paths},
       {"rays", report.rays},
       {"nonfinite_samples", report.nonfinite_samples},
+      {"device", json_of(report.device)},
       {"threads", report.threads},
       {"idle_share", all.idle_share(report.threads)},
       {"peak_memory_bytes", report.peak_memory_bytes},

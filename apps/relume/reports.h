@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,7 @@ struct RunReport {
   std::vector<std::string> files;  ///< images written
   std::vector<PassTime> passes;
   std::vector<std::pair<std::string, double>> figures;  ///< figures reported by techniques
+  std::optional<DeviceStatistics> device;               ///< absent if the processor rendered
 };
 
 /// Report of `info` on an image.

@@ -53,6 +53,17 @@ TEST(Reports, IdleSharesAreOfTheTimeOfAllThreads) {
   expect_in("\n  \"idle_share\": 0.375", text);
 }
 
+TEST(Reports, RunDescribesTheGpu) {
+  RunReport report;
+  expect_in("\"device\": null", to_json(report));
+  report.device = DeviceStatistics{"Stub GPU 0 (cuda:0)", "13.0", 4000, 3000, 2000};
+  const std::string text = to_json(report);
+  expect_in("\"device\": {\n    \"name\": \"Stub GPU 0 (cuda:0)\",\n    \"driver\": \"13.0\"", text);
+  expect_in("\"memory_bytes\": 4000", text);
+  expect_in("\"memory_limit_bytes\": 3000", text);
+  expect_in("\"memory_used_bytes\": 2000", text);
+}
+
 TEST(Reports, SamplesAreWholeWhereTheyCan) {
   EXPECT_EQ(format_samples(1), "1");
   EXPECT_EQ(format_samples(1 << 20), "1048576");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,15 @@ struct PassStatistic {
   double value = 0;
 };
 
+/// The GPU that renders.
+struct DeviceStatistics {
+  std::string name;                 ///< with its number: "NVIDIA H100 80GB HBM3 (cuda:0)"
+  std::string driver;               ///< version of CUDA that the driver supports, such as "12.4"
+  uint64_t memory_bytes = 0;        ///< memory of the GPU
+  uint64_t memory_limit_bytes = 0;  ///< largest total of all sessions of the process on the GPU
+  uint64_t memory_used_bytes = 0;   ///< total of these sessions at present
+};
+
 /// Totals since the session began. Counters are exact and do not depend on the number of threads.
 struct Statistics {
   double build_s = 0;    ///< compiling the scene and building the acceleration structure
@@ -39,6 +49,7 @@ struct Statistics {
   int threads = 0;
   std::vector<PassTime> passes;
   std::vector<PassStatistic> pass_statistics;  ///< values of the last frame
+  std::optional<DeviceStatistics> device;      ///< absent if the processor renders
 };
 
 /// Time of each pass of `now` since `before`. Passes that first ran later are missing in `before`. Includes "build"

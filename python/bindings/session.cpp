@@ -133,6 +133,16 @@ py::dict statistics_dict(const Statistics& s) {
   py::dict figures;
   for (const PassStatistic& figure : s.pass_statistics) figures[py::str(figure.name)] = figure.value;
   result["pass_statistics"] = figures;
+  result["device"] = py::none();
+  if (s.device) {
+    py::dict device;
+    device["name"] = s.device->name;
+    device["driver"] = s.device->driver;
+    device["memory_bytes"] = s.device->memory_bytes;
+    device["memory_limit_bytes"] = s.device->memory_limit_bytes;
+    device["memory_used_bytes"] = s.device->memory_used_bytes;
+    result["device"] = device;
+  }
   return result;
 }
 

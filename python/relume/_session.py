@@ -142,7 +142,10 @@ class Session:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """Times (seconds), counters and bytes since the session began; numbers of the passes as of the last frame."""
+        """Times (seconds), counters and bytes since the session began; numbers of the passes as of the last frame.
+
+        "device" describes the GPU and its memory; it is None if the processor renders.
+        """
         return self._core.statistics()
 
     @property

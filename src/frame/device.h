@@ -7,12 +7,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/array.h"
 #include "frame/tile.h"
+#include "relume/statistics.h"
 
 namespace relume {
 
@@ -64,6 +66,9 @@ class Device {
 
   /// Time that it took to move memory before these launches, in addition to their times, seconds, since the last call.
   virtual double take_move_time() { return 0; }
+
+  /// Its name, driver and memory, also after an error; absent for a device without a driver.
+  virtual std::optional<DeviceStatistics> statistics() const { return std::nullopt; }
 };
 
 }  // namespace relume

@@ -175,6 +175,7 @@ const Statistics& Session::statistics() const {
     if (t.name != kBetweenFrames) s.statistics.passes.push_back({t.name, t.seconds, t.idle_s});
   }
   s.statistics.pass_statistics = s.passes.pipeline.statistics();
+  s.statistics.device = s.device ? s.device->statistics() : std::nullopt;
   return s.statistics;
 }
 

@@ -57,6 +57,21 @@ TEST(CudaMemory, IsLimited) {
   EXPECT_EQ(refusal(memory, 10 * kMiB), "no error");
 }
 
+TEST(CudaMemory, IsInTheStatistics) {
+  const StubDriver stub("version=12040 memory=1024 devices=2");
+  const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code(), {1, 0});
+  const DeviceStatistics before = device->statistics().value();
+  EXPECT_EQ(before.name, "Stub GPU 1 (cuda:1)");
+  EXPECT_EQ(before.driver, "12.4");
+  EXPECT_EQ(before.memory_bytes, 1024 * kMiB);
+  EXPECT_LT(before.memory_limit_bytes, before.memory_bytes);
+  void* const block = device->memory().allocate(6 * kMiB, 16);
+  EXPECT_EQ(device->statistics()->memory_used_bytes, before.memory_used_bytes + 6 * kMiB);
+  device->memory().deallocate(block, 6 * kMiB, 16);
+  device->finish();
+  EXPECT_EQ(device->statistics()->memory_used_bytes, before.memory_used_bytes);
+}
+
 TEST(CudaMemory, IsSharedByTheDevicesOfAGpu) {
   const StubDriver stub("memory=356 devices=2");  // 256 MiB are spare
   const std::unique_ptr<Device> first = open(stub);

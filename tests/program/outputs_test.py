@@ -152,6 +152,7 @@ class Outputs(ProgramTest):
         self.assertLessEqual(STATS_KEYS, set(stats))
         self.assertEqual(stats["samples"], 24 * 18 * 2)
         self.assertEqual(stats["threads"], 1)
+        self.assertIsNone(stats["device"])
         self.assertEqual(stats["nonfinite_samples"], 0)
         self.assertGreater(stats["rays"], stats["samples"])
         self.assertGreater(stats["peak_memory_bytes"], 1 << 20)

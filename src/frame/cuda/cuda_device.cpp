@@ -52,6 +52,7 @@ class CudaDevice final : public Device {
  public:
   CudaDevice(const Driver& driver, const std::string& ptx, const DeviceOptions& options)
       : gpu_(usable_gpu(driver, options.index)),
+        driver_version_(driver_version(driver)),
         queue_(driver, number_of(driver, gpu_.index), fmt::format("{} (cuda:{})", gpu_.name, gpu_.index)),
         module_(queue_, ptx),
         slots_(queue_),
@@ -70,6 +71,7 @@ class CudaDevice final : public Device {
   void finish() override;
   std::vector<double> take_times() override;
   double take_move_time() override { return slots_.take_move_time(); }
+  std::optional<DeviceStatistics> statistics() const override;
 
  private:
   /// Memory of the GPU that blocks may take, with room left for the stacks of all threads.
@@ -80,6 +82,7 @@ class CudaDevice final : public Device {
   void record(Event event);
 
   GpuInfo gpu_;
+  std::string driver_version_;
   Queue queue_;
   LoadedModule module_;
   LaunchSlots slots_;
@@ -180,6 +183,14 @@ void CudaDevice::finish() {
 std::vector<double> CudaDevice::take_times() {
   const Queue::Current current(queue_);
   return slots_.take_times();
+}
+
+std::optional<DeviceStatistics> CudaDevice::statistics() const {
+  return DeviceStatistics{.name = queue_.device_name(),
+                          .driver = driver_version_,
+                          .memory_bytes = gpu_.memory_bytes,
+                          .memory_limit_bytes = memory_.budget().limit_bytes(),
+                          .memory_used_bytes = memory_.budget().used_bytes()};
 }
 
 }  // namespace

@@ -58,6 +58,12 @@ GpuInfo info_or_problem(const Driver& driver, int index) {
 
 }  // namespace
 
+std::string driver_version(const Driver& driver) {
+  int version = 0;
+  check(driver, driver.cuDriverGetVersion(&version), "asking for the driver's version");
+  return version_text(version);
+}
+
 GpuInfo gpu_info(const Driver& driver, int index) {
   const int count = gpu_count(driver);
   if (count == 0) throw Error(ErrorCode::device, kNoGpu);
@@ -89,9 +95,7 @@ GpuList list_gpus() {
   GpuList list;
   try {
     const Driver& found = driver();
-    int version = 0;
-    check(found, found.cuDriverGetVersion(&version), "asking for the driver's version");
-    list.driver_version = version_text(version);
+    list.driver_version = driver_version(found);
     const int count = gpu_count(found);
     for (int i = 0; i < count; ++i) list.gpus.push_back(info_or_problem(found, i));
     if (count == 0) list.problem = kNoGpu;

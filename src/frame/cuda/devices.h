@@ -22,12 +22,15 @@ struct GpuInfo {
   std::string problem;                 ///< why relume cannot use it, and the remedy; empty if it can
 };
 
+/// Version of CUDA that the driver supports, such as "12.4". Throws Error.
+std::string driver_version(const Driver& driver);
+
 /// Describes a GPU. Throws Error if there is none with this index, with the number of GPUs.
 GpuInfo gpu_info(const Driver& driver, int index);
 
 /// The driver and its GPUs.
 struct GpuList {
-  std::string driver_version;  ///< of CUDA, such as "12.4"; empty without a driver
+  std::string driver_version;  ///< as driver_version() writes it; empty without a driver
   std::string problem;         ///< why the list is empty, and the remedy; empty if it has a GPU
   std::vector<GpuInfo> gpus;
 };
