@@ -201,6 +201,14 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   return scene;
 }
 
+/// The setting --device of the reference and of each contender.
+std::vector<std::string> devices_of(const ComparisonOptions& options) {
+  std::vector<std::string> devices{resolve(options.common).render.device};
+  for (const Contender& contender : options.contenders)
+    devices.push_back(resolve_contender(contender, options.common).render.device);
+  return devices;
+}
+
 int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   if (o.timed_frames > 0) check_timing(o);
   ComparisonOptions options = comparison_options(o);
@@ -217,7 +225,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
     log_info(verbosity, "interrupted; the same command reuses finished references and continues an unfinished one");
     return kExitInterrupted;
   }
-  const auto machine = machine_description();
+  const auto machine = machine_description(devices_of(options));
   write_files({{files.json, to_json(*comparison, machine)},
                {files.csv, to_csv(*comparison)},
                {files.page, to_html(comparison_page(*comparison, machine))}});

@@ -134,7 +134,7 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
 
 /// The machine, and the number of threads used.
 std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
-  auto machine = machine_description();
+  auto machine = machine_description({"cpu"});
   if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
   return machine;
 }

@@ -7,7 +7,8 @@
 
 namespace relume::cli {
 
-/// Processor, version of relume, date: name and value.
-std::vector<std::pair<std::string, std::string>> machine_description();
+/// Processor, rendering devices, version of relume, date: name and value. `devices`: values of the setting --device.
+/// Throws Error for other values.
+std::vector<std::pair<std::string, std::string>> machine_description(const std::vector<std::string>& devices);
 
 }  // namespace relume::cli

@@ -73,6 +73,7 @@ class Options(Experiments):
         file = self.folder / "out/psf-frametime.json"
         result = json.loads(file.read_text())
         self.assertEqual(result["machine"]["Threads"], "1 at most")
+        self.assertEqual(result["machine"]["Device"], "processor")
         self.assertFalse(result["scenes"])
         self.assertGreater(len(result["tables"]), 0)
         messages = self.succeed(*command, "--continue").stderr

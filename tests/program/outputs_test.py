@@ -49,6 +49,7 @@ class Outputs(ProgramTest):
         self.succeed("compare", "cornell", *SMALL, "--spp", "1", "--repeat", "1", "--reference-spp", "2", "--cache-dir", "cache")
         results = json.loads((self.folder / "cornell-compare/compare.json").read_text())
         self.assertEqual([c["name"] for c in results["contenders"]], ["default", "interactive"])
+        self.assertEqual(results["machine"]["Device"], "processor")
         self.assertNotEqual(run("compare", str(self.folder / "lost.glb"), cwd=self.folder).returncode, 0)
         self.assertFalse((self.folder / "lost-compare").exists())
 
