@@ -45,6 +45,8 @@ bool set_number(Settings& s, const std::string& name, unsigned long value) {
     s.seed = value;
   else if (name == "lose")
     s.lose = value;
+  else if (name == "microseconds")
+    s.thread_s = 1e-6 * static_cast<double>(value);
   else
     return false;
   return true;
@@ -62,6 +64,8 @@ Settings parse_settings(const std::string& text) {
     const std::string value = word.substr(equals + 1);
     if (name == "fail") {
       add_failure(settings, word, value);
+    } else if (name == "log") {
+      settings.log_file = value;
     } else if (!set_number(settings, name, std::stoul(value))) {
       refuse(word);
     }

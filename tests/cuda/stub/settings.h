@@ -22,6 +22,8 @@ struct Settings {
   bool open = false;
   uint64_t seed = 0;
   size_t lose = 0;
+  double thread_s = 1e-6;  ///< of the clock of the device
+  std::string log_file;
   /// Function and number of a call -> the result that it returns.
   std::map<std::pair<std::string, size_t>, int> failures;
 };

@@ -1,6 +1,8 @@
 #include "stub/state.h"
 
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <utility>
 
 #include "runtime/launch.h"
@@ -10,6 +12,7 @@ namespace stub {
 State::State() {
   const char* const text = std::getenv("RELUME_STUB_DRIVER");
   settings = parse_settings(text ? text : "");
+  if (!settings.log_file.empty()) std::atexit([] { get().write_log(); });
 }
 
 State& State::get() {
@@ -24,6 +27,7 @@ void State::configure(const std::string& text) {
   moved_to.clear();
   calls_.clear();
   launches_ = 0;
+  launched_.clear();
 }
 
 void State::end_contexts() {
@@ -64,6 +68,12 @@ size_t State::calls(const std::string& function) const {
   return found == calls_.end() ? 0 : found->second;
 }
 
+void State::write_log() {
+  const std::lock_guard lock(mutex);
+  std::ofstream file(settings.log_file);
+  for (const ptx::Entry* entry : launched_) file << entry->name << "\n";
+}
+
 void State::add(Stream& stream, std::function<void()> work) {
   stream.work.push_back(std::move(work));
   if (settings.eager) {
@@ -85,6 +95,7 @@ void State::add_work(Stream& stream, std::function<void()> work) {
 }
 
 void State::add_kernel(Stream& stream, KernelCall call) {
+  launched_.push_back(call.function->entry);
   add_work(stream, [this, call = std::move(call)] { run(call); });
 }
 
@@ -116,12 +127,14 @@ void State::run(const KernelCall& call) {
   launch.block = {call.block[0], call.block[1], call.block[2]};
   launch.dynamic_shared_bytes = call.shared_bytes;
   launch.seed = settings.seed + launches_;
-  clock_s += 1e-6 * call.grid[0] * call.grid[1] * call.block[0] * call.block[1];
+  clock_s += settings.thread_s * call.grid[0] * call.grid[1] * call.block[0] * call.block[1];
   std::vector<void*> parameters;
   for (const std::vector<uint64_t>& value : call.parameters) parameters.push_back(const_cast<uint64_t*>(value.data()));
   parameters.push_back(nullptr);
+  const Module& module = *call.function->module;
+  for (const auto& [symbol, value] : module.variables) std::memcpy(symbol->address, value.data(), value.size());
   try {
-    ptx::run_grid(*call.module, *call.entry, launch, parameters.data());
+    ptx::run_grid(*module.translated, *call.function->entry, launch, parameters.data());
   } catch (const ptx::Fault&) {
     sticky = kLaunchFailed;
   }

@@ -39,8 +39,17 @@ struct Context {
   int device = 0;
   size_t retained = 0;
 };
+struct Module;
+struct Function {
+  Module* module = nullptr;
+  const ptx::Entry* entry = nullptr;
+};
+/// A module that is loaded. The translation exists once, so that each loaded module keeps the variables that the host
+/// writes, and those of the translation take their values for a launch.
 struct Module {
   const ptx::Module* translated = nullptr;
+  std::map<const ptx::Entry*, Function> functions;                     ///< those that the host has asked for
+  std::map<const ptx::Symbol*, std::vector<unsigned char>> variables;  ///< the same
 };
 struct Event {
   size_t records = 0;  ///< the last one counts
@@ -55,8 +64,7 @@ struct Stream {
 
 /// A kernel that is launched.
 struct KernelCall {
-  const ptx::Module* module = nullptr;
-  const ptx::Entry* entry = nullptr;
+  const Function* function = nullptr;
   uint32_t grid[3] = {1, 1, 1};
   uint32_t block[3] = {1, 1, 1};
   size_t shared_bytes = 0;
@@ -75,6 +83,8 @@ class State {
   /// The same for functions that need a current context.
   std::optional<int> enter_context(const std::string& function);
   size_t calls(const std::string& function) const;
+  /// Writes the names of the launched kernels to the file of the settings, one per line.
+  void write_log();
 
   void add(Stream& stream, std::function<void()> work);
   /// The same for work that accesses managed memory. The host cannot access any until no such work is queued and the
@@ -101,7 +111,7 @@ class State {
   ManagedBlocks managed;
   std::map<void*, size_t> locked;  ///< page-locked blocks
   size_t leaked = 0;               ///< objects that end_contexts() freed after no error
-  double clock_s = 0;              ///< of the device: 1 µs for each thread, 0.1 ns for each byte that is moved
+  double clock_s = 0;              ///< of the device: Settings::thread_s, and 0.1 ns for each byte that is moved
   std::map<int, size_t> moved_to;  ///< number of blocks that were moved to each device
   std::mutex mutex;                ///< held by every entry point
 
@@ -110,6 +120,7 @@ class State {
   void run(const KernelCall& call);
 
   std::map<std::string, size_t> calls_;
+  std::vector<const ptx::Entry*> launched_;
   size_t launches_ = 0;
   size_t memory_work_ = 0;  ///< queued pieces of work on managed memory
 };

@@ -33,11 +33,10 @@ bool is_locked(const State& state, const void* address, size_t bytes) {
 
 /// Whether the bytes are in a variable of a loaded module.
 bool is_variable(const State& state, const void* address, size_t bytes) {
+  const auto* const begin = static_cast<const unsigned char*>(address);
   for (const Module* module : state.modules) {
-    for (const ptx::Symbol& symbol : module->translated->symbols) {
-      const auto* const first = static_cast<const char*>(symbol.address);
-      const auto* const begin = static_cast<const char*>(address);
-      if (begin >= first && begin + bytes <= first + symbol.bytes) return true;
+    for (const auto& [symbol, value] : module->variables) {
+      if (begin >= value.data() && begin + bytes <= value.data() + value.size()) return true;
     }
   }
   return false;
@@ -64,13 +63,11 @@ std::vector<std::vector<uint64_t>> copy_parameters(const ptx::Entry& entry, void
   return copies;
 }
 
-const ptx::Module* module_of(const State& state, const ptx::Entry* entry) {
-  for (const Module* module : state.modules) {
-    for (const ptx::Entry& one : module->translated->entries) {
-      if (&one == entry) return module->translated;
-    }
-  }
-  return nullptr;
+bool is_loaded(const State& state, const Function* function) {
+  return std::any_of(state.modules.begin(), state.modules.end(), [&](const Module* module) {
+    return std::any_of(module->functions.begin(), module->functions.end(),
+                       [&](const auto& known) { return &known.second == function; });
+  });
 }
 
 }  // namespace
@@ -181,12 +178,12 @@ int cuModuleUnload(Module* module) {
   return with_context("cuModuleUnload", [&](State& state) { return destroy(state.modules, module); });
 }
 
-int cuModuleGetFunction(const ptx::Entry** function, Module* module, const char* name) {
+int cuModuleGetFunction(const Function** function, Module* module, const char* name) {
   return with_context("cuModuleGetFunction", [&](State& state) {
     if (!state.modules.contains(module)) return kInvalidHandle;
     for (const ptx::Entry& entry : module->translated->entries) {
       if (entry.name != name) continue;
-      *function = &entry;
+      *function = &module->functions.try_emplace(&entry, Function{module, &entry}).first->second;
       return kSuccess;
     }
     return kNotFound;
@@ -198,15 +195,18 @@ int cuModuleGetGlobal_v2(unsigned long long* address, size_t* bytes, Module* mod
     if (!state.modules.contains(module)) return kInvalidHandle;
     for (const ptx::Symbol& symbol : module->translated->symbols) {
       if (symbol.name != name) continue;
-      *address = address_of(symbol.address);
-      *bytes = symbol.bytes;
+      const auto* const value = static_cast<const unsigned char*>(symbol.address);
+      auto& variable = module->variables[&symbol];
+      if (variable.empty()) variable.assign(value, value + symbol.bytes);
+      *address = address_of(variable.data());
+      *bytes = variable.size();
       return kSuccess;
     }
     return kNotFound;
   });
 }
 
-int cuFuncGetAttribute(int* value, int attribute, const ptx::Entry*) {
+int cuFuncGetAttribute(int* value, int attribute, const Function*) {
   return with_context("cuFuncGetAttribute", [&](State& state) {
     constexpr int kStackBytes = 3;
     if (attribute != kStackBytes) return kInvalidValue;
@@ -215,21 +215,19 @@ int cuFuncGetAttribute(int* value, int attribute, const ptx::Entry*) {
   });
 }
 
-int cuLaunchKernel(const ptx::Entry* function, unsigned grid_x, unsigned grid_y, unsigned grid_z, unsigned block_x,
+int cuLaunchKernel(const Function* function, unsigned grid_x, unsigned grid_y, unsigned grid_z, unsigned block_x,
                    unsigned block_y, unsigned block_z, unsigned shared_bytes, Stream* stream, void** parameters,
                    void** extra) {
   return with_context("cuLaunchKernel", [&](State& state) {
-    const ptx::Module* const module = module_of(state, function);
-    if (!module || !state.streams.contains(stream)) return kInvalidHandle;
+    if (!is_loaded(state, function) || !state.streams.contains(stream)) return kInvalidHandle;
     const uint64_t threads = uint64_t{block_x} * block_y * block_z;
     if (grid_x == 0 || grid_y == 0 || grid_z == 0 || grid_y > kMaxGridHeight || threads == 0 || threads > 1024 || extra)
       return kInvalidValue;
-    state.add_kernel(*stream, {module,
-                               function,
+    state.add_kernel(*stream, {function,
                                {grid_x, grid_y, grid_z},
                                {block_x, block_y, block_z},
                                shared_bytes,
-                               copy_parameters(*function, parameters)});
+                               copy_parameters(*function->entry, parameters)});
     return kSuccess;
   });
 }
