@@ -306,6 +306,17 @@ Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Devi
   return SessionAccess::make(std::move(scene), render, std::move(device));
 }
 
+bool device_is_lost(const Session& session) {
+  Device* const device = SessionAccess::state(session).device.get();
+  if (!device) return false;
+  try {
+    device->finish();
+    return false;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
 void on_tile(Session& session, std::function<void()> hook) {
   SessionAccess::state(session).backend->on_tile(std::move(hook));
 }

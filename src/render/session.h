@@ -25,6 +25,8 @@ Session make_session(Scene scene, const Settings& settings, Memory& memory);
 /// A session whose kernels run on `device`. Throws as the constructor of Session, and Error if the settings do not
 /// choose relume's BVH.
 Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device);
+/// Whether the session's device has failed in a way that it does not survive (Device::finish()).
+bool device_is_lost(const Session& session);
 /// Calls `hook` before each tile of a launch (Backend::on_tile()).
 void on_tile(Session& session, std::function<void()> hook);
 /// Calls `hook` at each step of a launch (Backend::on_launch()).
