@@ -14,6 +14,7 @@
 #include "experiments/output/results.h"
 #include "file_roles.h"
 #include "files/atomic_file.h"
+#include "frame/cuda/device_choice.h"
 #include "frame/launch.h"
 #include "machine.h"
 #include "platform.h"
@@ -29,6 +30,7 @@ struct ExperimentOptions {
   std::string output = "experiments";
   std::string scenes;
   std::string cache_folder;
+  std::string device = "cpu";
   int threads = 0;  ///< 0: all
   bool all = false;
   bool quick = false;
@@ -78,6 +80,7 @@ ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token
   context.cache_folder = reference_folder(o.cache_folder);
   context.scene_folder = o.scenes;
   context.program = program_stamp();
+  context.device = o.device;
   context.stop = stop;
   context.progress = [&printer](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); };
   return context;
@@ -114,12 +117,14 @@ void write_index(const std::filesystem::path& folder) {
 }
 
 /// The result that `--continue` keeps from the folder. Returns std::nullopt if it must be measured, also if it lacks
-/// scenes that are available now.
+/// scenes that are available now, or is of another device.
 std::optional<ExperimentSummary> result_that_stays(const ExperimentOptions& o, const std::filesystem::path& folder,
                                                    const Experiment& experiment) {
   if (!o.goes_on) return std::nullopt;
   std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
-  if (summary && (summary->run.quick != o.quick || (!summary->run.scenes && !o.scenes.empty()))) summary.reset();
+  if (!summary) return std::nullopt;
+  const bool lacks_scenes = !summary->run.scenes && !o.scenes.empty();
+  if (summary->run.quick != o.quick || lacks_scenes || summary->run.device != o.device) return std::nullopt;
   return summary;
 }
 
@@ -145,7 +150,7 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
   const std::string name(experiment.name);
   const double start_s = now_s();
   const ExperimentResult result = experiment.run(context);
-  const ExperimentRun run{machine_of(o), o.quick, now_s() - start_s, !o.scenes.empty(), context.program};
+  const ExperimentRun run{machine_of(o), o.quick, now_s() - start_s, !o.scenes.empty(), context.program, o.device};
   printer.clear();
   write_files({{folder / (name + ".html"), to_html(experiment_page(experiment, result, run))},
                {folder / (name + ".json"), to_json(experiment, result, run)}});
@@ -159,6 +164,7 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
 
 int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(o);
+  cuda::parse_device(o.device);  // throws for unknown ones
   const std::filesystem::path folder = o.output;
   make_output_folder(folder);
   check_outputs(o, list, folder);
@@ -223,6 +229,10 @@ Command experiment_command(Verbosity& verbosity) {
             Completion::file},
            {{"all", &options->all, "Run all experiments"}},
            {{"threads", &options->threads, "Worker threads; 0: one per core", {.min = 0, .max = 1024}}},
+           {{"device", &options->device,
+             "Device that renders: cpu; cuda or cuda:N, an NVIDIA GPU (relume devices lists them); auto, the first "
+             "usable GPU, else cpu"},
+            "DEVICE"},
            {{"quick", &options->quick, "Small images and few settings"}},
            {{"continue", &options->goes_on, "Skip experiments whose results are in the folder already"}},
            {{"scenes", &options->scenes, "Folder with scenes that are not built in, such as sponza/sponza.gltf"},

@@ -37,7 +37,7 @@ struct SceneResult {
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, const Bounds* bounds) {
   TraceContender result{.name = bounds ? "min/max " + name_of(*bounds) : kPathTracing, .settings = scene.settings};
-  set_size(context, result.settings);
+  set_size_and_device(context, result.settings);
   if (!bounds) return result;
   result.settings.allocation = AllocationChoice::adaptive;
   result.settings.adaptive.method = AdaptiveMethod::paper;

@@ -25,7 +25,7 @@ constexpr int kReferenceSpp = 2048;
 
 RenderSettings settings_of(const ExperimentContext& context, const ExperimentScene& scene, CacheChoice cache) {
   RenderSettings settings = scene.settings;
-  set_size(context, settings);
+  set_size_and_device(context, settings);
   settings.cache = cache;
   settings.history = HistoryChoice::none;
   return settings;

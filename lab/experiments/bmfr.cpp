@@ -64,6 +64,7 @@ Image independent_image(const ExperimentContext& context, const ExperimentScene&
   settings.height = reference.height;
   settings.estimator = estimator;
   settings.seed = 77;
+  settings.device = context.device;
   Session session(scene.scene, settings);
   session.set_camera(scene.camera);
   for (int i = 0; i < context.choose(256, 16); ++i) {
@@ -184,6 +185,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
     scene.settings.width = width;
     scene.settings.height = height;
     scene.settings.threads = 2;
+    scene.settings.device = context.device;
     scene.settings.denoise = name == kDenoisers[0] ? DenoiseChoice::bmfr : DenoiseChoice::svgf;
     TimedSession session(scene.scene, scene.settings);
     session.session().on_pass([](const std::string&) {});

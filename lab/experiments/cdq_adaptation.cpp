@@ -128,7 +128,7 @@ void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vec
 ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
   const ExperimentScene scene = learning_scene("turntable");
   RenderSettings settings = scene.settings;
-  set_size(context, settings);
+  set_size_and_device(context, settings);
   settings.history = HistoryChoice::none;
   Session session(Scene(scene.scene), settings);
   session.set_camera(scene.camera);

@@ -20,7 +20,7 @@ struct SceneResult {
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, std::string name,
                          int samples_per_step, int min_samples) {
   TraceContender result{.name = std::move(name), .settings = scene.settings, .samples_per_step = samples_per_step};
-  set_size(context, result.settings);
+  set_size_and_device(context, result.settings);
   if (samples_per_step > 0) {
     result.settings.history = HistoryChoice::reproject;
     result.settings.reproject.stored = StoredSampleChoice::one;

@@ -24,7 +24,8 @@ struct ExperimentContext {
   std::filesystem::path scene_folder;  ///< contains sponza/sponza.gltf; empty: experiments skip it
   /// Folder for partial measurements, with which an interrupted experiment resumes; empty: none.
   std::filesystem::path parts_folder = {};
-  std::string program = {};  ///< identifies the build; a new build invalidates partial measurements
+  std::string program = {};    ///< identifies the build; a new build invalidates partial measurements
+  std::string device = "cpu";  ///< RenderSettings::device of the measured sessions and of references
   std::stop_token stop = {};
   std::function<void(const std::string& stage, double fraction)> progress = {};
 

@@ -26,6 +26,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   RenderSettings settings = scene.settings;
   settings.width = context.choose(1280, 32);
   settings.height = context.choose(720, 18);
+  settings.device = context.device;
   if (context.quick) settings.static_lists.rays = 32;
   std::vector<NamedSettings> list;
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) {

@@ -43,7 +43,7 @@ constexpr size_t kSampled = 3;
 /// if the scene disables it. Then follow single departures from the paper's settings and from lasting ones.
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   RenderSettings settings = scene.settings;
-  set_size(context, settings, scene.scale);
+  set_size_and_device(context, settings, scene.scale);
   std::vector<NamedSettings> list{{"BSDF", settings}};
   RenderSettings sampled = settings;
   sampled.light_selection.environment = true;

@@ -42,7 +42,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   using enum LightSelectionChoice;
   std::vector<NamedSettings> list;
   RenderSettings base = scene.settings;
-  set_size(context, base, scene.scale);
+  set_size_and_device(context, base, scene.scale);
   if (context.quick) base.static_lists.rays = 32;
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) -> RenderSettings& {
     list.push_back({std::move(name), base});

@@ -38,7 +38,7 @@ int built_in_reference_spp(const ExperimentContext& context) { return context.ch
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, const char* name) {
   TraceContender result{.name = name, .settings = scene.settings};
-  set_size(context, result.settings, scene.scale);
+  set_size_and_device(context, result.settings, scene.scale);
   return result;
 }
 

@@ -50,7 +50,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
                          StoredSampleChoice stored, float error) {
   TraceContender result{
       .name = samples_per_step == 0 ? "restart" : "", .settings = scene.settings, .samples_per_step = samples_per_step};
-  set_size(context, result.settings);
+  set_size_and_device(context, result.settings);
   if (samples_per_step == 0) return result;
   result.settings.history = HistoryChoice::reproject;
   result.settings.reproject.stored = stored;

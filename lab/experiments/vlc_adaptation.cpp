@@ -32,7 +32,7 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   const Reference reference = make_reference(context, plainly_sampled(scene), learning_reference_spp(context));
   const PixelMask surfaces = surfaces_of(context, scene);
   RenderSettings settings = scene.settings;
-  set_size(context, settings);
+  set_size_and_device(context, settings);
   settings.history = HistoryChoice::none;
   settings.lights = LightSelectionChoice::light_tree;
   Session session(Scene(scene.scene), settings);

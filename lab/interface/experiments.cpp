@@ -23,6 +23,7 @@ std::optional<ExperimentReport> run_experiment(
                                   .scene_folder = request.scene_folder,
                                   .parts_folder = request.parts_folder,
                                   .program = version(),
+                                  .device = request.device,
                                   .stop = std::move(stop),
                                   .progress = progress};
   const double start_s = now_s();
@@ -34,7 +35,8 @@ std::optional<ExperimentReport> run_experiment(
                             .quick = request.quick,
                             .seconds = report.seconds,
                             .scenes = !request.scene_folder.empty(),
-                            .program = context.program};
+                            .program = context.program,
+                            .device = context.device};
     for (const Claim& c : result.claims)
       report.claims.push_back({c.id, c.paper, c.claim, c.measured, c.threshold, c.verdict});
     report.json = to_json(experiment, result, run);

@@ -75,8 +75,9 @@ py::object compare(const py::object& scene, const py::dict& values, const py::ob
   const lab::ComparisonRequest request = request_from(values);
   std::optional<lab::ComparisonReport> report;
   Worker worker;
-  worker.run([&](const std::stop_token& stop) { report = lab::compare(copy, request, stop, progress_function(progress)); },
-             py::none());
+  worker.run(
+      [&](const std::stop_token& stop) { report = lab::compare(copy, request, stop, progress_function(progress)); },
+      py::none());
   if (!report) return py::none();
   py::dict result;
   py::list scores;
@@ -92,8 +93,8 @@ py::object compare(const py::object& scene, const py::dict& values, const py::ob
 }
 
 py::object experiment(const std::string& name, bool quick, const std::filesystem::path& cache,
-                      const std::filesystem::path& scenes, const py::object& progress) {
-  const lab::ExperimentRequest request{.quick = quick, .cache_folder = cache, .scene_folder = scenes};
+                      const std::filesystem::path& scenes, const std::string& device, const py::object& progress) {
+  const lab::ExperimentRequest request{.quick = quick, .cache_folder = cache, .scene_folder = scenes, .device = device};
   std::optional<lab::ExperimentReport> report;
   Worker worker;
   worker.run(

@@ -195,13 +195,13 @@ def experiments() -> dict[str, str]:
 
 
 def experiment(name: str, quick: bool = False, *, scenes: Optional[Path] = None, reference_folder: Optional[Path] = None,
-               progress: bool = False) -> ExperimentReport:
-    """Runs an experiment; many take hours unless `quick`. `scenes`: folder that contains sponza/sponza.gltf. Raises Error
-    for an unknown name, and if the experiment needs that folder and it is missing."""
+               device: str = "cpu", progress: bool = False) -> ExperimentReport:
+    """Runs an experiment; many take hours unless `quick`. `scenes`: folder that contains sponza/sponza.gltf. `device`: as
+    the setting of sessions. Raises Error for an unknown name, and if the experiment needs that folder and it is missing."""
     if name not in experiments():
         raise Error(f"there is no experiment '{name}'{suggestion(name, experiments())}", "not-found")
     with _stages(progress) as report:
-        result = _core.experiment(name, quick, _folder(reference_folder), os.fspath(scenes) if scenes is not None else "", report)
+        result = _core.experiment(name, quick, _folder(reference_folder), os.fspath(scenes) if scenes is not None else "", device, report)
     if result is None:
         raise KeyboardInterrupt
     return ExperimentReport(result)

@@ -28,7 +28,7 @@ struct Walk {
 
   void begin(const MovingContender& contender, int seed) {
     RenderSettings settings = contender.settings;
-    set_size(context, settings);
+    set_size_and_device(context, settings);
     timed.session().set_settings(settings);
     timed.session().set_camera(turned(scene, view_deg(-1)));
     timed.restart(seed);
@@ -82,7 +82,7 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
                             const std::vector<MovingContender>& contenders, const MovingOptions& options) {
   const std::vector<Reference> references = render_references(context, scene, options);
   RenderSettings first = contenders.front().settings;
-  set_size(context, first);
+  set_size_and_device(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
   walk.timed.session().shorten_preparation_on(context.stop);
   MovingErrors result{scene.name, {}, references.back().image};

@@ -31,7 +31,7 @@ Scene with_camera(const ExperimentScene& from) {
 std::vector<std::pair<std::string, std::string>> flags(const ExperimentContext& context, const ExperimentScene& scene,
                                                        const StudyOptions& options) {
   RenderSettings settings = scene.settings;
-  set_size(context, settings, scene.scale);
+  set_size_and_device(context, settings, scene.scale);
   RenderSettings defaults;
   const SettingList list = describe(settings);
   std::vector<std::pair<std::string, std::string>> result;

@@ -84,7 +84,7 @@ TEST(Trace, ContinuesFromStoredMeasurements) {
   std::filesystem::remove_all(context.parts_folder);
   const ExperimentScene box = closed_box();
   TraceContender contender{.name = "a", .settings = box.settings};
-  set_size(context, contender.settings);
+  set_size_and_device(context, contender.settings);
   contender.settings.allocation = AllocationChoice::adaptive;
   contender.map = "sampling-probability";
   const Image reference(contender.settings.width, contender.settings.height);
@@ -116,7 +116,7 @@ TEST(Trace, ContendersHaveEqualTimes) {
   context.quick = true;
   const ExperimentScene box = closed_box();
   std::vector<TraceContender> contenders{{"a", box.settings, 0}, {"b", box.settings, 2}};
-  for (TraceContender& c : contenders) set_size(context, c.settings);
+  for (TraceContender& c : contenders) set_size_and_device(context, c.settings);
   contenders[0].settings.path.max_bounces = 6;
   contenders[1].settings.path.max_bounces = 1;
   contenders[1].settings.history = HistoryChoice::reproject;

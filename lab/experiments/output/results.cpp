@@ -78,9 +78,16 @@ Json bars_json(const BarBlock& block) {
   return {{"title", block.title}, {"columns", {"", "part", block.unit}}, {"rows", std::move(rows)}};
 }
 
+/// The machine, and the device unless it is the host.
+std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentRun& run) {
+  auto machine = run.machine;
+  if (run.device != "cpu") machine.emplace_back("Device", run.device);
+  return machine;
+}
+
 std::string machine_text(const ExperimentRun& run) {
   std::string text;
-  for (const auto& [name, value] : run.machine) text += fmt::format("; {}: {}", name, value);
+  for (const auto& [name, value] : machine_of(run)) text += fmt::format("; {}: {}", name, value);
   return text;
 }
 
@@ -99,8 +106,9 @@ std::string cell_text(std::string_view text) {
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run) {
   Json json = {{"name", experiment.name}, {"paper", experiment.paper}, {"summary", experiment.summary},
                {"quick", run.quick},      {"seconds", run.seconds},    {"scenes", run.scenes},
-               {"program", run.program},  {"machine", Json::object()}, {"setup", Json::object()},
-               {"claims", Json::array()}, {"tables", Json::array()},   {"curves", Json::array()}};
+               {"program", run.program},  {"device", run.device},      {"machine", Json::object()},
+               {"setup", Json::object()}, {"claims", Json::array()},   {"tables", Json::array()},
+               {"curves", Json::array()}};
   for (const auto& [name, value] : run.machine) json["machine"][name] = value;
   for (const auto& [name, value] : result.setup) json["setup"][name] = value;
   for (const Claim& c : result.claims) json["claims"].push_back(claim_json(c));
@@ -119,7 +127,7 @@ Page experiment_page(const Experiment& experiment, const ExperimentResult& resul
   page.blocks.emplace_back(lead);
   page.blocks.emplace_back(ClaimBlock{"Claims", "A claim that does not hold is a result, too.", result.claims});
   for (const Block& block : result.blocks) page.blocks.push_back(block);
-  DetailsBlock made{"Method", "", run.machine, {}};
+  DetailsBlock made{"Method", "", machine_of(run), {}};
   made.pairs.emplace_back("Duration", duration_text(run.seconds));
   made.pairs.insert(made.pairs.end(), result.setup.begin(), result.setup.end());
   page.blocks.emplace_back(made);
@@ -135,6 +143,7 @@ ExperimentSummary read_summary(std::string_view text, const std::string& place) 
     summary.run.seconds = json.at("seconds").get<double>();
     summary.run.scenes = json.value("scenes", true);
     summary.run.program = json.value("program", "");
+    summary.run.device = json.value("device", "cpu");
     for (const auto& [name, value] : json.at("machine").items())
       summary.run.machine.emplace_back(name, value.get<std::string>());
     for (const nlohmann::json& c : json.at("claims")) {

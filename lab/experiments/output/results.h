@@ -15,13 +15,14 @@ struct ExperimentRun {
   std::vector<std::pair<std::string, std::string>> machine;
   bool quick = false;
   double seconds = 0;
-  bool scenes = true;        ///< with ExperimentContext::scene_folder
-  std::string program = {};  ///< ExperimentContext::program
+  bool scenes = true;          ///< with ExperimentContext::scene_folder
+  std::string program = {};    ///< ExperimentContext::program
+  std::string device = "cpu";  ///< ExperimentContext::device
 };
 
-/// {"name", "paper", "summary", "quick", "seconds", "scenes", "program", "machine", "setup", "claims": [{"id", "paper",
-/// "claim", "measured", "threshold", "verdict"}], "tables": [{"title", "columns", "rows"}], "curves"}. A row is a list
-/// of its name and its cells, with notes in brackets. Bars are stored as tables of their parts.
+/// {"name", "paper", "summary", "quick", "seconds", "scenes", "program", "device", "machine", "setup", "claims":
+/// [{"id", "paper", "claim", "measured", "threshold", "verdict"}], "tables": [{"title", "columns", "rows"}], "curves"}.
+/// A row is a list of its name and its cells, with notes in brackets. Bars are stored as tables of their parts.
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run);
 
 /// Page with the claims, followed by the experiment's blocks.

@@ -18,7 +18,7 @@ TEST(Results, AreJsonAndAPage) {
                    BarBlock{"parts", "", "ms", {{"we", {{"first", 1}, {"second", 2}}}}}};
   const Experiment& experiment = experiments().front();
   const auto json =
-      nlohmann::json::parse(to_json(experiment, result, {{{"Processor", "p"}}, true, 3, false, "a build"}));
+      nlohmann::json::parse(to_json(experiment, result, {{{"Processor", "p"}}, true, 3, false, "a build", "cuda"}));
   ASSERT_EQ(json["claims"].size(), 3u);
   for (const char* key : {"id", "paper", "claim", "measured", "threshold", "verdict"})
     EXPECT_TRUE(json["claims"][0].contains(key)) << key;
@@ -33,6 +33,8 @@ TEST(Results, AreJsonAndAPage) {
   const ExperimentSummary summary = read_summary(json.dump(), "a.json");
   EXPECT_FALSE(summary.run.scenes);
   EXPECT_EQ(summary.run.program, "a build");
+  EXPECT_EQ(summary.run.device, "cuda");
+  EXPECT_NE(index_markdown({summary}).find("; Device: cuda."), std::string::npos);
   const Page page = experiment_page(experiment, result, {{}, false, 3});
   EXPECT_TRUE(std::holds_alternative<TextBlock>(page.blocks[0]));
   EXPECT_EQ(std::get<TextBlock>(page.blocks[0]).text, "1 of 3 claims hold, 1 not measured.");
@@ -48,6 +50,8 @@ TEST(Results, TheIndexIsMadeFromFiles) {
   EXPECT_EQ(summary.name, experiment.name);
   EXPECT_TRUE(summary.run.quick);
   EXPECT_EQ(summary.run.seconds, 3);
+  EXPECT_EQ(summary.run.device, "cpu");
+  EXPECT_EQ(index_markdown({summary}).find("Device"), std::string::npos);
   ASSERT_EQ(summary.claims.size(), 1u);
   EXPECT_EQ(summary.claims[0].verdict, kVerdictHolds);
   const std::string index = to_html(index_page({summary}));

@@ -16,7 +16,7 @@ std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, co
   std::vector<NamedSettings> contenders;
   for (const auto& [name, cache] : list) {
     NamedSettings contender{name, scene.settings};
-    set_size(context, contender.settings);
+    set_size_and_device(context, contender.settings);
     contender.settings.cache = cache;
     contender.settings.history = HistoryChoice::none;
     contenders.push_back(std::move(contender));

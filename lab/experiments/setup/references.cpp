@@ -13,20 +13,21 @@ int reference_spp(const ExperimentContext& context) { return context.choose(1024
 
 }  // namespace
 
-void set_size(const ExperimentContext& context, RenderSettings& settings, int scale) {
+void set_size_and_device(const ExperimentContext& context, RenderSettings& settings, int scale) {
   settings.width = context.choose(192 * scale, 32);
   settings.height = context.choose(108 * scale, 18);
+  settings.device = context.device;
 }
 
 std::string size_text(const ExperimentContext& context) {
   RenderSettings settings;
-  set_size(context, settings);
+  set_size_and_device(context, settings);
   return fmt::format("{} × {}", settings.width, settings.height);
 }
 
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
   RenderSettings settings = scene.settings;
-  set_size(context, settings, scene.scale);
+  set_size_and_device(context, settings, scene.scale);
   if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
   ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder, context.program);
   const float time_s = settings.time_s;

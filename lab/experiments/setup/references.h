@@ -1,4 +1,4 @@
-// Sets image sizes, and renders references.
+// Sets image sizes and devices, and renders references.
 #pragma once
 
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace relume {
 
-/// Sets 32×18 pixels in a quick run, else 192×108 times `scale` along each edge.
-void set_size(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
+/// Sets the context's device, and 32×18 pixels in a quick run, else 192×108 times `scale` along each edge.
+void set_size_and_device(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
 
-/// Size set by set_size(), for ExperimentResult::setup: "192 × 108".
+/// Size set by set_size_and_device(), for ExperimentResult::setup: "192 × 108".
 std::string size_text(const ExperimentContext& context);
 
 /// Renders a reference at the scene's camera with `spp` samples per pixel; 0: the default of common_setup(). Throws
 /// ExperimentStopped.
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
 
-/// Conditions of make_reference() and set_size(), for ExperimentResult::setup.
+/// Conditions of make_reference() and set_size_and_device(), for ExperimentResult::setup.
 std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context);
 
 }  // namespace relume

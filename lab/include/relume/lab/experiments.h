@@ -22,6 +22,7 @@ struct ExperimentRequest {
   std::filesystem::path cache_folder;       ///< folder for references
   std::filesystem::path scene_folder = {};  ///< contains sponza/sponza.gltf; empty: experiments omit Sponza
   std::filesystem::path parts_folder = {};  ///< stores measurements until the experiment is complete; empty: none
+  std::string device = "cpu";               ///< the setting "device" of all sessions
 };
 
 /// A tested claim of a paper.
