@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -80,6 +81,19 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
   const PixelWindow& crop = settings.render.crop;
   if (!crop.empty()) metadata["relume.crop"] = fmt::format("{},{},{},{}", crop.x, crop.y, crop.width, crop.height);
   return metadata;
+}
+
+PixelWindow pixels_of(const ImagePart& part, int width, int height) {
+  if (part == ImagePart{}) return {};
+  const auto pixel = [](float fraction, int size) {
+    return static_cast<int>(std::lround(fraction * static_cast<float>(size)));
+  };
+  PixelWindow window;
+  window.x = std::min(pixel(part.left, width), width - 1);
+  window.y = std::min(pixel(part.top, height), height - 1);
+  window.width = std::max(pixel(part.right, width) - window.x, 1);
+  window.height = std::max(pixel(part.bottom, height) - window.y, 1);
+  return window;
 }
 
 Image part_of(const Image& image, const PixelWindow& window) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "relume/scene.h"
 #include "render/display.h"
 #include "render/settings.h"
 
@@ -33,6 +34,8 @@ using Metadata = std::map<std::string, std::string>;
 /// replace those of `render`. `load_s`: seconds to read the scene.
 Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
+/// Pixels of a part of an image of this size; empty: all of them.
+PixelWindow pixels_of(const ImagePart& part, int width, int height);
 /// The pixels of the window; all if it is empty.
 Image part_of(const Image& image, const PixelWindow& window);
 /// The session's image; with `--crop` the rendered window.

@@ -1,11 +1,11 @@
 #include "render_job.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -13,9 +13,9 @@
 #include "core/clock.h"
 #include "files/atomic_file.h"
 #include "files/extension.h"
+#include "files/temporary_file.h"
 #include "frame/launch.h"
 #include "image.h"
-#include "image/tev_client.h"
 #include "platform.h"
 #include "preparation_progress.h"
 #include "progress.h"
@@ -26,53 +26,12 @@
 #include "render_plan.h"
 #include "reports.h"
 #include "scene_source.h"
+#include "tev_display.h"
 #include "version.h"
 #include "video.h"
 
 namespace relume::cli {
 namespace {
-
-constexpr double kDisplayInterval_s = 0.5;
-
-/// Sends the image to a tev viewer, if requested.
-class TevDisplay {
- public:
-  TevDisplay(const std::string& address, std::string name) : name_(std::move(name)) {
-    if (!address.empty()) client_ = std::make_unique<TevClient>(parse_tev_address(address));
-  }
-
-  void show(const Session& session) {
-    if (!client_) return;
-    const Image image = session.image();
-    if (!created_) client_->create(name_, image.width, image.height, {"R", "G", "B"});
-    created_ = true;
-    client_->update(name_, image);
-    last_s_ = now_s();
-    if (const std::string notice = client_->take_notice(); !notice.empty()) warn(notice);
-  }
-
-  bool due() const { return client_ && now_s() - last_s_ >= kDisplayInterval_s; }
-
- private:
-  std::unique_ptr<TevClient> client_;
-  std::string name_;
-  bool created_ = false;
-  double last_s_ = 0;
-};
-
-/// Pixels of a part of the image; empty: all of them.
-PixelWindow pixels_of(const ImagePart& part, int width, int height) {
-  if (part == ImagePart{}) return {};
-  const auto pixel = [](float fraction, int size) {
-    return static_cast<int>(std::lround(fraction * static_cast<float>(size)));
-  };
-  PixelWindow window;
-  window.x = std::min(pixel(part.left, width), width - 1);
-  window.y = std::min(pixel(part.top, height), height - 1);
-  window.width = std::max(pixel(part.right, width) - window.x, 1);
-  window.height = std::max(pixel(part.bottom, height) - window.y, 1);
-  return window;
-}
 
 class RenderJob {
  public:
@@ -86,11 +45,7 @@ class RenderJob {
                                       session_->statistics().threads));
     StopReason reason = StopReason::samples;
     for (size_t i = first_image_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
-      if (i > first_image_) {
-        session_->set_time(time_of(i));
-        session_->begin_image();  // even if nothing has moved
-      }
-      reason = render_image(i, interrupts.token());
+      reason = render_or_keep(i, interrupts.token());
       // An image that was complete at the interrupt stays complete, and the next one does not start.
       const bool last = i + 1 == plan_.files.size();
       if (!last && interrupts.token().stop_requested()) reason = StopReason::interrupted;
@@ -106,13 +61,16 @@ class RenderJob {
   void build(Scene scene);
   void resume();
   size_t image_of_checkpoint() const;
-  void check_earlier_images() const;
+  StopReason render_or_keep(size_t index, const std::stop_token& stop);
   StopReason render_image(size_t index, std::stop_token stop);
   void frame_done(size_t index, const RenderProgress& state, const RenderLimits& criteria, ProgressPrinter& printer);
   void keep(size_t index, StopReason reason);
   void save_checkpoint();
-  void try_checkpoint();
-  void write(size_t index, StopReason reason);
+  void try_checkpoint(size_t index);
+  void copy_image(size_t index);
+  void keep_finished(size_t index);
+  void write(size_t index, std::string_view verb);
+  void write_image_file(const std::filesystem::path& file);
   Display display_of_image();
   void report(StopReason reason) const;
 
@@ -136,6 +94,10 @@ class RenderJob {
   double load_s_ = 0;
   double write_s_ = 0;
   double last_checkpoint_s_ = 0;
+  std::unique_ptr<PendingFile> copy_;  ///< see copy_image()
+  double copied_samples_ = 0;          ///< Session::image_samples() of the copy
+
+  bool is_still() const { return options_.frames.empty(); }
 
   double rays_per_s() const {
     const Statistics& s = session_->statistics();
@@ -198,7 +160,7 @@ void RenderJob::resume() {
   session_->load_checkpoint(options_.checkpoint);
   resumed_rays_ = session_->statistics().rays;
   first_image_ = image_of_checkpoint();
-  check_earlier_images();
+  check_earlier_images(plan_, first_image_, options_.checkpoint);
   log_info(verbosity_,
            fmt::format("continues from {} at {} samples per pixel{}", options_.checkpoint,
                        format_samples(session_->image_samples()),
@@ -217,20 +179,24 @@ size_t RenderJob::image_of_checkpoint() const {
       options_.checkpoint, render_settings(*session_).time_s));
 }
 
-/// A checkpoint of another range would omit the images before it.
-void RenderJob::check_earlier_images() const {
-  for (size_t i = 0; i < first_image_; ++i) {
-    if (std::error_code failure; std::filesystem::exists(plan_.files[i], failure)) continue;
-    throw Error(
-        fmt::format("{}: the checkpoint is of frame {}, but frame {} ({}) is missing; delete the checkpoint to render "
-                    "all, or use --frames {}-{}",
-                    options_.checkpoint, plan_.frames.first + static_cast<int>(first_image_),
-                    plan_.frames.first + static_cast<int>(i), plan_.files[i].string(),
-                    plan_.frames.first + static_cast<int>(first_image_), plan_.frames.last));
+/// After an error of the GPU, keeps what is finished.
+StopReason RenderJob::render_or_keep(size_t index, const std::stop_token& stop) {
+  try {
+    return render_image(index, stop);
+  } catch (const DeviceMemoryError&) {
+    keep_finished(index);
+    throw;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::device) keep_finished(index);
+    throw;
   }
 }
 
 StopReason RenderJob::render_image(size_t index, std::stop_token stop) {
+  if (index > first_image_) {
+    session_->set_time(time_of(index));
+    session_->begin_image();  // even if nothing has moved
+  }
   const RenderLimits criteria = stop_criteria(settings_.stop);
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
@@ -256,7 +222,7 @@ void RenderJob::frame_done(size_t index, const RenderProgress& state, const Rend
           .remaining_s = remaining_s(state, criteria),
       },
       now_s());
-  if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) try_checkpoint();
+  if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) try_checkpoint(index);
   if (display_.due()) display_.show(*session_);
 }
 
@@ -264,7 +230,7 @@ void RenderJob::frame_done(size_t index, const RenderProgress& state, const Rend
 void RenderJob::keep(size_t index, StopReason reason) {
   std::exception_ptr problem;
   try {
-    write(index, reason);
+    write(index, reason == StopReason::interrupted ? "interrupted; wrote" : "wrote");
   } catch (...) {
     problem = std::current_exception();
   }
@@ -276,29 +242,72 @@ void RenderJob::save_checkpoint() {
   // Samples taken with incomplete light lists differ from those of an uninterrupted render.
   if (options_.checkpoint.empty() || !session_->prepared()) return;
   session_->save_checkpoint(options_.checkpoint);
-  last_checkpoint_s_ = now_s();
 }
 
 /// Saves a checkpoint during an image: a full disk must not abort the image.
-void RenderJob::try_checkpoint() {
+void RenderJob::try_checkpoint(size_t index) {
   try {
     save_checkpoint();
+    copy_image(index);
   } catch (const Error& error) {
+    if (error.code() == ErrorCode::device) throw;
     warn(error.what());
-    last_checkpoint_s_ = now_s();
+  }
+  last_checkpoint_s_ = now_s();
+}
+
+/// Writes a copy of an incomplete image beside its file, for keep_finished(): the memory of a GPU that is lost cannot
+/// be read. Sequences have none, because an image with fewer samples than the others could go unnoticed.
+void RenderJob::copy_image(size_t index) {
+  if (!is_still() || settings_.render.device == "cpu") return;
+  auto copy = std::make_unique<PendingFile>(plan_.files[index]);
+  if (!is_temporary_file(copy->path())) return;  // a pipe
+  write_image_file(copy->path());
+  copy_ = std::move(copy);
+  copied_samples_ = session_->image_samples();
+}
+
+/// Completes a video with its earlier images. Of a still image, writes the complete samples, or the last copy if the
+/// GPU is lost.
+void RenderJob::keep_finished(size_t index) {
+  constexpr std::string_view kFailed = "the GPU failed; wrote";
+  try {
+    if (video_) {
+      video_->finish();
+      log_info(verbosity_, fmt::format("the GPU failed; {} ends with frame {}", plan_.files[index].string(),
+                                       plan_.frames.first + static_cast<int>(index) - 1));
+    }
+    if (!is_still()) return;
+    if (!device_is_lost(*session_)) {
+      // No checkpoint: it could contain parts of the frame that failed.
+      if (session_->image_samples() > 0) write(index, kFailed);
+    } else if (copy_) {
+      copy_->commit();
+      log_info(verbosity_,
+               fmt::format("{} {} with {}", kFailed, plan_.files[index].string(), samples_text(copied_samples_)));
+    }
+  } catch (const std::exception& error) {
+    warn(error.what());  // the caller reports the error of the GPU
   }
 }
 
 /// In a sequence, an automatic exposure adapts from image to image.
 Display RenderJob::display_of_image() {
   Display display = display_for(settings_.output, cropped_image(*session_).pixels, session_->in_studio());
-  if (settings_.output.exposure) return display;
+  if (settings_.output.exposure || is_still()) return display;
   if (last_exposure_) display.exposure = adapted_exposure(*last_exposure_, display.exposure, 1.0f / options_.fps);
   last_exposure_ = display.exposure;
   return display;
 }
 
-void RenderJob::write(size_t index, StopReason reason) {
+void RenderJob::write_image_file(const std::filesystem::path& file) {
+  const Metadata metadata = image_metadata(*session_, options_.scene, settings_, load_s_);
+  const bool is_displayed = lower_extension(file) != ".exr" && lower_extension(file) != ".hdr";
+  write_image(file, *session_, is_displayed ? display_of_image() : Display{}, plan_.aovs, metadata, plan_.ocio.get());
+}
+
+/// `verb`: for the message, such as "wrote".
+void RenderJob::write(size_t index, std::string_view verb) {
   const double start_s = now_s();
   const std::filesystem::path& file = plan_.files[index];
   if (is_video_file(file)) {
@@ -308,19 +317,15 @@ void RenderJob::write(size_t index, StopReason reason) {
     video_->add(image);
     if (index == first_image_) written_.push_back(file.string());
   } else {
-    const Metadata metadata = image_metadata(*session_, options_.scene, settings_, load_s_);
-    const bool is_displayed = lower_extension(file) != ".exr" && lower_extension(file) != ".hdr";
-    write_image(file, *session_, is_displayed ? display_of_image() : Display{}, plan_.aovs, metadata, plan_.ocio.get());
+    write_image_file(file);
     written_.push_back(file.string());
   }
+  copy_.reset();
   write_s_ += now_s() - start_s;
-  const std::string samples = format_samples(session_->image_samples());
   const std::string what =
       is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
                           : file.string();
-  log_info(verbosity_, fmt::format("{} {} with {} sample{} per pixel",
-                                   reason == StopReason::interrupted ? "interrupted; wrote" : "wrote", what, samples,
-                                   samples == "1" ? "" : "s"));
+  log_info(verbosity_, fmt::format("{} {} with {}", verb, what, samples_text(session_->image_samples())));
 }
 
 void RenderJob::report(StopReason reason) const {

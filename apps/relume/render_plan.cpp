@@ -124,4 +124,15 @@ void check_stop_settings(const AllSettings& settings) {
       "--history accumulate");
 }
 
+void check_earlier_images(const RenderPlan& plan, size_t first, const std::string& checkpoint) {
+  const auto frame = [&](size_t index) { return plan.frames.first + static_cast<int>(index); };
+  for (size_t i = 0; i < first; ++i) {
+    if (std::error_code failure; std::filesystem::exists(plan.files[i], failure)) continue;
+    throw Error(
+        fmt::format("{}: the checkpoint is of frame {}, but frame {} ({}) is missing; delete the checkpoint to render "
+                    "all, or use --frames {}-{}",
+                    checkpoint, frame(first), frame(i), plan.files[i].string(), frame(first), plan.frames.last));
+  }
+}
+
 }  // namespace relume::cli

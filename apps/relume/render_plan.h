@@ -1,6 +1,7 @@
 // The plan of `relume render`, as far as known before the scene is loaded.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -34,5 +35,8 @@ std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSetting
 
 /// Throws UsageError for stop settings that never end (an error that stays unknown) or yield no image (a pilot alone).
 void check_stop_settings(const AllSettings& settings);
+
+/// Throws Error if an image before the `first` is missing: a checkpoint of another range would omit it.
+void check_earlier_images(const RenderPlan& plan, size_t first, const std::string& checkpoint);
 
 }  // namespace relume::cli

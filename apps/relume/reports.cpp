@@ -42,6 +42,11 @@ Json json_of(const std::optional<DeviceStatistics>& device) {
 
 std::string format_samples(double samples) { return fmt::format("{}", std::round(samples * 100) / 100); }
 
+std::string samples_text(double samples) {
+  const std::string number = format_samples(samples);
+  return fmt::format("{} sample{} per pixel", number, number == "1" ? "" : "s");
+}
+
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
   PassTime all{.name = {}, .seconds = report.render_s};

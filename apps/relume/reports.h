@@ -67,6 +67,8 @@ ImageReport::Channel report_channel(const ExrChannel& channel);
 
 /// A mean number of samples per pixel: "64", or "12.25" if fractional.
 std::string format_samples(double samples);
+/// "64 samples per pixel", or "1 sample per pixel".
+std::string samples_text(double samples);
 
 /// An object with the members' names.
 std::string to_json(const RunReport& report);

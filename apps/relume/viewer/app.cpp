@@ -58,6 +58,7 @@ void App::run() {
   newest_frame_s_ = now_s();
   while (!window_.should_close() && !finished()) {
     frame();
+    if (!device_loss_.empty()) throw Error(ErrorCode::device, device_loss_);
     if (!state_.frame() && !first_problem_.empty()) throw Error(first_problem_);
     if (smoke_ && now_s() - newest_frame_s_ > kPatience_s)
       throw Error("no frame was rendered for five minutes; reduce --width and --height, or run on an idle machine");
@@ -151,6 +152,7 @@ void App::take_notices() {
   for (const Notice& notice : renderer_.take_notices()) {
     if (notice.problem && first_problem_.empty()) first_problem_ = notice.text;
     if (notice.failed_task && failed_task_.empty()) failed_task_ = notice.text;
+    if (notice.device_lost && device_loss_.empty()) device_loss_ = notice.text;
     state_.notify(notice.text, notice.problem);
     if (notice.refused_scene && state_.document && notice.refused_scene == state_.document->loaded())
       revert_document(state_);

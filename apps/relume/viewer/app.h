@@ -22,7 +22,7 @@ class App {
       std::shared_ptr<const LoadedScene> scene, OcioDisplay ocio);
 
   /// Runs until the window is closed, or until the script and the requested frames are complete. Throws Error if the
-  /// first scene cannot be shown, or a step of the script fails.
+  /// first scene cannot be shown, a step of the script fails, or a GPU is lost.
   void run();
 
   /// Whether a scene is still loading that will not be shown.
@@ -59,6 +59,7 @@ class App {
   std::deque<std::pair<uint64_t, uint64_t>> camera_moves_;  ///< request, and the newest frame when it was posted
   std::string first_problem_;
   std::string failed_task_;  ///< error of the first failed task
+  std::string device_loss_;  ///< error of a GPU that is lost
   std::string screenshot_;   ///< file for a screenshot after this frame
   RenderThread renderer_;    ///< last member: its thread ends first
 };

@@ -11,6 +11,7 @@
 #include "platform.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
+#include "render/session.h"
 #include "render/stop_criteria.h"
 #include "render/timed_stop.h"
 #include "viewer/inspect.h"
@@ -114,7 +115,10 @@ void RenderThread::run(const std::stop_token& stop) {
       add_notice({true, "out of memory; try a smaller size or scene", request_.scene});
     } catch (const std::exception& error) {
       refused_version_ = request_.version;
-      add_notice({true, error.what(), request_.scene != slots_[0].scene() ? request_.scene : nullptr});
+      add_notice({.problem = true,
+                  .text = error.what(),
+                  .refused_scene = request_.scene != slots_[0].scene() ? request_.scene : nullptr,
+                  .device_lost = has_lost_device()});
     }
   }
   finish_tasks();
@@ -139,6 +143,11 @@ void RenderThread::finish_tasks() {
                 .refused_scene = nullptr,
                 .failed_task = true});
   }
+}
+
+bool RenderThread::has_lost_device() const {
+  return std::any_of(slots_.begin(), slots_.end(),
+                     [](const SessionSlot& slot) { return slot.session() && device_is_lost(*slot.session()); });
 }
 
 bool RenderThread::tasks_wait() const {

@@ -78,6 +78,7 @@ class RenderThread {
   void close_second_side();
   bool ready_for_tasks() const;
   bool tasks_wait() const;
+  bool has_lost_device() const;
   void finish_tasks();  ///< at the end: reports unfinished tasks
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   void note_size(const IVec2& size, double seconds, bool rest);

@@ -112,6 +112,7 @@ struct Notice {
   std::string text;
   std::shared_ptr<const LoadedScene> refused_scene = nullptr;  ///< scene that could not be compiled
   bool failed_task = false;                                    ///< for example, an image could not be written
+  bool device_lost = false;                                    ///< nothing more can be rendered
 };
 
 }  // namespace relume::viewer
