@@ -1,29 +1,22 @@
 #!/usr/bin/env python3
-"""Tests what the program says about GPUs, with the stub driver of tests/cuda in place of NVIDIA's. RELUME_STUB_DRIVER_FOLDER is its folder."""
+"""Tests what the program says about GPUs, with the stub driver of tests/cuda in place of NVIDIA's."""
 
-import os
 import unittest
 
+from gpu import STUB, environment
 from program import SMALL, ProgramTest, run
-
-STUB = os.environ["RELUME_STUB_DRIVER_FOLDER"]
-
-
-def environment(driver_folder, settings=""):
-    """Variables for a program that finds the driver in a folder."""
-    return {**os.environ, "LD_LIBRARY_PATH": str(driver_folder), "RELUME_STUB_DRIVER": settings}
 
 
 class Devices(ProgramTest):
     def listed(self, folder, settings=""):
         """Lines of `relume devices` about CUDA."""
-        result = run("devices", env=environment(folder, settings))
+        result = run("devices", env=environment(settings, folder))
         self.assertEqual(result.returncode, 0)
         return [line for line in result.stdout.splitlines() if line.lower().startswith("cuda")]
 
     def refusal(self, folder, settings, *arguments):
         """The sentence of a rendering that fails."""
-        result = run("render", "cornell", "-o", "out.png", *SMALL, "--spp", "1", *arguments, cwd=self.folder, env=environment(folder, settings))
+        result = run("render", "cornell", "-o", "out.png", *SMALL, "--spp", "1", *arguments, cwd=self.folder, env=environment(settings, folder))
         self.assertNotEqual(result.returncode, 0)
         self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
         self.assertFalse((self.folder / "out.png").exists())
@@ -54,7 +47,7 @@ class Devices(ProgramTest):
 
     def test_without_a_usable_gpu_auto_renders_on_the_host(self):
         for device in ("auto", "cpu"):
-            result = run("render", "cornell", "-o", "out.png", *SMALL, "--spp", "1", "--device", device, cwd=self.folder, env=environment(STUB, "capability=61"))
+            result = run("render", "cornell", "-o", "out.png", *SMALL, "--spp", "1", "--device", device, cwd=self.folder, env=environment("capability=61"))
             self.assertEqual(result.returncode, 0, result.stderr)
 
 

@@ -28,9 +28,8 @@ def start(*arguments, cwd=None, env=None, ignored=()):
     return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, preexec_fn=set_signals, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
 
 
-def exr_header(file):
-    """Attributes of a single-part EXR by name: (type, bytes) (OpenEXR file layout)."""
-    data = pathlib.Path(file).read_bytes()
+def read_exr_header(data):
+    """Attributes of a single-part EXR by name: (type, bytes), and the position behind them (OpenEXR file layout)."""
     assert data[:4] == b"\x76\x2f\x31\x01", "no EXR"
     attributes = {}
     at = 8
@@ -42,7 +41,19 @@ def exr_header(file):
         size = struct.unpack_from("<i", data, at)[0]
         attributes[name] = (kind, data[at + 4:at + 4 + size])
         at += 4 + size
-    return attributes
+    return attributes, at + 1
+
+
+def exr_header(file):
+    """Attributes of a single-part EXR by name: (type, bytes)."""
+    return read_exr_header(pathlib.Path(file).read_bytes())[0]
+
+
+def exr_pixels(file):
+    """The bytes of all pixels as they are stored: everything from the first entry of the offset table on."""
+    data = pathlib.Path(file).read_bytes()
+    _, table = read_exr_header(data)
+    return data[struct.unpack_from("<Q", data, table)[0]:]
 
 
 def exr_channels(file):

@@ -81,14 +81,18 @@ def length(v):
 class Viewer(ProgramTest):
     THREADS = 1  # of the renderer, which runs while the window is open
 
-    def view(self, scene, script="", *arguments, frames=2, timeout=280):
-        """Reports printed by the viewer in order; the last is the final one."""
+    def run_viewer(self, scene, script="", *arguments, frames=2, timeout=280, base=os.environ):
+        """Runs the viewer to its end, with the variables of `base`."""
         (self.folder / "steps.txt").write_text(script)
         # A small window, since it is also drawn by the CPU.
         arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
         command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", "--threads", str(self.THREADS), *map(str, arguments)]
-        environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
-        done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
+        environment = dict(base, XDG_STATE_HOME=str(self.folder / "state"))
+        return subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
+
+    def view(self, *arguments, **options):
+        """Reports printed by the viewer in order; the last is the final one."""
+        done = self.run_viewer(*arguments, **options)
         self.assertEqual(done.returncode, 0, done.stderr)
         return [json.loads(line) for line in done.stdout.splitlines()]
 
