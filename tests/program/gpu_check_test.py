@@ -82,6 +82,19 @@ class GpuCheck(ProgramTest):
         for part in ("no problem", "<h2>Bits</h2>", "vlc+cdq", "<h2>Slowest passes</h2>", "camera rays"):
             self.assertIn(part, page)
 
+    def test_the_stub_driver_has_the_bits_of_the_bundle(self):
+        environment = {**os.environ, "LD_LIBRARY_PATH": STUB, "RELUME_STUB_DRIVER": "version=12040"}
+        code, report = self.check("--only", "psf|figure", env=environment)
+        self.assertEqual(code, 0, report["steps"])
+        self.assertEqual(sorted(report["bits"]["equal"]), ["cornell-closed/psf", "figure/path"])
+        for row in report["times"]:
+            device = row["memory"]["device"]
+            self.assertEqual((device["name"], device["driver"]), ("Stub GPU 0 (cuda:0)", "12.4"))
+            self.assertGreater(device["memory_used_bytes"], 0)
+            self.assertLess(device["memory_used_bytes"], device["memory_limit_bytes"])
+            self.assertLess(device["memory_limit_bytes"], device["memory_bytes"])
+        self.assertIn("Stub GPU 0", (self.folder / "out/gpu-check.html").read_text())
+
     def test_different_bits_are_reported(self):
         changed = self.folder / "changed"
         changed.mkdir()
