@@ -44,6 +44,19 @@ void check_size(const RenderSettings& settings) {
 /// Name of launches between frames. Statistics omit their times.
 constexpr std::string_view kBetweenFrames = "statistics";
 
+/// Opens the devices that replace the host; empty: none.
+std::function<std::unique_ptr<Device>()>& host_replacement() {
+  static std::function<std::unique_ptr<Device>()> open;
+  return open;
+}
+
+/// The device of a session; nullptr: the host executes its kernels.
+std::unique_ptr<Device> open_device_of(const RenderSettings& settings) {
+  std::unique_ptr<Device> device = cuda::open_chosen_device(settings.device);
+  if (!device && is_host_replaced()) device = host_replacement()();
+  return device;
+}
+
 /// Sets a flag during its lifetime.
 class FrameMark {
  public:
@@ -71,7 +84,7 @@ std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vec
 Session::Session(Scene scene, const Settings& settings, std::vector<Index> movable) {
   RenderSettings render = all_settings(settings).render;
   check_size(render);
-  std::unique_ptr<Device> device = cuda::open_chosen_device(render.device);
+  std::unique_ptr<Device> device = open_device_of(render);
   if (!device) {
     state_ = std::make_unique<State>(std::move(scene), render, std::move(movable), host_memory());
     return;
@@ -316,6 +329,9 @@ bool device_is_lost(const Session& session) {
     return true;
   }
 }
+
+void replace_host(std::function<std::unique_ptr<Device>()> open) { host_replacement() = std::move(open); }
+bool is_host_replaced() { return host_replacement() != nullptr; }
 
 void on_tile(Session& session, std::function<void()> hook) {
   SessionAccess::state(session).backend->on_tile(std::move(hook));

@@ -27,6 +27,12 @@ Session make_session(Scene scene, const Settings& settings, Memory& memory);
 Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device);
 /// Whether the session's device has failed in a way that it does not survive (Device::finish()).
 bool device_is_lost(const Session& session);
+/// Sessions constructed from now on whose setting `device` chooses the processor run their kernels on the devices that
+/// `open` returns, as if the setting had chosen these. Tests use it to run all sessions on an emulated device. Empty:
+/// their kernels run on the processor. Call it while no thread constructs a session.
+void replace_host(std::function<std::unique_ptr<Device>()> open);
+/// Whether replace_host() has been given devices.
+bool is_host_replaced();
 /// Calls `hook` before each tile of a launch (Backend::on_tile()).
 void on_tile(Session& session, std::function<void()> hook);
 /// Calls `hook` at each step of a launch (Backend::on_launch()).

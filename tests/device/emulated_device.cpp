@@ -62,7 +62,8 @@ void run_blocks(const ptx::Module& module, const ptx::Entry& entry, const ptx::L
 
 }  // namespace
 
-EmulatedDevice::EmulatedDevice(WalledMemory& walls, const std::vector<const ptx::Module*>& code) : walls_(walls) {
+EmulatedDevice::EmulatedDevice(WalledMemory& walls, const std::vector<const ptx::Module*>& code, uint32_t seed)
+    : walls_(walls), seed_(uint64_t{seed} << 32) {
   for (const ptx::Module* module : code) {
     for (const ptx::Entry& entry : module->entries) {
       const std::optional<EntryKernel> kernel = kernel_of_entry(entry.name);
@@ -119,7 +120,7 @@ void EmulatedDevice::run_oldest() {
   std::memset(argument.address, 0xff, argument.bytes);
   std::memcpy(argument.address, queued.argument.data(), queued.argument.size());
   ptx::Launch launch = launch_of(queued.window, queued.threads);
-  launch.seed = ++run_count_;
+  launch.seed = ++seed_;
   const double start_s = now_s();
   try {
     const OpenWalls open(walls_, queued.name);

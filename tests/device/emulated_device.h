@@ -22,8 +22,9 @@ namespace relume::testing {
 class EmulatedDevice final : public Device {
  public:
   /// `walls`: its memory. `code`: translations of device code, with entries for kernels (frame/cuda/device_entry.h);
-  /// those of earlier modules replace those of later ones. All must outlive the device.
-  EmulatedDevice(WalledMemory& walls, const std::vector<const ptx::Module*>& code);
+  /// those of earlier modules replace those of later ones. All must outlive the device. `seed`: of the order of blocks
+  /// and threads.
+  EmulatedDevice(WalledMemory& walls, const std::vector<const ptx::Module*>& code, uint32_t seed = 0);
   ~EmulatedDevice() override;
 
   Memory& memory() override { return memory_; }
@@ -78,7 +79,7 @@ class EmulatedDevice final : public Device {
   std::vector<double> times_;
   std::exception_ptr failure_;  ///< of a launch that ran while memory was freed
   size_t launch_count_ = 0;
-  uint64_t run_count_ = 0;
+  uint64_t seed_;  ///< of the last launch that ran
 };
 
 }  // namespace relume::testing
