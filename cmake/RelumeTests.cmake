@@ -4,9 +4,10 @@ if(RELUME_BUILD_TESTS)
   include(GoogleTest)
 endif()
 
-# Time limit of a test in seconds. Sanitizers take about ten times longer.
+# Time limit of a test in seconds. Sanitizers take about ten times longer, and so may the emulated device.
 set(RELUME_TEST_TIMEOUT 900)
 set(RELUME_SLOW_TEST_TIMEOUT 2400)
+set(RELUME_EMULATED_TEST_TIMEOUT 14400)
 if(RELUME_SANITIZE)
   set(RELUME_TEST_TIMEOUT 6000)
   set(RELUME_SLOW_TEST_TIMEOUT 20000)

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "combinations/cells.h"
+#include "core/array.h"
 #include "core/vec.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
@@ -71,8 +72,7 @@ Means means_after_a_move(Session& session, const CameraPose& start, int frames) 
 /// Images of seeds 1, 2, …, rendered on demand by one session.
 class Measurement {
  public:
-  Measurement(const RenderSettings& settings, int frames)
-      : session_(open_box(), settings), start_(session_.camera()), frames_(frames) {}
+  Measurement(Session session, int frames) : session_(std::move(session)), start_(session_.camera()), frames_(frames) {}
 
   /// Mean over `seeds` images, or all rendered ones if there are more.
   Mean over(int seeds) {
@@ -103,14 +103,15 @@ class Measurement {
   Means squares_ = {};
 };
 
-/// Reference by number of bounces, measured once per process: a process renders many cells.
+/// Reference by number of bounces, measured once per process: a process renders many cells. On the host, also if cells
+/// are rendered on a device.
 const Mean& reference(int max_bounces = RenderSettings{}.path.max_bounces) {
   static std::map<int, Mean> known;
   const auto [found, is_new] = known.try_emplace(max_bounces);
   if (is_new) {
     RenderSettings settings = small_settings(kSize, kSize);
     settings.path.max_bounces = max_bounces;
-    found->second = Measurement(settings, 256).over(32);
+    found->second = Measurement(make_session(open_box(), settings, host_memory()), 256).over(32);
   }
   return found->second;
 }
@@ -135,7 +136,7 @@ using Deviations = std::array<Deviation, kMeans>;
 /// Renders seeds until the standard error of luminance is at most `most_error`.
 Deviations deviations_of(const RenderSettings& settings, double most_error = kMostError) {
   const Mean& truth = reference(settings.path.max_bounces);
-  Measurement measurement(settings, kFrames);
+  Measurement measurement(Session(open_box(), settings), kFrames);
   Deviations deviations;
   for (int seeds = kSeeds; seeds <= kMostSeeds; seeds += seeds / 4) {
     const Mean mean = measurement.over(seeds);

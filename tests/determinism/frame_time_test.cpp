@@ -133,6 +133,7 @@ class PixelLoop {
 };
 
 TEST(FrameTimesTest, GrowIfOnePassLoopsOverPixels) {
+  if (is_host_replaced()) GTEST_SKIP() << "the host waits for devices outside of launches";
   const DeterminismCheck& technique = technique_checks().determinism.front();
   PixelLoop loop;
   EXPECT_GT(growth_s(technique, 1, std::ref(loop)), kMostPerPixel_s);

@@ -83,7 +83,7 @@ struct SessionImages {
 
   static Image image(const Session& session, const BufferKey<Rgb>& buffer) {
     Image image(kWidth, kHeight);
-    const auto pixels = buffer_table(session).view(buffer);
+    const auto pixels = buffer_table(session).read(buffer);
     std::copy(pixels.begin(), pixels.end(), image.pixels.begin());
     return image;
   }

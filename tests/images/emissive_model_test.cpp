@@ -93,6 +93,7 @@ double first_sample_s(float emission) {
 }
 
 TEST(EmissiveModel, FirstSampleIsAlmostAsFastAsWithoutEmission) {
+  if (is_host_replaced()) GTEST_SKIP() << "an emulated device has other times";
   double least_ratio = kInfinity;
   for (int attempt = 0; attempt < 3 && least_ratio > kMaxRatio; ++attempt) {  // caches are cold on a busy machine
     const double dark_s = first_sample_s(0);

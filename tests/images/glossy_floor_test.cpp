@@ -81,8 +81,8 @@ std::vector<Truth> truths(const Scene& scene) {
       halves[half] = session.image();
     }
     Truth truth{halves[0], {}};
-    const View<const Vec3> position = buffer_table(session).view(kSurface.position);
-    const View<const Vec3> normal = buffer_table(session).view(kSurface.normal);
+    const View<const Vec3> position = buffer_table(session).read(kSurface.position);
+    const View<const Vec3> normal = buffer_table(session).read(kSurface.normal);
     for (uint32_t i = 0; i < position.size; ++i)
       truth.floor.push_back(normal[i].y > 0.9f && std::fabs(position[i].y) < 0.01f);
     double pixels = 0;

@@ -147,7 +147,7 @@ TEST(History, NoneShowsTheLatestSampleOnly) {
   const Image first = session.image();
   session.render_frame();
   EXPECT_NE(session.image().pixels, first.pixels);
-  EXPECT_EQ(buffer_table(session).view(kSamples)[0], 1u);
+  EXPECT_EQ(buffer_table(session).read(kSamples)[0], 1u);
   EXPECT_EQ(session.frames_since_change(), 2u);
   EXPECT_EQ(session.kept_samples(), 1);
 }

@@ -96,7 +96,7 @@ float time_of(int frame) { return static_cast<float>(frame) / kFps; }
 
 template <typename T>
 std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).view(buffer);
+  const View<const T> view = buffer_table(session).read(buffer);
   return {view.begin(), view.end()};
 }
 

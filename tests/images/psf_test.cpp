@@ -151,8 +151,8 @@ std::vector<bool> steady_pixels(Session& before, Session& after) {
   std::vector<bool> steady;
   const Image a = mean_frame(before, 16);
   const Image b = mean_frame(after, 16);
-  const View<const float> depth_a = buffer_table(before).view(kDepthAov);
-  const View<const float> depth_b = buffer_table(after).view(kDepthAov);
+  const View<const float> depth_a = buffer_table(before).read(kDepthAov);
+  const View<const float> depth_b = buffer_table(after).read(kDepthAov);
   for (size_t i = 0; i < a.pixels.size(); ++i) {
     const float d = depth_a[static_cast<uint32_t>(i)];
     steady.push_back(is_black(a.pixels[i]) && is_black(b.pixels[i]) &&
