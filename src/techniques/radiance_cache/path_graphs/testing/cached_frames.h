@@ -1,7 +1,6 @@
 // Frames of all caches in a hash grid without a session, for tests and benchmarks.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,18 +40,7 @@ struct CachedFrameSettings {
 
 class CachedFrames {
  public:
-  CachedFrames(Scene scene, const CachedFrameSettings& settings)
-      : settings_(settings),
-        scene_(std::move(scene), CompileOptions{.camera = {}, .width = settings.width, .height = settings.height}),
-        backend_(settings.threads),
-        grid_(settings.psf.grid, settings.expected_cells),
-        power_(build_power_lights(scene_.view().lights)) {
-    const auto pixels = static_cast<size_t>(settings.width) * static_cast<size_t>(settings.height);
-    hits_.resize(pixels);
-    pixels_.resize(pixels);
-    rays_.resize(pixels);
-    radiance_.resize(pixels);
-  }
+  CachedFrames(Scene scene, const CachedFrameSettings& settings);
 
   HashGrid& grid() { return grid_; }
   CompiledScene& scene() { return scene_; }
@@ -67,76 +55,21 @@ class CachedFrames {
   }
 
   /// Renders one sample per pixel; returns the image.
-  const std::vector<Rgb>& render() {
-    trace();
-    resolve();
-    grid_.adjust_size(backend_);
-    ++frame_;
-    return radiance_;
-  }
-
-  void trace() {
-    const SampleIndex index{.seed = settings_.seed, .sequence = frame_, .frame = frame_};
-    const SceneView view = scene_.view();
-    run("gbuffer", PrimaryHitsKernel{view, index, mutable_view_of(hits_), {}, width()});
-    PathContext context;
-    context.scene = view;
-    context.selector.uniform = make_uniform_lights(view.lights);
-    context.selector.power = {{view_of(power_)}};
-    context.max_bounces = settings_.max_bounces;
-    context.russian_roulette = settings_.russian_roulette;
-    FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness)};
-    const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
-    AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
-    switch (settings_.kind) {
-      case CacheKind::none: trace(context, index, RadianceOutput{mutable_view_of(radiance_)}); break;
-      case CacheKind::psf: trace_cells(context, index, filter); break;
-      case CacheKind::apsf: trace_cells(context, index, AdaptiveFilterContext{filter, adaptive}); break;
-      case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
-      case CacheKind::apsf_apg:
-        const PathGraphContext graph{filter,
-                                     adaptive,
-                                     settings_.apg.variance_constant,
-                                     settings_.apg.variance,
-                                     settings_.apg.feed,
-                                     static_cast<uint16_t>(settings_.apg.deep_coarsening)};
-        trace_cells(context, index, graph);
-        break;
-    }
-  }
-
+  const std::vector<Rgb>& render();
+  /// Traces one path per pixel, whose samples wait for the cells.
+  void trace();
   /// Pools the frame's samples with the cells and computes the image.
-  void resolve() {
-    if (settings_.kind == CacheKind::none) return;
-    grid_.advance(backend_);
-    run("resolve",
-        ResolveCellsKernel{
-            grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}});
-  }
+  void resolve();
 
  private:
   uint32_t width() const { return static_cast<uint32_t>(settings_.width); }
 
   template <typename Cache>
-  void trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache) {
-    const CellsOutput<Cache> cells{cache, mutable_view_of(pixels_)};
-    if (!settings_.watched) return trace(context, index, cells);
-    first_vertices_.resize(pixels_.size());
-    specular_.resize(pixels_.size());
-    trace(context, index, FirstVertexOutput{mutable_view_of(first_vertices_)},
-          SpecularOutput{mutable_view_of(specular_)}, cells);
-  }
-
+  void trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache);
   template <typename... Outputs>
-  void trace(const PathContext& context, const SampleIndex& index, const Outputs&... outputs) {
-    run("trace", PathKernel<Outputs...>{
-                     context, index, view_of(hits_), {}, mutable_view_of(rays_), width(), path_outputs(outputs...)});
-  }
-
+  void trace(const PathContext& context, const SampleIndex& index, const Outputs&... outputs);
   template <typename Kernel>
-  void run(const char* name, const Kernel& kernel) {
-    launch(backend_, name, kernel, width(), static_cast<uint32_t>(settings_.height));
-  }
+  void run(const char* name, const Kernel& kernel);
 
   CachedFrameSettings settings_;
   CompiledScene scene_;
