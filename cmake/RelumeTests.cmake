@@ -41,6 +41,15 @@ function(relume_add_tests name)
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
 
+# relume_not_hot_tests(NAME...): compiles test programs with -Og (relume_not_hot). For tests that leave the computing to
+# the library: the linker would take their copies of a kernel's inline functions for the library's kernels, too.
+function(relume_not_hot_tests)
+  if(RELUME_BUILD_TESTS)
+    list(TRANSFORM ARGN APPEND _tests OUTPUT_VARIABLE targets)
+    relume_not_hot(${targets})
+  endif()
+endfunction()
+
 # relume_add_benchmarks(source...): adds *_bench.cpp files to the program `relume_bench`.
 function(relume_add_benchmarks)
   foreach(source ${ARGN})
