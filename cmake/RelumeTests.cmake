@@ -27,16 +27,22 @@ function(relume_use_test_headers target)
   target_precompile_headers(${target} REUSE_FROM relume_test_headers)
 endfunction()
 
-# relume_add_tests(NAME source...): builds a GoogleTest program from the *_test.cpp files of a folder, with a ctest per
-# test. Suites whose name begins with "Slow" carry the label "slow".
+# relume_add_tests(NAME [COST n] source...): builds a GoogleTest program from the *_test.cpp files of a folder, with a
+# ctest per test. Suites whose name begins with "Slow" carry the label "slow". ctest starts tests of a higher COST first
+# (default: 0), so that short ones fill the cores at the end.
 function(relume_add_tests name)
   if(NOT RELUME_BUILD_TESTS)
     return()
   endif()
-  add_executable(${name}_tests ${ARGN})
+  cmake_parse_arguments(arg "" COST "" ${ARGN})
+  if(NOT DEFINED arg_COST)
+    set(arg_COST 0)
+  endif()
+  add_executable(${name}_tests ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name}_tests PRIVATE relume_lab relume relume_testing relume_flags GTest::gtest_main)
   relume_use_test_headers(${name}_tests)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow*
+    PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT} COST ${arg_COST})
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER Slow* TEST_LIST ${name}_slow
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
