@@ -44,7 +44,9 @@ SurfacePoint make_point(const testing::BsdfCase& c) {
 Sampler numbers(uint32_t i) { return Sampler::sequence(11, i, 0, 0, 0); }
 
 /// Reflecting and transmitting lobes of all widths, some with a delta lobe over a wide one.
-std::vector<testing::BsdfCase> materials() { return testing::material_cases({0.0f, 0.3f, 0.8f}); }
+std::vector<testing::BsdfCase> materials(const std::vector<float>& roughnesses = {0.0f, 0.3f, 0.8f}) {
+  return testing::material_cases(roughnesses);
+}
 
 /// A chart of directions around the material's peak, if it has one.
 testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint& sp) {
@@ -83,7 +85,8 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   constexpr int kLeast = 2;
   constexpr double kTolerance = 0.1 / kMixtureSamples;
   constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, of which quadrature misses small parts
-  for (const testing::BsdfCase& c : materials()) {
+  // A delta lobe and a narrow one: a BSDF with a wide lobe is closer to the quadtree, and tests less.
+  for (const testing::BsdfCase& c : materials({0.0f, 0.3f})) {
     // The mixture does not depend on the distribution of normals, which tests of BSDFs vary.
     if (c.name.ends_with(testing::to_string(MicrofacetModel::beckmann))) continue;
     const SurfacePoint sp = make_point(c);
