@@ -321,7 +321,7 @@ class Settings(Viewer):
     def test_a_image_that_cannot_be_written_is_an_error(self):
         for step in ("save missing/a.png", "save-view missing/a.json"):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
-            done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            done = run("view", "cornell", "--smoke", "1", "--script", "steps.txt", *SMALL, cwd=self.folder)
             self.assertEqual(done.returncode, 1, step)
             self.assertIn("missing", done.stderr)
 
@@ -340,14 +340,14 @@ class Settings(Viewer):
 
     def test_a_bad_step_ends_with_its_line(self):
         (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")
-        done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+        done = run("view", "cornell", "--smoke", "1", "--script", "steps.txt", *SMALL, cwd=self.folder)
         self.assertEqual(done.returncode, 1)
         self.assertIn("steps.txt:2: set:", done.stderr)
 
     def test_steps_that_would_mean_nothing_end_with_their_line(self):
         for step, said in (("split of", "split is 'of'; use on or off"), ("pace of", "pace is 'of'; use on, moving or off"), ("set camera nope", "there is no camera 'nope'")):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
-            done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            done = run("view", "cornell", "--smoke", "1", "--script", "steps.txt", *SMALL, cwd=self.folder)
             self.assertEqual(done.returncode, 1, step)
             self.assertIn(said, done.stderr)
 
@@ -357,7 +357,8 @@ class Rates(Viewer):
 
     def check(self, scene, target_hz, least_width):
         # The first seconds adapt the size; then the camera moves, longer if rates are required.
-        script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * (3 if QUIET else 1) + "report\n"
+        adapt, steps = (30, 3 * "key w 60\nkey s 60\n") if QUIET else (6, "key w 30\nkey s 30\n")
+        script = f"pace moving\nframes {adapt}\npace moving\n{steps}report\n"
         report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720, "--target", target_hz)[0]
         print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
               f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} of {target_hz} frames/s at {report['width']}x{report['height']}, "
