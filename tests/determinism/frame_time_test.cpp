@@ -19,6 +19,7 @@ namespace relume::support {
 namespace {
 
 constexpr int kFrames = 6;
+constexpr int kGrowthFrames = 4;         // of each size, to find the least; the first one does not count
 constexpr double kMostShare = 0.03;      // of a frame
 constexpr double kAllowance_s = 100e-6;  // added per frame; matters only where a frame takes less than a few ms
 // Growth of the time outside of launches with the image, per pixel and frame. Without loops, 1 to 4 ns were measured.
@@ -58,7 +59,7 @@ struct FrameTimes {
 
 /// Moves the scene and renders frames, and measures those after the first, which allocates. `after_pass`: called after
 /// each pass with its name.
-FrameTimes measure(const DeterminismCheck& technique, const Size& size = {},
+FrameTimes measure(const DeterminismCheck& technique, const Size& size = {}, int frames = kFrames,
                    const std::function<void(Session&, const std::string&)>& after_pass = {}) {
   Session session(build("turntable"), settings_of(technique, size));
   double begun_s = 0;
@@ -69,7 +70,7 @@ FrameTimes measure(const DeterminismCheck& technique, const Size& size = {},
   });
   if (after_pass) session.on_pass([&](const std::string& pass) { after_pass(session, pass); });
   FrameTimes times;
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     inside_s = 0;
     const double start_s = thread_s();
     if (frame % technique.frames_of_an_image == 0) session.set_time(0.05f * static_cast<float>(frame));
@@ -99,8 +100,8 @@ double growth_s(const DeterminismCheck& technique, int tries,
                 const std::function<void(Session&, const std::string&)>& after_pass = {}) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < tries && least > kMostPerPixel_s; ++i) {
-    const double large_s = measure(technique, kLarge, after_pass).least_outside_s;
-    const double small_s = measure(technique, kSmall, after_pass).least_outside_s;
+    const double large_s = measure(technique, kLarge, kGrowthFrames, after_pass).least_outside_s;
+    const double small_s = measure(technique, kSmall, kGrowthFrames, after_pass).least_outside_s;
     least = std::min(least, (large_s - small_s) / (kLarge.pixels() - kSmall.pixels()));
   }
   return least;
