@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "scene/compiled_scene.h"
+#include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/path_kernel.h"
+#include "techniques/transport/path/specular_part.h"
 
 namespace relume::testing {
 
@@ -57,5 +59,12 @@ std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettin
   run_kernel(primary, kernel, settings.width, settings.height, settings.tile_size);
   return rays;
 }
+
+// Kernels take long to compile: run_kernel.cpp contains those of several tests.
+extern template std::vector<uint32_t> trace_pixels(const CompiledScene&, const TraceSettings&, const RadianceOutput&);
+extern template std::vector<uint32_t> trace_pixels(const CompiledScene&, const TraceSettings&, const RadianceOutput&,
+                                                   const FirstVertexOutput&);
+extern template std::vector<uint32_t> trace_pixels(const CompiledScene&, const TraceSettings&, const RadianceOutput&,
+                                                   const SpecularOutput&);
 
 }  // namespace relume::testing
