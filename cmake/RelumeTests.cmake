@@ -20,9 +20,16 @@ function(relume_skip_test name reason)
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
 endfunction()
 
+# relume_optimise_tests(TARGET): compiles tests, and their precompiled headers, with -O2 instead of -O3. Kernels in tests
+# run briefly, and their bits do not depend on it. relume_not_hot() overrides it.
+function(relume_optimise_tests target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
+endfunction()
+
 # relume_use_test_headers(TARGET): uses the precompiled headers of tests in every preset, which take a third of a test's
 # compilation.
 function(relume_use_test_headers target)
+  relume_optimise_tests(${target})
   set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS OFF)
   target_precompile_headers(${target} REUSE_FROM relume_test_headers)
 endfunction()
