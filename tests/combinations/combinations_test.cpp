@@ -103,15 +103,17 @@ class Measurement {
   Means squares_ = {};
 };
 
-/// Reference by number of bounces, measured once per process: a process renders many cells. On the host, also if cells
-/// are rendered on a device.
-const Mean& reference(int max_bounces = RenderSettings{}.path.max_bounces) {
+/// Reference by number of bounces, measured once per process. Many cells have the default number, and single presets
+/// others: theirs have fewer seeds, since a reference takes longer than a preset. On the host, also if cells are rendered
+/// on a device.
+const Mean& reference(int max_bounces) {
   static std::map<int, Mean> known;
   const auto [found, is_new] = known.try_emplace(max_bounces);
   if (is_new) {
     RenderSettings settings = small_settings(kSize, kSize);
     settings.path.max_bounces = max_bounces;
-    found->second = Measurement(make_session(open_box(), settings, host_memory()), 256).over(32);
+    const int seeds = max_bounces == RenderSettings{}.path.max_bounces ? 32 : 12;
+    found->second = Measurement(make_session(open_box(), settings, host_memory()), 256).over(seeds);
   }
   return found->second;
 }
