@@ -74,8 +74,9 @@ class Files(Viewer):
     def test_a_scene_that_changes_on_disk_is_read_again(self):
         file = self.folder / "cube.ply"
         file.write_text(cube_ply(1))
-        # Messages are reported before the next frame: on a busy machine they can vanish during it.
-        change = "seconds 4\nloaded\nreport\nframes 1\nreport\n"
+        # A change is found after at most 0.9 s. Messages are reported before the next frame: on a busy machine they can vanish
+        # during it.
+        change = "seconds 2.5\nloaded\nreport\nframes 1\nreport\n"
         script = f"frames 1\nset max-bounces 1\ndrag 0.5 0.5 0.7 0.4\nframes 1\nreport\n{change}{change}"
         before, failed, broken, read, after, _ = self.view_while("cube.ply", script, [
             lambda: file.write_text(cube_ply(1)[:200]),
