@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "builtin_scenes/builtin.h"
 #include "command.h"
 #include "completion.h"
 #include "experiments/experiment.h"
+#include "relume/builtin_scenes.h"
 #include "render/presets.h"
 
 namespace relume::cli {
@@ -22,7 +22,7 @@ int run_completion(const std::vector<Command>& commands, const std::string& shel
     throw UsageError(fmt::format("there is no completion for '{}'; use {}", shell, fmt::join(kShells, ", ")));
   CompletionNames names;
   for (const Command& command : commands) names.commands.emplace_back(command.name);
-  for (const BuiltinScene& scene : builtin_scenes()) names.scenes.emplace_back(scene.name);
+  for (const BuiltinSceneInfo& scene : list_builtin_scenes()) names.scenes.push_back(scene.name);
   for (const Preset& preset : presets()) names.presets.emplace_back(preset.name);
   for (const Experiment& experiment : experiments()) names.experiments.emplace_back(experiment.name);
   std::fputs(script->second(commands, names).c_str(), stdout);

@@ -7,6 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "preparation_progress.h"
+#include "relume/builtin_scenes.h"
 #include "relume/error.h"
 #include "relume/scene_io.h"
 #include "settings/nearest_name.h"
@@ -19,7 +20,7 @@ Scene open_scene(const std::string& name, bool shows_progress) {
   std::error_code failure;
   if (std::filesystem::exists(name, failure)) return load_scene(name);
   std::vector<std::string> names;
-  for (const BuiltinScene& builtin : builtin_scenes()) names.emplace_back(builtin.name);
+  for (const BuiltinSceneInfo& builtin : list_builtin_scenes()) names.push_back(builtin.name);
   const std::string nearest = nearest_name(name, names);
   throw Error(
       fmt::format("{}: there is no such file and no built-in scene of that name{}", name,

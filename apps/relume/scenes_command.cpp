@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "builtin_scenes/builtin.h"
 #include "command.h"
+#include "relume/builtin_scenes.h"
 #include "scene/material_parameters.h"
 #include "scene_io/scene_format.h"
 
@@ -26,10 +26,8 @@ int run_scenes(const ScenesOptions& options) {
     std::fputs(material_parameters_reference().c_str(), stdout);
     return kExitDone;
   }
-  for (const BuiltinScene& scene : builtin_scenes()) {
-    const std::string_view summary = options.names_only ? "" : scene.summary;
-    std::puts((summary.empty() ? std::string(scene.name) : fmt::format("{:18} {}", scene.name, summary)).c_str());
-  }
+  for (const BuiltinSceneInfo& scene : list_builtin_scenes())
+    std::puts((options.names_only ? scene.name : fmt::format("{:18} {}", scene.name, scene.summary)).c_str());
   return kExitDone;
 }
 

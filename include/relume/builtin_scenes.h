@@ -14,7 +14,7 @@ struct BuiltinSceneInfo {
   std::string summary;  ///< one line on content and purpose
 };
 
-/// All built-in scenes.
+/// All built-in scenes, then those of single experiments.
 RELUME_API std::vector<BuiltinSceneInfo> list_builtin_scenes();
 
 /// Builds one of them. Throws Error (not_found) with the nearest name.

@@ -24,7 +24,8 @@ const std::vector<BuiltinScene>& builtin_scenes() {
        build_turntable},
       {"slit", "lamps that move behind a slit: fast, sharp shadows (animated)", build_slit},
       {"door", "pots in a room that is lit only through the gap of a door", build_door},
-      {"mine", "gallery with a bend, lit by sun and sky through its entrance (camera path)", build_mine},
+      {"mine", "gallery with a bend, lit by sun and sky through its entrance (camera path)",
+       [] { return build_mine("mine", 10); }},
       {"city", "instanced buildings, 19 million triangles under sun and sky (camera path)", build_city},
       {"lamp-room", "floor lamp that lights the ceiling, and a spotlight on a glass egg", build_lamp_room},
       {"furnace", "white sphere in uniform light: a correct image is 1 everywhere", build_furnace},
@@ -32,24 +33,39 @@ const std::vector<BuiltinScene>& builtin_scenes() {
   return scenes;
 }
 
+const std::vector<BuiltinScene>& experiment_scenes() {
+  static const std::vector<BuiltinScene> scenes = {
+      {"mine-sun-5", "mine with a sun of 5 degrees and equal irradiance (camera path)",
+       [] { return build_mine("mine-sun-5", 5); }},
+      {"mine-sun-2.5", "mine with a sun of 2.5 degrees and equal irradiance (camera path)",
+       [] { return build_mine("mine-sun-2.5", 2.5f); }},
+      {"mine-sun-1", "mine with a sun of 1 degree and equal irradiance (camera path)",
+       [] { return build_mine("mine-sun-1", 1); }},
+  };
+  return scenes;
+}
+
 const BuiltinScene* find_builtin_scene(std::string_view name) {
-  for (const BuiltinScene& scene : builtin_scenes()) {
-    if (scene.name == name) return &scene;
+  for (const std::vector<BuiltinScene>* list : {&builtin_scenes(), &experiment_scenes()}) {
+    for (const BuiltinScene& scene : *list) {
+      if (scene.name == name) return &scene;
+    }
   }
   return nullptr;
 }
 
 std::vector<BuiltinSceneInfo> list_builtin_scenes() {
   std::vector<BuiltinSceneInfo> list;
-  for (const BuiltinScene& scene : builtin_scenes())
-    list.push_back({std::string(scene.name), std::string(scene.summary)});
+  for (const std::vector<BuiltinScene>* scenes : {&builtin_scenes(), &experiment_scenes()}) {
+    for (const BuiltinScene& scene : *scenes) list.push_back({std::string(scene.name), std::string(scene.summary)});
+  }
   return list;
 }
 
 Scene builtin_scene(const std::string& name) {
   if (const BuiltinScene* scene = find_builtin_scene(name)) return scene->build();
   std::vector<std::string> names;
-  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  for (const BuiltinSceneInfo& scene : list_builtin_scenes()) names.push_back(scene.name);
   throw Error(ErrorCode::not_found, "there is no built-in scene '" + name + "'" + suggestion(name, names));
 }
 

@@ -1,117 +1,42 @@
 // Properties of all built-in scenes, and of individual ones.
 #include "builtin_scenes/builtin.h"
 
-#include <cmath>
-#include <limits>
-#include <map>
+#include <cctype>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "relume/error.h"
+#include "builtin_scenes/testing/scene_queries.h"
+#include "relume/builtin_scenes.h"
 
 namespace relume {
 namespace {
 
-/// Builds every scene once for all tests.
-const Scene& scene_named(std::string_view name) {
-  static std::map<std::string, Scene, std::less<>> built;
-  const auto [entry, is_new] = built.try_emplace(std::string(name));
-  if (is_new) entry->second = find_builtin_scene(name)->build();
-  return entry->second;
-}
-
-size_t copies(const Node& node) { return node.instances.empty() ? 1 : node.instances.size(); }
-
-/// Triangles over all copies, of the materials that `counts` accepts.
-template <typename Predicate>
-size_t triangle_count(const Scene& scene, Predicate counts) {
-  size_t sum = 0;
-  for (const Node& node : scene.nodes) {
-    for (const Index i : node.meshes) {
-      const Mesh& mesh = scene.meshes[static_cast<size_t>(i)];
-      if (counts(scene.materials[static_cast<size_t>(mesh.material)])) sum += copies(node) * mesh.triangles.size();
-    }
-  }
-  return sum;
-}
-
-size_t triangle_count(const Scene& scene) {
-  return triangle_count(scene, [](const Material&) { return true; });
-}
-
-size_t emissive_count(const Scene& scene) {
-  return triangle_count(scene, [](const Material& m) { return !is_black(m.emission); });
-}
-
-size_t camera_node(const Scene& scene) {
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    if (scene.nodes[i].camera != kNone) return i;
-  }
-  ADD_FAILURE() << "no camera";
-  return 0;
-}
-
-struct Hit {
-  float distance = kInfinity;
-  const Material* material = nullptr;
-  bool front = false;
-};
-
-/// Nearest intersection by brute force over all triangles (Möller and Trumbore 1997).
-Hit trace(const Scene& scene, const Vec3& origin, const Vec3& direction) {
-  Hit hit;
-  const std::vector<Mat4> world = world_matrices(scene, 0);
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Node& node = scene.nodes[i];
-    for (size_t k = 0; k < copies(node); ++k) {
-      const Mat4 matrix = glm::inverse(node.instances.empty() ? world[i] : world[i] * node.instances[k]);
-      const Vec3 o = transform_point(matrix, origin);
-      const Vec3 d = transform_vector(matrix, direction);
-      for (const Index m : node.meshes) {
-        const Mesh& mesh = scene.meshes[static_cast<size_t>(m)];
-        for (const UVec3& t : mesh.triangles) {
-          const Vec3 a = mesh.positions[t.x];
-          const Vec3 e1 = mesh.positions[t.y] - a;
-          const Vec3 e2 = mesh.positions[t.z] - a;
-          const Vec3 p = glm::cross(d, e2);
-          const float det = glm::dot(e1, p);
-          if (det == 0) continue;
-          const float u = glm::dot(o - a, p) / det;
-          const Vec3 q = glm::cross(o - a, e1);
-          const float v = glm::dot(d, q) / det;
-          const float distance = glm::dot(e2, q) / det;
-          if (u < 0 || v < 0 || u + v > 1 || distance <= 1e-4f || distance >= hit.distance) continue;
-          hit = {distance, &scene.materials[static_cast<size_t>(mesh.material)], det > 0};
-        }
-      }
-    }
-  }
-  return hit;
-}
-
-/// Evenly spread unit directions (Fibonacci lattice).
-Vec3 spread(int i, int count) {
-  const float y = 1 - (2 * static_cast<float>(i) + 1) / static_cast<float>(count);
-  const float angle = static_cast<float>(i) * kPi * (3 - std::sqrt(5.0f));
-  const float r = safe_sqrt(1 - y * y);
-  return {r * std::cos(angle), y, r * std::sin(angle)};
-}
+using testing::camera_node;
+using testing::emissive_count;
+using testing::Hit;
+using testing::scene_named;
+using testing::spread;
+using testing::trace;
+using testing::triangle_count;
 
 TEST(BuiltinScenes, NamesAreUniqueAndFound) {
   std::set<std::string_view> names;
-  for (const BuiltinScene& scene : builtin_scenes()) {
-    EXPECT_TRUE(names.insert(scene.name).second) << scene.name;
-    EXPECT_FALSE(scene.summary.empty()) << scene.name;
-    EXPECT_EQ(find_builtin_scene(scene.name), &scene);
-    EXPECT_EQ(scene_named(scene.name).name, scene.name);
+  for (const std::vector<BuiltinScene>* list : {&builtin_scenes(), &experiment_scenes()}) {
+    for (const BuiltinScene& scene : *list) {
+      EXPECT_TRUE(names.insert(scene.name).second) << scene.name;
+      EXPECT_FALSE(scene.summary.empty()) << scene.name;
+      EXPECT_EQ(find_builtin_scene(scene.name), &scene);
+      EXPECT_EQ(scene_named(scene.name).name, scene.name);
+    }
   }
   EXPECT_EQ(find_builtin_scene("no such scene"), nullptr);
 }
 
-class EveryScene : public testing::TestWithParam<std::string> {};
+class EveryScene : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryScene, Validates) {
   const Scene& scene = scene_named(GetParam());
@@ -189,13 +114,13 @@ TEST_P(EveryScene, AnimationStartsAtTheStill) {
 
 std::vector<std::string> all_names() {
   std::vector<std::string> names;
-  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  for (const BuiltinSceneInfo& scene : list_builtin_scenes()) names.push_back(scene.name);
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryScene, testing::ValuesIn(all_names()), [](const auto& param) {
+INSTANTIATE_TEST_SUITE_P(, EveryScene, ::testing::ValuesIn(all_names()), [](const auto& param) {
   std::string name = param.param;
-  for (char& c : name) c = c == '-' ? '_' : c;
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   return name;
 });
 

@@ -1,6 +1,8 @@
 // A mine gallery with one mouth. The low sun reaches a few metres of floor behind the mouth. All light further inside
 // comes from that bright spot and a little sky, around a bend.
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/noise.h"
@@ -125,8 +127,8 @@ void add_track(SceneBuilder& builder) {
 
 }  // namespace
 
-Scene build_mine() {
-  SceneBuilder builder("mine");
+Scene build_mine(std::string name, float sun_diameter_deg) {
+  SceneBuilder builder(std::move(name));
   const Index stone_material = builder.add_material(matte("rock", {0.6f, 0.52f, 0.43f}));
   builder.add("rock", rock(), stone_material);
   const Index earth = builder.add_material(matte("earth", {0.45f, 0.4f, 0.3f}));
@@ -144,8 +146,9 @@ Scene build_mine() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sun_elevation_rad = glm::radians(13.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(84.0f);  // nearly along +X, into the mouth
-  // Includes the glow around the sun, as in a small sky map, so that sampled directions can hit it.
-  environment.sun_sky.sun_angular_diameter_rad = glm::radians(10.0f);
+  // 10 degrees include the glow around the sun, as in a small sky map, so that sampled directions can hit it. The
+  // sun's irradiance does not depend on its size.
+  environment.sun_sky.sun_angular_diameter_rad = glm::radians(sun_diameter_deg);
   builder.set_environment(environment);
 
   const auto eye = [](float x, float y, float z) { return transform_point(on_track(x), Vec3(0, y, z)); };

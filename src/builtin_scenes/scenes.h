@@ -1,6 +1,8 @@
 // Build functions of the built-in scenes.
 #pragma once
 
+#include <string>
+
 #include "scene/scene.h"
 
 namespace relume {
@@ -17,7 +19,8 @@ Scene build_cover();
 Scene build_turntable();
 Scene build_slit();
 Scene build_door();
-Scene build_mine();
+/// `sun_diameter_deg`: angular diameter of the sun; its irradiance does not depend on it.
+Scene build_mine(std::string name, float sun_diameter_deg);
 Scene build_city();
 Scene build_lamp_room();
 Scene build_furnace();

@@ -5,7 +5,7 @@
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
-#include "builtin_scenes/builtin.h"
+#include "relume/builtin_scenes.h"
 #include "scene_io/scene_format.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
@@ -65,9 +65,9 @@ void draw_open(State& state) {
   ImGui::SetNextItemWidth(-1);
   const std::string shown = state.loading.valid() ? "loading " + state.loading_name + " ..." : state.document->name();
   if (ImGui::BeginCombo("##open", shown.c_str())) {
-    for (const BuiltinScene& scene : builtin_scenes()) {
-      if (ImGui::Selectable(std::string(scene.name).c_str())) open_scene(state, std::string(scene.name));
-      tooltip(std::string(scene.summary));
+    for (const BuiltinSceneInfo& scene : list_builtin_scenes()) {
+      if (ImGui::Selectable(scene.name.c_str())) open_scene(state, scene.name);
+      tooltip(scene.summary);
     }
     ImGui::EndCombo();
   }
