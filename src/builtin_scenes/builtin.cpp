@@ -35,6 +35,9 @@ const std::vector<BuiltinScene>& builtin_scenes() {
 
 const std::vector<BuiltinScene>& experiment_scenes() {
   static const std::vector<BuiltinScene> scenes = {
+      {"warehouse-rooms", "warehouse of 25 wide rooms with 14 lamps each (camera path)", build_warehouse_rooms},
+      {"warehouse-140", "warehouse of 140 bays of 4.4 m with three lamps each (camera path)", build_warehouse_140},
+      {"warehouse-399", "warehouse of 399 bays of 4.4 m with one lamp each (camera path)", build_warehouse_399},
       {"mine-sun-5", "mine with a sun of 5 degrees and equal irradiance (camera path)",
        [] { return build_mine("mine-sun-5", 5); }},
       {"mine-sun-2.5", "mine with a sun of 2.5 degrees and equal irradiance (camera path)",

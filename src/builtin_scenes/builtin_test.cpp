@@ -128,6 +128,7 @@ TEST(BuiltinScenes, SizesAreAsPromised) {
   EXPECT_GE(triangle_count(scene_named("cover")), 1'000'000u);
   EXPECT_EQ(emissive_count(scene_named("cover")), 2u * 10);
   EXPECT_EQ(emissive_count(scene_named("warehouse")), 2u * 268);
+  EXPECT_EQ(triangle_count(scene_named("warehouse")), 157'208u);
   const Scene& city = scene_named("city");
   EXPECT_GE(triangle_count(city), 10'000'000u);
   size_t in_memory = 0;
@@ -174,7 +175,8 @@ TEST(BuiltinScenes, CausticLampsAreSmall) {
 
 /// In a closed room every ray hits a front face: there are no gaps and no inverted walls.
 TEST(BuiltinScenes, RoomsAreClosed) {
-  for (const char* name : {"cornell-closed", "cornell-mirror", "corridor", "warehouse", "slit", "door", "lamp-room"}) {
+  for (const char* name : {"cornell-closed", "cornell-mirror", "corridor", "warehouse", "warehouse-rooms",
+                           "warehouse-140", "warehouse-399", "slit", "door", "lamp-room"}) {
     const Scene& scene = scene_named(name);
     const Vec3 eye(world_matrices(scene, 0)[camera_node(scene)][3]);
     const int rays = 500;
