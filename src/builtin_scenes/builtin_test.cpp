@@ -137,7 +137,8 @@ TEST(BuiltinScenes, SizesAreAsPromised) {
 }
 
 TEST(BuiltinScenes, AnimatedScenesMove) {
-  for (const char* name : {"turntable", "slit", "corridor", "city", "warehouse", "mine", "cornell-closed"}) {
+  for (const char* name :
+       {"turntable", "turntable-spot", "slit", "corridor", "city", "warehouse", "mine", "cornell-closed"}) {
     const Scene& scene = scene_named(name);
     EXPECT_FALSE(scene.animation.empty()) << name;
     EXPECT_GT(animation_end(scene), 5.0f) << name;
@@ -146,7 +147,8 @@ TEST(BuiltinScenes, AnimatedScenesMove) {
     const Scene& scene = scene_named(name);
     EXPECT_TRUE(moving_nodes(scene)[camera_node(scene)]) << name;
   }
-  for (const char* name : {"turntable", "slit"}) {  // lamps move in view of a camera at rest, and of a moving one
+  for (const char* name :
+       {"turntable", "turntable-spot", "slit"}) {  // lamps move in view of a camera at rest, and of a moving one
     const Scene& scene = scene_named(name);
     ASSERT_EQ(scene.cameras.size(), 2u) << name;
     for (size_t i = 0; i < scene.nodes.size(); ++i) {

@@ -11,7 +11,29 @@ namespace relume {
 namespace {
 
 using testing::emissive_count;
+using testing::Hit;
 using testing::scene_named;
+using testing::spread;
+using testing::trace;
+
+size_t node_named(const Scene& scene, const std::string& name) {
+  size_t i = 0;
+  while (scene.nodes.at(i).name != name) ++i;
+  return i;
+}
+
+/// Whether the quad of the node "lamp" shines on p, tested at five of its points.
+bool is_lit(const Scene& scene, const Vec3& p) {
+  const size_t lamp = node_named(scene, "lamp");
+  const Mat4 world = world_matrices(scene, 0)[lamp];
+  const std::vector<Vec3>& corners = scene.meshes[static_cast<size_t>(scene.nodes[lamp].meshes[0])].positions;
+  for (const Vec2& uv : {Vec2(0.5f), Vec2(0.1f), Vec2(0.9f), Vec2(0.1f, 0.9f), Vec2(0.9f, 0.1f)}) {
+    const Vec3 q = corners[0] + uv.x * (corners[1] - corners[0]) + uv.y * (corners[3] - corners[0]);
+    const Hit hit = trace(scene, p, glm::normalize(transform_point(world, q) - p));
+    if (hit.material && hit.front && !is_black(hit.material->emission)) return true;
+  }
+  return false;
+}
 
 /// The geometry is that of the mine, and only the sun's size differs.
 TEST(MineSuns, HaveTheirDiameters) {
@@ -49,6 +71,34 @@ TEST(WarehouseLayouts, BaysHaveTheSamePower) {
   };
   const float three = area_per_bay(scene_named("warehouse-140"), 140);
   EXPECT_NEAR(area_per_bay(scene_named("warehouse-399"), 399), three, 1e-3f * three);  // sums of floats
+}
+
+/// Seen from the floor, what the lamp lights covers at most 1 % of the sphere of directions.
+TEST(TurntableSpot, LitPatchIsSmall) {
+  const Scene& scene = scene_named("turntable-spot");
+  constexpr int kRays = 4000;
+  for (const Vec3& eye : {Vec3(0, 0.01f, 0), Vec3(1.9f, 0.01f, 0), Vec3(0, 0.01f, 1.9f)}) {
+    int lit = 0;
+    for (int i = 0; i < kRays; ++i) {
+      const Vec3 w = spread(i, kRays);
+      if (w.y <= 0) continue;  // into the floor
+      const Hit hit = trace(scene, eye, w);
+      if (hit.material && is_lit(scene, eye + 0.999f * hit.distance * w)) ++lit;
+    }
+    EXPECT_GT(lit, 0) << eye.x << ", " << eye.z;
+    EXPECT_LE(lit, kRays / 100) << eye.x << ", " << eye.z;
+  }
+}
+
+/// The floor itself is not lit, and the camera does not see the lamp.
+TEST(TurntableSpot, LampIsHidden) {
+  const Scene& scene = scene_named("turntable-spot");
+  for (int i = 0; i < 100; ++i) {
+    const float radius = 0.02f * static_cast<float>(i);
+    const float angle = static_cast<float>(i);
+    EXPECT_FALSE(is_lit(scene, {radius * std::cos(angle), 0.01f, radius * std::sin(angle)})) << i;
+  }
+  EXPECT_FALSE(is_lit(scene, {0, 6.2f, 4.0f}));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // A round floor inside a round wall, and a lamp that rotates below the floor. All light on the floor comes from the
 // bright part of the wall, which moves around once in ten seconds.
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "builtin_scenes/builder.h"
@@ -8,9 +10,40 @@
 #include "builtin_scenes/shapes.h"
 
 namespace relume {
+namespace {
 
-Scene build_turntable() {
-  SceneBuilder builder("turntable");
+/// Adds the lamp's parts to the turning arm.
+using AddLamp = void (*)(SceneBuilder& builder, Index arm);
+
+/// A lamp that lights a large part of the wall. It faces outwards and 20 degrees up, past the floor's edge.
+void add_wide_lamp(SceneBuilder& builder, Index arm) {
+  const Index light = builder.add_material(emitter("lamp", {110, 99, 80}));
+  const Mat4 pose = translation({1.3f, -0.75f, 0}) * rotation(20, Vec3(0, 0, 1));
+  builder.add("lamp", transformed(quad({0, -0.35f, 0.4f}, {0, 0, -0.8f}, {0, 0.7f, 0}), pose), light, {}, arm);
+}
+
+/// A small lamp at the end of a dark tube, in the same direction. With a lamp and an opening of half width a, and a
+/// tube of length l, the lit patch has the half width a + 2 a d / l at the distance d from the opening: 0.28 m.
+void add_spot_lamp(SceneBuilder& builder, Index arm) {
+  constexpr float kHalf = 0.025f;
+  constexpr float kOuter = 0.04f;
+  constexpr float kLength = 0.6f;
+  const Mat4 pose = translation({0.6f, -0.75f, 0}) * rotation(20, Vec3(0, 0, 1));
+  const Index light = builder.add_material(emitter("lamp", {2.0e6f, 1.8e6f, 1.45e6f}));
+  builder.add("lamp", transformed(quad({0, -kHalf, kHalf}, {0, 0, -2 * kHalf}, {0, 2 * kHalf, 0}), pose), light, {},
+              arm);
+  Mesh tube = box({-0.02f, -kOuter, -kOuter}, {-0.01f, kOuter, kOuter});
+  for (const float side : {-1.0f, 1.0f}) {
+    const float low = side < 0 ? -kOuter : kHalf;
+    const float high = side < 0 ? -kHalf : kOuter;
+    append(tube, box({-0.01f, low, -kOuter}, {kLength, high, kOuter}));
+    append(tube, box({-0.01f, -kHalf, low}, {kLength, kHalf, high}));
+  }
+  builder.add("tube", transformed(std::move(tube), pose), builder.add_material(matte("tube", Rgb(0.02f))), {}, arm);
+}
+
+Scene build(std::string name, AddLamp add_lamp) {
+  SceneBuilder builder(std::move(name));
   constexpr float kFloorRadius = 2;
   constexpr float kWallRadius = 4;
   constexpr float kBottom = -1.6f;
@@ -30,11 +63,8 @@ Scene build_turntable() {
   }
   builder.add("pegs", std::move(pegs), red);
 
-  const Index light = builder.add_material(emitter("lamp", {110, 99, 80}));
   const Index arm = builder.add_group("turning arm");
-  // Faces outwards and 20 degrees up, past the floor's edge.
-  const Mat4 pose = translation({1.3f, -0.75f, 0}) * rotation(20, Vec3(0, 0, 1));
-  builder.add("lamp", transformed(quad({0, -0.35f, 0.4f}, {0, 0, -0.8f}, {0, 0.7f, 0}), pose), light, {}, arm);
+  add_lamp(builder, arm);
   builder.add_turning(arm, 10, 1);
 
   builder.add_camera({0, 6.2f, 4.0f}, {0, 0, 0.25f}, 44);
@@ -46,5 +76,11 @@ Scene build_turntable() {
   builder.add_camera_path(builder.add_camera(keys.front().eye, keys.front().target, 60, "round"), keys);
   return builder.take();
 }
+
+}  // namespace
+
+Scene build_turntable() { return build("turntable", add_wide_lamp); }
+
+Scene build_turntable_spot() { return build("turntable-spot", add_spot_lamp); }
 
 }  // namespace relume

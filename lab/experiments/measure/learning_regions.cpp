@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
+#include "relume/error.h"
 
 namespace relume {
 
@@ -24,6 +27,25 @@ PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& s
       }
     }
   }
+  return region;
+}
+
+PixelMask pixels_of_material(const ExperimentContext& context, const ExperimentScene& scene, const std::string& name) {
+  ExperimentScene marked = plainly_sampled(scene);
+  marked.settings.path.max_bounces = 0;
+  marked.scene.environment = {};
+  marked.scene.parameter_animation.clear();
+  bool found = false;
+  for (Material& material : marked.scene.materials) {
+    const bool wanted = material.name == name;
+    found = found || wanted;
+    material.emission = Rgb(wanted ? 1.0f : 0.0f);
+    material.emission_texture = {};
+  }
+  if (!found) throw Error(fmt::format("{}: no material is named '{}'; name one of the scene", scene.name, name));
+  const Image seen = make_reference(context, marked, 256).image;
+  PixelMask region{name, {}};
+  for (const Rgb& pixel : seen.pixels) region.mask.push_back(luminance(pixel) > 0.99f ? 1 : 0);
   return region;
 }
 

@@ -1,6 +1,7 @@
 // Pixels for errors in the experiments on light selection and guiding.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "experiments/experiment.h"
@@ -13,6 +14,10 @@ namespace relume {
 /// Pixels without visible lamps or sky in themselves or their neighbours. At such edges, single samples vary by the
 /// full brightness with every technique.
 PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
+
+/// Pixels that the material of that name covers entirely, seen from its front. Throws Error if no material has the
+/// name.
+PixelMask pixels_of_material(const ExperimentContext& context, const ExperimentScene& scene, const std::string& name);
 
 /// Regions of `mine`: lit directly by the sun, and lit mostly indirectly by its spot lights. Both follow from a
 /// reference and one without indirect light. The list starts with all surfaces and ends with the remainder.

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "experiments/measure/learning_regions.h"
+#include "experiments/setup/learning_scenes.h"
+#include "files/testing/temp_folder.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {
@@ -42,6 +45,24 @@ TEST(PixelMasks, SeparateTheMinesRegions) {
   EXPECT_EQ(regions[1].mask, (std::vector<uint8_t>{1, 0, 0, 0}));
   EXPECT_EQ(regions[2].mask, (std::vector<uint8_t>{0, 1, 0, 0}));
   EXPECT_EQ(regions[3].mask, (std::vector<uint8_t>{0, 0, 1, 0}));
+}
+
+/// The camera of `turntable-spot` sees the floor in the middle of the image, and the wall at its border.
+TEST(PixelMasks, ShowOneMaterial) {
+  const TempFolder folder;
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = folder / "references";
+  const ExperimentScene scene = learning_scene("turntable-spot");
+  const PixelMask floor = pixels_of_material(context, scene, "floor");
+  ASSERT_EQ(floor.mask.size(), 32u * 18);
+  EXPECT_EQ(floor.name, "floor");
+  EXPECT_EQ(floor.mask[9 * 32 + 16], 1);
+  EXPECT_EQ(floor.mask[0], 0);
+  EXPECT_EQ(floor.mask[17 * 32 + 31], 0);
+  EXPECT_GT(floor.pixels(), 40u);
+  EXPECT_LT(floor.pixels(), 150u);
+  EXPECT_THROW(pixels_of_material(context, scene, "no such material"), Error);
 }
 
 }  // namespace
