@@ -44,6 +44,7 @@ const std::vector<BuiltinScene>& experiment_scenes() {
        [] { return build_mine("mine-sun-2.5", 2.5f); }},
       {"mine-sun-1", "mine with a sun of 1 degree and equal irradiance (camera path)",
        [] { return build_mine("mine-sun-1", 1); }},
+      {"skylight", "closed room with holes of 0.3, 1 and 2 m in its ceiling, under a sun of 1 degree", build_skylight},
       {"turntable-spot", "turntable with a narrow beam: the floor sees a small bright patch (animated)",
        build_turntable_spot},
   };

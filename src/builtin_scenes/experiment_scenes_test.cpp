@@ -101,5 +101,53 @@ TEST(TurntableSpot, LampIsHidden) {
   EXPECT_FALSE(is_lit(scene, {0, 6.2f, 4.0f}));
 }
 
+struct SquareHole {
+  Vec2 middle;  ///< x, z
+  float size;
+};
+constexpr float kCeiling = 3.5f;
+const SquareHole kHoles[] = {{{2, 4}, 0.3f}, {{5, 2.5f}, 1}, {{9, 3.5f}, 2}};
+
+TEST(Skylight, HolesHaveTheirSizes) {
+  const Scene& scene = scene_named("skylight");
+  EXPECT_FLOAT_EQ(scene.environment.sun_sky.sun_angular_diameter_rad, glm::radians(1.0f));
+  const Vec3 up(0, 1, 0);
+  for (const SquareHole& hole : kHoles) {
+    for (const Vec2& side : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)}) {
+      const Vec2 inside = hole.middle + 0.49f * hole.size * side;
+      const Vec2 outside = hole.middle + 0.51f * hole.size * side;
+      EXPECT_FALSE(trace(scene, {inside.x, 3, inside.y}, up).material) << hole.size;
+      EXPECT_TRUE(trace(scene, {outside.x, 3, outside.y}, up).material) << hole.size;
+    }
+  }
+}
+
+/// Rays leave the room through the holes only, and meet fronts otherwise.
+TEST(Skylight, IsClosedExceptForItsHoles) {
+  const Scene& scene = scene_named("skylight");
+  constexpr int kRays = 3000;
+  int escaped = 0;
+  for (const Vec3& eye : {Vec3(0.6f, 1.6f, 6.4f), Vec3(9, 1, 3.4f), Vec3(11.9f, 3.4f, 0.1f)}) {
+    for (int i = 0; i < kRays; ++i) {
+      const Vec3 w = spread(i, kRays);
+      const Hit hit = trace(scene, eye, w);
+      if (hit.material) {
+        ASSERT_TRUE(hit.front) << hit.material->name;
+        continue;
+      }
+      ++escaped;
+      ASSERT_GT(w.y, 0);
+      const Vec3 p = eye + (kCeiling - eye.y) / w.y * w;
+      bool through_hole = false;
+      for (const SquareHole& hole : kHoles) {
+        const Vec2 offset = glm::abs(Vec2(p.x, p.z) - hole.middle);
+        through_hole = through_hole || std::fmax(offset.x, offset.y) <= 0.501f * hole.size;
+      }
+      ASSERT_TRUE(through_hole) << p.x << ", " << p.z;
+    }
+  }
+  EXPECT_GT(escaped, 100);
+}
+
 }  // namespace
 }  // namespace relume

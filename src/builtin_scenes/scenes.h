@@ -21,6 +21,7 @@ Scene build_warehouse_rooms();
 Scene build_cover();
 Scene build_turntable();
 Scene build_turntable_spot();
+Scene build_skylight();
 Scene build_slit();
 Scene build_door();
 /// `sun_diameter_deg`: angular diameter of the sun; its irradiance does not depend on it.
