@@ -48,6 +48,7 @@ class SceneBuilder {
   /// Moves a camera node through the keys along Catmull-Rom curves of eye and target, resampled every 0.1 s.
   void add_camera_path(Index node, const std::vector<CameraKey>& keys);
   void add_channel(AnimationChannel channel) { scene_.animation.push_back(std::move(channel)); }
+  void add_channel(ParameterChannel channel) { scene_.parameter_animation.push_back(std::move(channel)); }
   /// Turns `node` about +Y `turns` times, with `seconds` per full turn.
   void add_turning(Index node, float seconds, int turns);
 

@@ -6,6 +6,16 @@
 #include "settings/nearest_name.h"
 
 namespace relume {
+namespace {
+
+constexpr std::string_view kBase = "base of 40 to 60 rooms with sinking doors and flickering lamps (camera path)";
+
+template <uint32_t seed>
+Scene base() {
+  return build_base(seed);
+}
+
+}  // namespace
 
 const std::vector<BuiltinScene>& builtin_scenes() {
   static const std::vector<BuiltinScene> scenes = {
@@ -47,6 +57,16 @@ const std::vector<BuiltinScene>& experiment_scenes() {
       {"skylight", "closed room with holes of 0.3, 1 and 2 m in its ceiling, under a sun of 1 degree", build_skylight},
       {"turntable-spot", "turntable with a narrow beam: the floor sees a small bright patch (animated)",
        build_turntable_spot},
+      {"base-1", kBase, base<1>},
+      {"base-2", kBase, base<2>},
+      {"base-3", kBase, base<3>},
+      {"base-4", kBase, base<4>},
+      {"base-5", kBase, base<5>},
+      {"base-6", kBase, base<6>},
+      {"base-7", kBase, base<7>},
+      {"base-8", kBase, base<8>},
+      {"base-9", kBase, base<9>},
+      {"base-10", kBase, base<10>},
   };
   return scenes;
 }

@@ -1,12 +1,15 @@
 // Build functions of the built-in scenes.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "scene/scene.h"
 
 namespace relume {
 
+/// Named "base-SEED".
+Scene build_base(uint32_t seed);
 Scene build_cornell();
 Scene build_cornell_closed();
 Scene build_cornell_spheres();
