@@ -293,6 +293,15 @@ struct ParameterChannel {
   Index clip = kNone;        ///< index in Scene::clips; kNone: part of every clip
 };
 
+/// A box of space, and the boxes of which a point is visible from one of its points.
+struct VisibleSet {
+  Vec3 low{0};  ///< metres
+  Vec3 high{0};
+  std::vector<uint32_t> visible;  ///< indices in Scene::visible_sets, the box itself included
+
+  friend bool operator==(const VisibleSet&, const VisibleSet&) = default;
+};
+
 /// Part of an image, in fractions of its width from the left and of its height from the top.
 struct ImagePart {
   float left = 0;
@@ -316,7 +325,9 @@ struct Scene {
   std::vector<AnimationChannel> animation;
   std::vector<ParameterChannel> parameter_animation;
   Environment environment;
-  std::vector<std::string> variants;                ///< names of alternative sets of materials (KHR_materials_variants)
+  std::vector<std::string> variants;  ///< names of alternative sets of materials (KHR_materials_variants)
+  /// Boxes that hold all lamps and lit surfaces at all times, such as rooms. They do not overlap. Empty: unknown.
+  std::vector<VisibleSet> visible_sets;
   std::string settings_json;                        ///< settings that the file requests, a JSON object; empty: none
   ImagePart crop;                                   ///< part of the image that the file requests
   std::vector<std::string> warnings;                ///< ignored or repaired input, one sentence each

@@ -111,6 +111,7 @@ class BaseBuilder {
     add_crates();
     add_walk();
     add_sky();
+    add_visible_sets();
     return builder_.take();
   }
 
@@ -298,6 +299,15 @@ class BaseBuilder {
     environment.sun_sky.sun_azimuth_rad = glm::radians(35.0f);
     environment.sun_sky.sun_angular_diameter_rad = glm::radians(1.0f);
     builder_.set_environment(environment);
+  }
+
+  /// What the rooms see when all doors are open.
+  void add_visible_sets() {
+    const auto visible = visible_rooms(static_cast<uint32_t>(plan_.rooms.size()), plan_.portals());
+    std::vector<VisibleSet> sets;
+    for (size_t i = 0; i < plan_.rooms.size(); ++i)
+      sets.push_back({over(plan_.rooms[i].low, 0), over(plan_.rooms[i].high, kHeight), visible[i]});
+    builder_.set_visible_sets(std::move(sets));
   }
 
   SceneBuilder builder_;

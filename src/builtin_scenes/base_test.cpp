@@ -52,6 +52,7 @@ TEST(Base, CountsAreAsPromised) {
     EXPECT_GE(emissive_count(base(seed)), 800u) << seed;
     EXPECT_LE(emissive_count(base(seed)), 2000u) << seed;
     EXPECT_GE(plan.walk.size(), 5u) << seed;
+    EXPECT_EQ(base(seed).visible_sets.size(), plan.rooms.size()) << seed;
     const auto skylights = std::count_if(plan.rooms.begin(), plan.rooms.end(),
                                          [](const BaseRoom& room) { return room.lamps == BaseLamps::skylight; });
     EXPECT_EQ(skylights, 1) << seed;

@@ -52,6 +52,7 @@ class SceneBuilder {
   /// Turns `node` about +Y `turns` times, with `seconds` per full turn.
   void add_turning(Index node, float seconds, int turns);
 
+  void set_visible_sets(std::vector<VisibleSet> sets) { scene_.visible_sets = std::move(sets); }
   void set_environment(Environment environment) { scene_.environment = std::move(environment); }
   /// The scene with a fixed exposure and tone map, so that its images are comparable.
   Scene take() {

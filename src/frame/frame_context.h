@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "frame/launch.h"
 #include "framebuffer/buffer_table.h"
@@ -12,6 +13,8 @@
 #include "scene/scene_view.h"
 
 namespace relume {
+
+struct VisibleSet;
 
 /// The buffers that a pass has declared. Throws std::logic_error with pass and buffer for any other: an error in the
 /// pass, not in user input.
@@ -39,7 +42,8 @@ struct FrameState {
   Tile window = {};               ///< rendered pixels; empty: all pixels
   std::stop_token hurry = {};     ///< if requested, preparation that a later frame can continue ends early
   bool observed = false;          ///< whether a hook may read and change buffers after each pass
-  View<const uint16_t> blue_noise = {};  ///< blue_noise_tile(), if the settings use it
+  View<const uint16_t> blue_noise = {};                   ///< blue_noise_tile(), if the settings use it
+  const std::vector<VisibleSet>* visible_sets = nullptr;  ///< of the scene, on the host; nullptr: unknown
 };
 
 /// Size of the grid of a kernel launch.

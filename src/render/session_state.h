@@ -287,7 +287,8 @@ struct Session::State {
                          .window = window(),
                          .hurry = hurry,
                          .observed = pass_hook != nullptr,
-                         .blue_noise = blue_noise_of_frame()});
+                         .blue_noise = blue_noise_of_frame(),
+                         .visible_sets = &scene->source().visible_sets});
   }
 
   /// Exact sum over the pixels, timed as `name`.

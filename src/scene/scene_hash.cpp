@@ -102,6 +102,8 @@ class Hasher {
     return *this << s.sky_scale << s.sun_scale << s.sun_angular_diameter_rad << s.ground_albedo;
   }
 
+  Hasher& operator<<(const VisibleSet& s) { return *this << s.low << s.high << s.visible; }
+
   uint64_t value() const { return state_; }
 
  private:
@@ -118,6 +120,7 @@ uint64_t scene_hash(const Scene& scene) {
   Hasher h;
   h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes << scene.skins
     << scene.clips << scene.animation << scene.parameter_animation << scene.environment;
+  if (!scene.visible_sets.empty()) h << scene.visible_sets;
   return h.value();
 }
 

@@ -53,6 +53,7 @@ class Validator {
     for (size_t i = 0; i < scene_.animation.size(); ++i) check_channel(i);
     for (size_t i = 0; i < scene_.parameter_animation.size(); ++i) check_parameter_channel(i);
     check_crop();
+    check_visible_sets();
     check_cycles();
     check_placement(scene_, world_matrices(scene_, 0), place_);
   }
@@ -248,6 +249,17 @@ class Validator {
     if (!is_part)
       fail("the crop from ({}, {}) to ({}, {}) is not a part of the image [0, 1] x [0, 1]", c.left, c.top, c.right,
            c.bottom);
+  }
+
+  void check_visible_sets() const {
+    for (size_t i = 0; i < scene_.visible_sets.size(); ++i) {
+      const VisibleSet& set = scene_.visible_sets[i];
+      const bool is_box = is_finite(set.low) && is_finite(set.high) && min_component(set.high - set.low) > 0;
+      if (!is_box) fail("the box of visible set {} is empty or not finite", i);
+      for (const uint32_t other : set.visible) {
+        if (other >= scene_.visible_sets.size()) fail("visible set {} refers to the missing set {}", i, other);
+      }
+    }
   }
 
   /// Walks up from every node. A walk longer than the number of nodes is in a cycle.

@@ -86,6 +86,8 @@ Scene build_busy_room() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sky_scale = environment.sun_sky.sun_scale = 1e-4f;
   builder.set_environment(environment);
+  builder.set_visible_sets({{{-kHalf, 0, -kHalf}, {0, kHeight, kHalf}, {0, 1}},  // both halves see each other
+                            {{0, 0, -kHalf}, {kHalf, kHeight, kHalf}, {0, 1}}});
   builder.add_camera({0.2f, 1.6f, 5.6f}, {0, 1.3f, 0}, 42, "front");
   builder.add_camera({1.8f, 1.4f, 1.9f}, {-0.6f, 0.8f, -0.6f}, 60, "side");
   return builder.take();

@@ -6,7 +6,7 @@
 namespace relume::support {
 
 /// A room with sun and sky for every technique: many lamps, some behind partitions, rough and polished metal, gloss, a
-/// mirror, a texture, a second camera called "side", and a lamp that moves during the first second.
+/// mirror, a texture, visible sets, a second camera called "side", and a lamp that moves during the first second.
 Scene build_busy_room();
 
 /// A light that fills the image uniformly, independent of random numbers, and vanishes after a second.

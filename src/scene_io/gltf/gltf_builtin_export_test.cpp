@@ -128,6 +128,7 @@ TEST_P(BuiltinExport, RoundTripsUnchanged) {
   EXPECT_EQ(placed_triangles(loaded), placed_triangles(scene));
   expect_same(scene.environment, loaded.environment);
   EXPECT_EQ(nlohmann::json::parse(loaded.settings_json), nlohmann::json::parse(scene.settings_json));
+  EXPECT_TRUE(loaded.visible_sets == scene.visible_sets);
   const float end = animation_end(scene);
   EXPECT_EQ(animation_end(loaded), end);
   // The order of nodes may differ; built-in nodes have unique names.
@@ -179,6 +180,7 @@ TEST_P(BuiltinExport, RoundTripsUnchanged) {
 std::vector<std::string> all_names() {
   std::vector<std::string> names;
   for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  for (const char* name : {"base-1", "skylight", "turntable-spot", "warehouse-rooms"}) names.emplace_back(name);
   return names;
 }
 

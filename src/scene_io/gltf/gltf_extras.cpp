@@ -1,6 +1,8 @@
 #include "scene_io/gltf/gltf_extras.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
@@ -25,14 +27,32 @@ std::string text(const tinygltf::Value& extras, const char* key) {
   return relume ? string_member(*relume, key) : std::string();
 }
 
+std::vector<VisibleSet> visible_sets(const JsonObject& root) {
+  std::vector<VisibleSet> sets;
+  for (const JsonObject& object : root.objects("visible_sets", {"low", "high", "visible"})) {
+    for (const char* key : {"low", "high", "visible"}) object.require(key);
+    VisibleSet set{object.vec3("low", Vec3(0)), object.vec3("high", Vec3(0)), {}};
+    const nlohmann::json& visible = object.at("visible");
+    if (!visible.is_array()) object.fail(object.path_of("visible") + " must be a list of indices");
+    for (const nlohmann::json& index : visible) {
+      const bool is_index = index.is_number_unsigned() && index.get<uint64_t>() <= UINT32_MAX;
+      if (!is_index) object.fail(object.path_of("visible") + " must hold indices only, not " + index.dump());
+      set.visible.push_back(index.get<uint32_t>());
+    }
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
 }  // namespace
 
 void apply_scene_extras(const Document& document, Scene& scene) {
   if (document.scene_extras.empty()) return;
   const nlohmann::json json = parse_json(document.scene_extras, document.place);
-  const JsonObject root(json, "extras.relume", document.place, {"environment", "settings"});
+  const JsonObject root(json, "extras.relume", document.place, {"environment", "settings", "visible_sets"});
   apply_environment(root, document.base_dir, scene);
   if (root.has("settings")) scene.settings_json = root.at("settings").dump();
+  scene.visible_sets = visible_sets(root);
 }
 
 void apply_camera_extras(const tinygltf::Value& extras, Camera& camera) {

@@ -68,6 +68,10 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
       output.warn("the scene's settings are not a JSON object and are not written");
     }
   }
+  for (const VisibleSet& set : scene.visible_sets) {
+    extras["visible_sets"].push_back(
+        {{"low", numbers(set.low)}, {"high", numbers(set.high)}, {"visible", set.visible}});
+  }
   if (scene.crop != ImagePart{}) output.warn("the crop of the image is not written; render with --crop");
   return extras;
 }

@@ -15,8 +15,9 @@
 namespace relume {
 
 struct LightListOptions {
-  float cell_size = 0;   ///< metres; 0: 1/24 of the scene's longest side
-  uint32_t rays = 4096;  ///< per cell; more if needed for max(rays / 64, 2) per light
+  float cell_size = 0;     ///< metres; 0: 1/24 of the scene's longest side
+  uint32_t rays = 4096;    ///< per cell; more if needed for max(rays / 64, 2) per light
+  bool from_sets = false;  ///< lists of lists_from_visible_sets(); rays have no effect
 
   bool operator==(const LightListOptions&) const = default;
 };

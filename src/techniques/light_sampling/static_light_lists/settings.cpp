@@ -22,6 +22,8 @@ SettingList describe(StaticLightListsSettings& s) {
        &s.exploration,
        "Fraction of samples drawn from all lights by power, to reach lights that the lists miss",
        {.min = 0.001, .max = 1}},
+      {"visibility", choice(s.visibility, {"rays", "sets"}),
+       "Source of the lists: random rays, or the visible sets of the scene, which the built-in bases have"},
   };
 }
 

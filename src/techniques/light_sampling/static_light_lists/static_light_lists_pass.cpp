@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "core/stream_io.h"
+#include "relume/error.h"
 #include "techniques/light_sampling/light_selection/compact_lights.h"
+#include "techniques/light_sampling/static_light_lists/visible_set_lists.h"
 
 namespace relume {
 namespace {
@@ -29,10 +31,15 @@ bool is_consistent(const LightListData& data, uint32_t lights) {
 
 bool StaticLightListsPass::run(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
-  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};
+  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays),
+                                 settings_.visibility == LightListVisibility::sets};
   const bool listed = (built_ || restored_) && options == options_ && listed_ == lights.first_infinite;
   restored_ = false;
-  if (!listed) {
+  if (!listed && options.from_sets) {
+    take_visible_sets(frame);
+    options_ = options;
+    listed_ = lights.first_infinite;
+  } else if (!listed) {
     // Later frames have other seeds when objects move, but keep the lists.
     frame.backend.run("static-lists.cells",
                       [&] { builder_.emplace(frame.scene, options, frame.index.seed, frame.backend.memory()); });
@@ -61,6 +68,18 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   view.compact = compact_.view();
   view.lights = lights;
   return true;
+}
+
+void StaticLightListsPass::take_visible_sets(const FrameContext& frame) {
+  if (!frame.visible_sets || frame.visible_sets->empty())
+    throw Error(
+        "static-lists.visibility is 'sets', but the scene has no visible sets; use 'rays', or a scene with visible "
+        "sets");
+  builder_.reset();
+  built_ = false;
+  frame.backend.run("static-lists.sets", [&] {
+    assign_lists(lists_from_visible_sets(frame.scene.lights, *frame.visible_sets, settings_.cell_size));
+  });
 }
 
 void StaticLightListsPass::build_lists(const FrameContext& frame) {
@@ -108,6 +127,7 @@ void StaticLightListsPass::save(std::ostream& out) const {
   write_value(out, builder_ ? 0 : listed_);
   write_value(out, options_.cell_size);
   write_value(out, options_.rays);
+  write_value(out, uint32_t{options_.from_sets});
   write_value(out, lists.grid.corner);
   write_value(out, lists.grid.cell_size);
   write_value(out, lists.grid.cells);
@@ -119,6 +139,9 @@ void StaticLightListsPass::load(std::istream& in) {
   read_value(in, listed_);
   read_value(in, options_.cell_size);
   read_value(in, options_.rays);
+  uint32_t from_sets = 0;
+  read_value(in, from_sets);
+  options_.from_sets = from_sets != 0;
   LightListData lists;
   read_value(in, lists.grid.corner);
   read_value(in, lists.grid.cell_size);

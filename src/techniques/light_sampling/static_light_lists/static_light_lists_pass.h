@@ -43,6 +43,8 @@ class StaticLightListsPass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
+  /// Lists what the scene's visible sets show. Throws Error if the scene has none.
+  void take_visible_sets(const FrameContext& frame);
   void build_lists(const FrameContext& frame);
   /// Copies the lists to the arrays that kernels read.
   void assign_lists(const LightListData& lists);

@@ -5,18 +5,25 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <memory>
+#include <set>
 #include <sstream>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "builtin_scenes/builder.h"
 #include "builtin_scenes/builtin.h"
+#include "builtin_scenes/shapes.h"
 #include "core/stream_io.h"
+#include "relume/error.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/light_scene.h"
 #include "techniques/light_sampling/static_light_lists/build_lists.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
+#include "techniques/light_sampling/static_light_lists/visible_set_lists.h"
 #include "testing/random.h"
 
 namespace relume {
@@ -187,6 +194,7 @@ TEST(StaticLightListsPass, RejectsInvalidCheckpoints) {
     write_value(file, uint32_t{3});  // lights
     write_value(file, 0.0f);
     write_value(file, uint32_t{4096});
+    write_value(file, uint32_t{0});  // found by rays
     write_value(file, data.grid.corner);
     write_value(file, data.grid.cell_size);
     write_value(file, data.grid.cells);
@@ -205,6 +213,96 @@ TEST(StaticLightListsPass, RejectsInvalidCheckpoints) {
   EXPECT_FALSE(loads(data));
   // In 32 bits, the product of the cell counts overflows to 65536.
   EXPECT_FALSE(loads({{Vec3(0), 1, UVec3(65537, 65536, 1)}, std::vector<uint32_t>(65537, 0), {}}));
+}
+
+/// Two rooms of 2 m see each other, a third one beside them only itself. Each has a lamp.
+class SetLists : public ::testing::Test {
+ protected:
+  SetLists() {
+    SceneBuilder builder("sets");
+    const Index lamp = builder.add_material(emitter("lamp", Rgb(1)));
+    std::vector<VisibleSet> sets;
+    for (int room = 0; room < 3; ++room) {
+      const float x = 2 * static_cast<float>(room);
+      builder.add("lamp " + std::to_string(room), quad({x + 0.9f, 2.9f, 0.9f}, {0.2f, 0, 0}, {0, 0, 0.2f}), lamp);
+      sets.push_back({{x, 0, 0}, {x + 2, 3, 2}, room < 2 ? std::vector<uint32_t>{0, 1} : std::vector<uint32_t>{2}});
+    }
+    builder.set_visible_sets(std::move(sets));
+    builder.add_camera({1, 1, 1}, {3, 1, 1}, 60);
+    scene_ = std::make_unique<CompiledScene>(builder.take(), CompileOptions{.camera = {}, .width = 4, .height = 4});
+  }
+
+  /// Rooms with a lamp on the list at p.
+  std::set<int> rooms_seen(const LightListData& data, const Vec3& p) const {
+    std::set<int> rooms;
+    const uint32_t cell = data.grid.find(p);
+    for (uint32_t i = data.first[cell]; i < data.first[cell + 1]; ++i)
+      rooms.insert(static_cast<int>(position_of(scene_->view().lights.lights[data.ids[i]]).x / 2));
+    return rooms;
+  }
+
+  std::unique_ptr<CompiledScene> scene_;
+};
+
+TEST_F(SetLists, HoldTheLightsOfVisibleBoxes) {
+  const LightListData data = lists_from_visible_sets(scene_->view().lights, scene_->source().visible_sets, 0);
+  EXPECT_EQ(data.grid.cell_size, 2);
+  ASSERT_EQ(data.first.size(), data.grid.count() + 1);
+  EXPECT_EQ(rooms_seen(data, {0.1f, 0.1f, 0.1f}), (std::set<int>{0, 1}));
+  EXPECT_EQ(rooms_seen(data, {3.9f, 2.9f, 1.9f}), (std::set<int>{0, 1}));
+  EXPECT_EQ(rooms_seen(data, {4.1f, 0, 1}), (std::set<int>{2}));
+}
+
+/// A cell of 3 m overlaps two rooms.
+TEST_F(SetLists, CellsOfSeveralBoxesHaveTheLightsOfAll) {
+  const LightListData data = lists_from_visible_sets(scene_->view().lights, scene_->source().visible_sets, 3);
+  EXPECT_EQ(rooms_seen(data, {1, 1, 1}), (std::set<int>{0, 1}));
+  EXPECT_EQ(rooms_seen(data, {5, 1, 1}), (std::set<int>{0, 1, 2}));
+}
+
+TEST_F(SetLists, LightsOutsideAllBoxesAreOnAllLists) {
+  std::vector<VisibleSet> sets = scene_->source().visible_sets;
+  sets.pop_back();
+  const LightListData data = lists_from_visible_sets(scene_->view().lights, sets, 0);
+  EXPECT_EQ(rooms_seen(data, {1, 1, 1}), (std::set<int>{0, 1, 2}));
+}
+
+TEST_F(SetLists, ReplaceRaysInThePass) {
+  const StaticLightListsSettings settings{.visibility = LightListVisibility::sets};
+  StaticLightListsPass pass(settings, LightSelectionSettings(), host_memory());
+  BufferTable buffers(4, 4);
+  Backend backend(1);
+  pass.run(FrameContext(scene_->view(), buffers, backend, {.visible_sets = &scene_->source().visible_sets}));
+  EXPECT_TRUE(pass.prepared());
+  EXPECT_EQ(pass.selector().lists.grid.cell_size, 2);
+  EXPECT_GT(pass.selector().lists.ids.size, 0u);
+  EXPECT_THROW(StaticLightListsPass(settings, LightSelectionSettings(), host_memory())
+                   .run(FrameContext(scene_->view(), buffers, backend, {})),
+               Error);
+}
+
+/// In a base, rays find no light that the visible sets lack.
+TEST(BaseLists, HoldAllVisibleLights) {
+  const CompiledScene scene(find_builtin_scene("base-1")->build(), {});
+  const LightsView& lights = scene.view().lights;
+  const LightListData data = lists_from_visible_sets(lights, scene.source().visible_sets, 0);
+  EXPECT_EQ(data.grid.cell_size, 1);
+  testing::Random random(7);
+  int visible = 0;
+  for (int i = 0; i < 40000; ++i) {
+    const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
+    const Vec3 lamp = position_of(lights.lights[id]);
+    const Vec3 p(lamp.x + 16 * random.next() - 8, 0.05f + 3 * random.next(), lamp.z + 16 * random.next() - 8);
+    if (p.x < 0 || p.x > 48 || p.z < 0 || p.z > 40) continue;
+    const LightSample s = sample_li(lights, id, p, random.next_2d());
+    if (!s.valid() || occluded(scene.view().accel, {p, s.wi, 0.999f * s.distance}, 0)) continue;
+    ++visible;
+    const uint32_t cell = data.grid.find(p);
+    ASSERT_TRUE(std::binary_search(data.ids.begin() + data.first[cell], data.ids.begin() + data.first[cell + 1], id));
+  }
+  EXPECT_GT(visible, 400);
+  const double mean = static_cast<double>(data.ids.size()) / data.grid.count();
+  EXPECT_LT(mean, 0.5 * lights.first_infinite);
 }
 
 }  // namespace
