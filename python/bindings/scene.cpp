@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include <array>
+#include <tuple>
 
 #include "names.h"
 #include "properties.h"
@@ -38,6 +39,25 @@ std::vector<std::string> strings(const py::object& scene, const char* name) {
   std::vector<std::string> values;
   for (const py::handle& element : scene.attr(name)) values.push_back(element.cast<std::string>());
   return values;
+}
+
+/// A VisibleSet as Python's (low, high, visible).
+using SetTuple = std::tuple<std::array<float, 3>, std::array<float, 3>, std::vector<uint32_t>>;
+
+std::vector<SetTuple> tuples_of(const std::vector<VisibleSet>& sets) {
+  std::vector<SetTuple> tuples;
+  for (const VisibleSet& set : sets) {
+    const auto& [low, high, visible] = set;
+    tuples.emplace_back(std::array{low.x, low.y, low.z}, std::array{high.x, high.y, high.z}, visible);
+  }
+  return tuples;
+}
+
+std::vector<VisibleSet> sets_of(const std::vector<SetTuple>& tuples) {
+  std::vector<VisibleSet> sets;
+  for (const auto& [low, high, visible] : tuples)
+    sets.push_back({{low[0], low[1], low[2]}, {high[0], high[1], high[2]}, visible});
+  return sets;
 }
 
 /// Replaces bytes that are not UTF-8, which Python's strings cannot hold.
@@ -83,6 +103,7 @@ py::object scene_to_python(Scene&& scene) {
   result.attr("environment") = std::make_shared<Environment>(std::move(scene.environment));
   result.attr("clips") = scene.clips;
   result.attr("variants") = scene.variants;
+  result.attr("visible_sets") = tuples_of(scene.visible_sets);
   result.attr("settings_json") = scene.settings_json;
   result.attr("crop") = py::make_tuple(scene.crop.left, scene.crop.top, scene.crop.right, scene.crop.bottom);
   result.attr("warnings") = scene.warnings;
@@ -108,6 +129,7 @@ Scene scene_from_python(const py::object& source) {
   scene.environment = source.attr("environment").cast<const Environment&>();
   scene.clips = strings(source, "clips");
   scene.variants = strings(source, "variants");
+  scene.visible_sets = sets_of(source.attr("visible_sets").cast<std::vector<SetTuple>>());
   scene.settings_json = source.attr("settings_json").cast<std::string>();
   const auto crop = source.attr("crop").cast<std::array<float, 4>>();
   scene.crop = {crop[0], crop[1], crop[2], crop[3]};

@@ -43,6 +43,8 @@ class Scene:
         "environment": "Light from infinity.",
         "clips": "Names of the animations.",
         "variants": "Names for choose_variant().",
+        "visible_sets": "Boxes as (low, high, visible): corners in metres, and indices of the boxes that see each other. "
+                        "Empty: unknown.",
         "settings_json": "Settings that the file requests, a JSON object; empty: none. Sessions apply them before the preset.",
         "crop": "Part of the image that the file requests: left, top, right and bottom in fractions of its size. `relume render` "
                 "follows it; sessions have their own argument, in pixels.",
@@ -66,6 +68,7 @@ class Scene:
         self.environment = Environment(kind="automatic")
         self.clips: list[str] = []
         self.variants: list[str] = []
+        self.visible_sets: list[tuple[Sequence[float], Sequence[float], Sequence[int]]] = []
         self.settings_json = ""
         self.crop: tuple[float, float, float, float] = (0, 0, 1, 1)
         self.warnings: list[str] = []

@@ -32,6 +32,18 @@ def test_files_keep_the_scene(tmp_path, box):
     np.testing.assert_allclose(images[0].image, images[1].image, rtol=1e-5, atol=1e-6)
 
 
+def test_files_keep_visible_sets(tmp_path):
+    base = relume.builtin("base-1")
+    assert len(base.visible_sets) >= 40
+    low, high, visible = base.visible_sets[0]
+    assert high[0] - low[0] >= 3 and 0 in visible
+    base.save(tmp_path / "base.glb")
+    assert relume.load(tmp_path / "base.glb").visible_sets == base.visible_sets
+    base.visible_sets[0] = (low, high, [1000])
+    with pytest.raises(relume.Error, match="visible set 0 refers to the missing set 1000"):
+        base.validate()
+
+
 def test_scenes_are_written_for_pbrt(tmp_path, box):
     box.crop = (0.25, 0, 0.75, 0.5)
     box.save(tmp_path / "box.pbrt")
