@@ -137,9 +137,9 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
                            : ", measured by another build of relume; run without --continue to measure it again"));
 }
 
-/// The machine, and the number of threads used.
+/// The machine with its device, and the number of threads used.
 std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
-  auto machine = machine_description({"cpu"});
+  auto machine = machine_description({o.device});
   if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
   return machine;
 }

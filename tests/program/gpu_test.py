@@ -69,7 +69,7 @@ class Images(GpuTest):
         self.render("cornell", "--spp", "2", "-o", "gpu.exr", *GPU, "--stats", "gpu.json")
         self.render("cornell", "--spp", "2", "-o", "host.exr", *HOST, "--stats", "host.json")
         gpu, host = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("gpu", "host"))
-        self.assertEqual(gpu["device"]["name"], "Stub GPU 0")
+        self.assertEqual(gpu["device"]["name"], "Stub GPU 0 (cuda:0)")
         self.assertGreater(gpu["device"]["memory_used_bytes"], 0)
         self.assertIsNone(host["device"])
         for count in ("samples", "paths", "rays", "buffer_bytes"):
@@ -96,8 +96,12 @@ class Experiments(GpuTest):
         command = ["experiment", "run", "guide-cost", "--quick", "--threads", "1", "--cache-dir", "cache", "-o", "out"]
         self.succeed(*command, *GPU, env=logging(log), timeout=1200)
         self.assertGreater(len(launches_in(log)), 0)
-        self.assertEqual(json.loads((self.folder / "out/guide-cost.json").read_text())["device"], "cuda")
-        self.assertIn("Device: cuda", (self.folder / "out/index.md").read_text())
+        result = json.loads((self.folder / "out/guide-cost.json").read_text())
+        self.assertEqual(result["device"], "cuda")
+        self.assertTrue(result["machine"]["Device"].startswith("Stub GPU 0 (cuda:0), driver for CUDA "), result["machine"])
+        index = (self.folder / "out/index.md").read_text()
+        self.assertIn("Device: Stub GPU 0 (cuda:0)", index)
+        self.assertEqual(index.count("Device: "), 1, "neither the processor nor the option")
         self.assertIn("guide-cost is in out already", self.succeed(*command, *GPU, "--continue", env=environment()).stderr)
         self.assertNotIn("already", self.succeed(*command, "--continue", env=environment(), timeout=600).stderr, "the host has no result")
 

@@ -78,10 +78,12 @@ Json bars_json(const BarBlock& block) {
   return {{"title", block.title}, {"columns", {"", "part", block.unit}}, {"rows", std::move(rows)}};
 }
 
-/// The machine, and the device unless it is the host.
+/// The machine. If it names no device, the value of --device is added, except for the host.
 std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentRun& run) {
   auto machine = run.machine;
-  if (run.device != "cpu") machine.emplace_back("Device", run.device);
+  const bool has_device =
+      std::any_of(machine.begin(), machine.end(), [](const auto& entry) { return entry.first == "Device"; });
+  if (!has_device && run.device != "cpu") machine.emplace_back("Device", run.device);
   return machine;
 }
 

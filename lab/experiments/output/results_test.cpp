@@ -35,6 +35,10 @@ TEST(Results, AreJsonAndAPage) {
   EXPECT_EQ(summary.run.program, "a build");
   EXPECT_EQ(summary.run.device, "cuda");
   EXPECT_NE(index_markdown({summary}).find("; Device: cuda."), std::string::npos);
+  ExperimentSummary named = summary;
+  named.run.machine.emplace_back("Device", "a GPU");
+  EXPECT_NE(index_markdown({named}).find("; Device: a GPU."), std::string::npos);
+  EXPECT_EQ(index_markdown({named}).find("Device: cuda"), std::string::npos) << "the machine names the device";
   const Page page = experiment_page(experiment, result, {{}, false, 3});
   EXPECT_TRUE(std::holds_alternative<TextBlock>(page.blocks[0]));
   EXPECT_EQ(std::get<TextBlock>(page.blocks[0]).text, "1 of 3 claims hold, 1 not measured.");
