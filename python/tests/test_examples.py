@@ -42,7 +42,8 @@ def test_first_image(tmp_path):
 
 
 def test_equal_time(tmp_path):
-    # A quarter of the pixels in half of the time: twice as many samples per pixel.
+    # A quarter of the pixels in half of the time: twice as many samples per pixel. A pause may halve those of a contender. In the
+    # stored results, uniform has 377 times the product of MSE and time of vlc in this scene (docs/guarantees.md).
     script = with_replacements(tmp_path, "equal_time.py", ("repetitions=5", "repetitions=3"), ("reference_samples=256", "reference_samples=128"),
                                ("width=160, height=90", "width=80, height=45"), ('budget="300ms"', 'budget="150ms"'))
     output = run(script, tmp_path)

@@ -85,7 +85,7 @@ void expect_samples_follow(const std::vector<BsdfCase>& cases, const std::vector
 }
 
 /// The densities of diffuse lobes do not depend on roughness or on the distribution of normals: two cases of each
-/// suffice, which differ in both.
+/// suffice, which differ in both. Lambert's lobe, which has neither, is one case.
 TEST(BsdfSampling, LobesFollowTheirDensity) {
   std::vector<BsdfCase> cases = testing::lobe_cases(kLobeRoughness);
   std::erase_if(cases, [](const BsdfCase& c) {

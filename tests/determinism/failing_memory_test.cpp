@@ -205,7 +205,8 @@ TEST(FailingMemory, LeavesSessionsUsableBetweenFrames) {
         move(session, 1);
         session.render_frame();
         fails = fails_in(memory, before, 2, [&] { call.run(session); });
-        EXPECT_TRUE(session.render_frame()) << "perhaps of an empty scene";
+        // Perhaps of an empty scene. CompiledSceneFailure checks that no view of a freed array remains.
+        EXPECT_TRUE(session.render_frame());
         expect_usable(session);
       }
       EXPECT_EQ(memory.blocks(), 0) << "leaked";
@@ -215,6 +216,7 @@ TEST(FailingMemory, LeavesSessionsUsableBetweenFrames) {
 }
 
 TEST(FailingMemory, SettingsChangeTogetherOrNotAtAll) {
+  if (is_host_replaced()) GTEST_SKIP() << kOfTheHost;
   RenderSettings settings = settings_of("svgf");
   RenderSettings other = settings;
   other.width += 5;

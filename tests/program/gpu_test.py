@@ -175,6 +175,19 @@ class Errors(GpuTest):
         self.render("cornell", "--spp", "8", "-o", "host.exr", *HOST)
         self.assert_equal_bits("a.exr", "host.exr")
 
+    def test_a_finished_reference_is_kept(self):
+        comparison = ["compare", "cornell", *SIZE, "--techniques", "plain=lights:power", "--spp", "1", "--repeat", "1", "--reference-spp", "4", *GPU]
+        log = self.folder / "log.txt"
+        self.succeed(*comparison, "--cache-dir", "other", "-o", "whole", env=logging(log))
+        in_contender = max(number for number, name in enumerate(launches_in(log), 1) if "PathKernel" in name)
+        comparison += ["--cache-dir", "cache"]
+        done = run(*comparison, "-o", "lost", cwd=self.folder, env=environment(f"lose={in_contender}"))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(LOST, done.stderr.splitlines()[-1])
+        self.succeed(*comparison, "-o", "again", env=environment())
+        for name, cached in (("whole", False), ("again", True)):
+            self.assertEqual(json.loads((self.folder / name / "compare.json").read_text())["reference"]["cached"], cached, name)
+
 
 if __name__ == "__main__":
     unittest.main(defaultTest=sys.argv[1:] or None, argv=sys.argv[:1])

@@ -358,8 +358,8 @@ class Rates(Viewer):
 
     def check(self, scene, target_hz, least_width):
         # The first seconds adapt the size; then the camera moves, longer if rates are required.
-        adapt, steps = (30, 3 * "key w 60\nkey s 60\n") if QUIET else (6, "key w 30\nkey s 30\n")
-        script = f"pace moving\nframes {adapt}\npace moving\n{steps}report\n"
+        steps = 3 * "key w 60\nkey s 60\n" if QUIET else "key w 30\nkey s 30\n"
+        script = f"pace moving\nframes 30\npace moving\n{steps}report\n"
         report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720, "--target", target_hz)[0]
         print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
               f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} of {target_hz} frames/s at {report['width']}x{report['height']}, "
