@@ -54,7 +54,8 @@ class CompiledScene {
   /// Moves animated nodes. This and the following functions return the changes. They throw Error for values that
   /// kernels cannot handle (a camera collapsed by a scale of 0, a node beyond kMaxCoordinate). The scene then stays
   /// unchanged. If memory is missing or a device fails, kernels may get a scene without geometry and lights until the
-  /// next of them succeeds.
+  /// next of them succeeds. The time, the environment and the image size then keep their values; other changes take
+  /// effect with the next.
   Change set_time(float time_s);
   /// Uses another camera; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);
@@ -64,7 +65,7 @@ class CompiledScene {
   Change set_environment(const Environment& environment);
   /// Replaces the parameters of a material. Its textures must belong to the scene.
   Change set_material(Index material, const Material& value);
-  /// Sets the image size. Keeps the old one if it throws.
+  /// Sets the image size.
   Change set_resolution(int width, int height);
   /// Whether one of them failed, so that kernels get an empty scene until the next.
   bool is_stale() const { return is_stale_; }
@@ -125,9 +126,9 @@ class CompiledScene {
   void bake_static_deformations();
   /// Appends a copy for one node to deforming_.
   void append_deforming_mesh(MeshInstance& placed);
-  /// Applies key frames to the materials, lights and cameras of the source, before compilation.
+  /// Applies key frames to the materials, lights and cameras of the source, and to the camera in use.
   void apply_parameter_animation();
-  /// The same for a compiled scene, including the consequences.
+  /// The same, including the consequences for the compiled scene.
   Change animate_parameters();
   /// Ends the key frames of a part that a caller sets.
   void end_parameter_animation(AnimatedPart part, Index index);
@@ -177,7 +178,8 @@ class CompiledScene {
   std::vector<Mat4> checked_world(float time_s) const;
   void check_extent(const Box& box) const;
   Box placed_box(const std::vector<Mat4>& world, bool moving_only = false) const;  ///< bounds of placed meshes
-  Change place_everything(std::vector<Mat4> world);
+  /// Rebuilds what depends on `world_` and the time.
+  Change place_everything();
   void collect_lights();
   void compute_bounds();
   void set_bounds();

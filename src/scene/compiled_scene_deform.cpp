@@ -82,7 +82,8 @@ std::vector<uint32_t> CompiledScene::deform_meshes() {
 
 void CompiledScene::keep_previous_positions() {
   if (!has_deformed_) return;
-  // One launch: if it fails, no mesh has lost its previous positions.
+  // One launch of all meshes, also of those that did not deform: it cannot fail in part, so that no mesh loses its
+  // previous positions.
   launcher_.run(
       StorePreviousPositionsKernel{vertices_.view(), deforming_vertices_.view(), previous_positions_.mutable_view()},
       static_cast<uint32_t>(previous_positions_.size()));

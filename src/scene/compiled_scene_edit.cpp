@@ -220,12 +220,12 @@ Change CompiledScene::commit_edits() {
   open_for_host();
   return updated([&] {
     instances_.clear();
-    place_instances();
     extent_.add(placed_box(world_));
     set_bounds();
     if (is_stale_) {
-      place_everything(world_);
+      place_everything();
     } else {
+      place_instances();
       build_accel();
       lights_.discard_texture_tables();
       collect_lights();

@@ -1,6 +1,8 @@
 // Changes of a compiled scene that run out of memory.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstddef>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "scene/compiled_scene.h"
+#include "scene/scene_launcher.h"
 #include "scene/testing/figure.h"
 #include "scene/testing/light_scene.h"
 #include "testing/failing_memory.h"
@@ -16,10 +19,16 @@
 namespace relume {
 namespace {
 
-/// Memory in which allocations fail, and which knows its blocks.
+/// Memory in which allocations and openings fail, and which knows its blocks.
 class WatchedMemory final : public Memory {
  public:
   testing::FailingMemory failing;
+
+  /// The opening for writing after `before` others fails, as of a device that cannot move the block. −1: none.
+  void fail_opening(int before) { openings_ = before; }
+  void open_for_writing(void* /*block*/) override {
+    if (openings_ >= 0 && openings_-- == 0) throw std::bad_alloc();
+  }
 
   void* allocate(size_t bytes, size_t alignment) override {
     void* const block = failing.allocate(bytes, alignment);
@@ -48,15 +57,36 @@ class WatchedMemory final : public Memory {
   }
 
  private:
+  std::atomic<int> openings_ = -1;  ///< before the one that fails
   mutable std::mutex mutex_;
   std::map<const std::byte*, size_t> blocks_;
 };
 
-/// A lit figure.
+/// A lit figure, which bends.
 Scene source() {
   Scene scene = testing::figure({.parts = 2});
   scene.environment = testing::noise_environment(16, 8);
   testing::add_light_node(scene, {.name = "bulb"}, Vec3(0, 3, 3), Vec3(0));
+  return scene;
+}
+
+/// The same, which begins to emit, beside a wall that moves.
+Scene moving_source() {
+  Scene scene = source();
+  scene.parameter_animation.push_back({.part = AnimatedPart::material,
+                                       .index = 0,
+                                       .parameter = "emission",
+                                       .times = {0, 1},
+                                       .values = {Vec4(0), Vec4(1)}});
+  Mesh& wall = scene.meshes.emplace_back();
+  wall.positions = {{-1, 2.1f, 1}, {1, 2.1f, 1}, {0, 3, 1}};
+  wall.triangles = {{0, 1, 2}};
+  wall.material = 0;
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size()) - 1};
+  const Index placed = scene.add_node(node);
+  scene.animation.push_back(
+      {placed, AnimatedProperty::translation, Interpolation::linear, {0, 1}, {Vec4(0), Vec4(0.1f, 0, 0, 0)}, 0, 0});
   return scene;
 }
 
@@ -92,7 +122,8 @@ void expect_same_view(const CompiledScene& scene, const CompiledScene& expected)
 void expect_valid_views(const std::function<Change(CompiledScene&)>& update) {
   CompiledScene expected(source(), options());
   update(expected);
-  for (int before = 0;; ++before) {
+  int before = 0;
+  for (;; ++before) {
     SCOPED_TRACE(before);
     WatchedMemory memory;
     CompiledScene scene(source(), options(), memory);
@@ -111,6 +142,7 @@ void expect_valid_views(const std::function<Change(CompiledScene&)>& update) {
     EXPECT_FALSE(scene.is_stale());
     expect_same_view(scene, expected);
   }
+  EXPECT_GT(before, 0) << "the update allocates";
 }
 
 TEST(CompiledSceneFailure, OfAnUpdateLeavesAnEmptyScene) {
@@ -142,6 +174,101 @@ TEST(CompiledSceneFailure, OfAnEnvironmentKeepsThePreviousOne) {
     EXPECT_EQ(scene.set_time(0), Change::any);
     expect_same_view(scene, expected);
   }
+}
+
+/// Changes the time while the allocation after `before` others fails. Returns whether one failed.
+bool fails_to_set_time(CompiledScene& scene, WatchedMemory& memory, int before) {
+  memory.failing.fail_after(before);
+  try {
+    scene.set_time(1);
+  } catch (const std::bad_alloc&) {
+  }
+  memory.failing.recover();
+  EXPECT_EQ(scene.is_stale(), memory.failing.failed());
+  return memory.failing.failed();
+}
+
+/// Fails each allocation of a change of the time in turn. Then `update` must rebuild the scene of the time before.
+void expect_scene_of_one_time(const std::function<void(CompiledScene&)>& update) {
+  CompiledScene expected(moving_source(), options());
+  update(expected);
+  int before = 0;
+  for (;; ++before) {
+    SCOPED_TRACE(before);
+    WatchedMemory memory;
+    CompiledScene scene(moving_source(), options(), memory);
+    if (!fails_to_set_time(scene, memory, before)) break;
+    update(scene);
+    EXPECT_FALSE(scene.is_stale());
+    expect_existing_arrays(scene, memory);
+    expect_same_view(scene, expected);
+  }
+  EXPECT_GT(before, 0) << "the change allocates";
+}
+
+TEST(CompiledSceneFailure, OfAChangeOfTheTimeKeepsThePreviousTime) {
+  expect_scene_of_one_time([](CompiledScene& scene) { scene.set_time(0); });
+  expect_scene_of_one_time([](CompiledScene& scene) {
+    CameraPose camera = scene.camera();
+    camera.to_world[3].x += 0.1f;
+    scene.set_camera(camera);
+  });
+  expect_scene_of_one_time([](CompiledScene& scene) { scene.set_resolution(24, 12); });
+  expect_scene_of_one_time([](CompiledScene& scene) {
+    Node node;
+    node.light = scene.add_light({.name = "second bulb"});
+    scene.add_node(node);
+    scene.commit_edits();
+  });
+}
+
+TEST(CompiledSceneFailure, OfAnImageSizeKeepsThePreviousOneOfAStaleScene) {
+  CompiledScene expected(moving_source(), options());
+  int before = 0;
+  for (;; ++before) {
+    SCOPED_TRACE(before);
+    WatchedMemory memory;
+    CompiledScene scene(moving_source(), options(), memory);
+    ASSERT_TRUE(fails_to_set_time(scene, memory, 0));
+    memory.failing.fail_after(before);
+    try {
+      scene.set_resolution(24, 12);
+    } catch (const std::bad_alloc&) {
+    }
+    memory.failing.recover();
+    if (!memory.failing.failed()) break;
+    EXPECT_EQ(scene.set_time(0), Change::any);
+    expect_same_view(scene, expected);
+  }
+  EXPECT_GT(before, 0) << "the change allocates";
+}
+
+TEST(CompiledSceneFailure, OfOpeningMemoryLeavesTheEndOfAFrameToTheNext) {
+  PunctualLight bright;
+  bright.intensity = Rgb(5);
+  int failures = 0;
+  for (bool fails = true; fails;) {
+    SCOPED_TRACE(failures);
+    WatchedMemory memory;
+    CompiledScene scene(moving_source(), options(), memory);
+    scene.set_time(1);
+    scene.set_light(0, bright);
+    memory.fail_opening(failures);
+    fails = false;
+    try {
+      scene.end_frame();
+    } catch (const std::bad_alloc&) {
+      fails = true;
+      ++failures;
+      scene.end_frame();
+    }
+    for (const Instance& instance : scene.view().instances)
+      EXPECT_EQ(instance.previous_to_world.translation, instance.to_world.translation);
+    EXPECT_EQ(scene.view().lights.changed.size, 0u);
+    EXPECT_EQ(scene.view().lights.previous.size, scene.view().lights.lights.size);
+    for (const Light& light : scene.view().lights.lights) EXPECT_FALSE(light.changed);
+  }
+  EXPECT_GT(failures, 0);
 }
 
 /// Runs kernels on the host, except for one of those that store previous positions.

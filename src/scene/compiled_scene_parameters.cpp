@@ -6,7 +6,11 @@
 
 namespace relume {
 
-void CompiledScene::apply_parameter_animation() { apply_parameters(source_, time_s_); }
+void CompiledScene::apply_parameter_animation() {
+  apply_parameters(source_, time_s_);
+  if (camera_node_ != kNone)
+    camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
+}
 
 Change CompiledScene::animate_parameters() {
   if (source_.parameter_animation.empty()) return Change::none;
@@ -23,8 +27,6 @@ Change CompiledScene::animate_parameters() {
     std::swap(now, before);  // replace_material() compares with the previous state
     change |= replace_material(index, before);
   }
-  if (camera_node_ != kNone)
-    camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
   return change;
 }
 

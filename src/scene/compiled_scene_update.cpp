@@ -16,10 +16,11 @@
 namespace relume {
 void CompiledScene::end_frame() {
   if (!was_moved_) return;
-  keep_previous_positions();  // launches may throw; nothing below does
+  keep_previous_positions();  // launches may throw; below, only a device that cannot move memory
   // Writing moves large arrays from a device and back.
-  if (std::exchange(has_placed_instances_, false)) {
+  if (has_placed_instances_) {
     for (Instance& i : instances_.write()) i.previous_to_world = i.to_world;
+    has_placed_instances_ = false;
   }
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
@@ -31,9 +32,20 @@ Change CompiledScene::set_time(float time_s) {
   open_for_host();
   std::vector<Mat4> world = checked_world(time_s);
   return updated([&] {
-    time_s_ = time_s;
-    const Change change = animate_parameters();
-    return change | place_everything(std::move(world));
+    const float before_s = std::exchange(time_s_, time_s);
+    bool is_placed = false;
+    try {
+      const Change change = animate_parameters();
+      world_.swap(world);
+      is_placed = true;
+      return change | place_everything();
+    } catch (...) {
+      // The next update, which may be another one, must rebuild the scene at one time.
+      time_s_ = before_s;
+      if (is_placed) world_.swap(world);
+      apply_parameter_animation();
+      throw;
+    }
   });
 }
 
@@ -48,7 +60,7 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
   return updated([&] {
     camera_pose_ = camera;
-    if (is_stale_) return place_everything(world_);
+    if (is_stale_) return place_everything();
     const CameraView before = std::exchange(camera_view_, now);
     point_view();
     find_camera_medium();
@@ -66,7 +78,7 @@ Change CompiledScene::set_resolution(int width, int height) {
       resolution_ = {width, height};
       camera_view_ = view_through(camera());
       previous_camera_view_ = camera_view_;
-      if (is_stale_) return place_everything(world_);
+      if (is_stale_) return place_everything();
       point_view();
       find_camera_medium();
     } catch (...) {
@@ -98,9 +110,10 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
     throw;
   }
   return updated([&] {
-    extent_.add(placed_box(world));
+    world_ = std::move(world);
+    extent_.add(placed_box(world_));
     set_bounds();
-    return place_everything(std::move(world));
+    return place_everything();
   });
 }
 
@@ -111,7 +124,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
   return updated([&] {
     source_.lights[static_cast<size_t>(light)] = value;
     end_parameter_animation(AnimatedPart::light, light);
-    if (is_stale_) return place_everything(world_);
+    if (is_stale_) return place_everything();
     collect_lights();
     was_moved_ = true;
     return Change::lights;
@@ -124,7 +137,7 @@ Change CompiledScene::set_environment(const Environment& environment) {
   return updated([&] {
     Environment before = std::exchange(source_.environment, environment);
     try {
-      if (is_stale_) return place_everything(world_);
+      if (is_stale_) return place_everything();
       use_environment();
     } catch (...) {
       source_.environment = std::move(before);  // it may be smaller, so that the next update succeeds
@@ -171,7 +184,7 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
   const MaterialData before = materials_.read()[index];
   const bool was_stale = std::exchange(is_stale_, true);
   target = value;
-  if (was_stale) return place_everything(world_);
+  if (was_stale) return place_everything();
   build_materials();
   refresh_view();
   const MaterialData& now = materials_.read()[index];
@@ -182,11 +195,12 @@ Change CompiledScene::replace_material(Index material, const Material& value) {
     if (meshes[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   view_.accel = accel_->view();
-  find_camera_medium();
   if (emits) {
     lights_.discard_texture_tables();
-    collect_lights();
+    collect_lights();  // finds the camera's medium, too
     was_moved_ = true;
+  } else {
+    find_camera_medium();
   }
   is_stale_ = false;
   return emits ? Change::materials | Change::lights : Change::materials;
@@ -201,9 +215,8 @@ std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
   return world;
 }
 
-Change CompiledScene::place_everything(std::vector<Mat4> world) {
+Change CompiledScene::place_everything() {
   const bool was_stale = std::exchange(is_stale_, true);
-  world_ = std::move(world);
   visible_ = visible_nodes(source_, time_s_);
   Change change = was_stale ? Change::any : Change::none;
   if (was_stale) build_materials();

@@ -273,13 +273,14 @@ void LightBuilder::discard_texture_tables() {
 }
 
 void LightBuilder::mark_unchanged() {
-  if (!std::exchange(collected_, false)) return;
-  previous_.reserve(lights_.size());  // so that nothing below throws
+  if (!collected_) return;
+  previous_.reserve(lights_.size());  // below, only a device that cannot move memory throws
   for (Light& light : lights_.write()) light.changed = false;
   changed_.clear();
   previous_ = lights_;
   has_previous_ = true;
   environment_changed_ = false;
+  collected_ = false;
 }
 
 LightsView LightBuilder::view() const {
