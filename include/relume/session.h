@@ -90,7 +90,8 @@ class RELUME_API Session {
 
   // Changes of the scene between frames. Histories are kept where they stay valid; without a history, samples start
   // over. These calls throw Error for values out of range, and with the code invalid_handle for parts that are not in
-  // the scene. If memory is missing or a GPU fails, frames may show an empty scene until the next of them succeeds.
+  // the scene. If memory is missing or a GPU fails, the time and the environment keep their values, and other changes
+  // take effect with the next frame. That frame rebuilds the scene, and throws if this fails, too.
 
   /// Moves animated nodes and parameters to a time in the range of the setting "scene-time".
   void set_time(float time_s);

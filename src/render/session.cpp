@@ -104,6 +104,7 @@ bool Session::render_frame(std::stop_token stop) {
   const double start_s = now_s();
   s.next_replacement.clear();
   s.backend->run(kSessionWork, [&] { s.commit_edits(); });
+  s.rebuild_stale_scene();
   const bool may_lose_image = stop.stop_possible() && s.changes != Change::none;
   if (may_lose_image) s.backend->run(kSessionWork, [&] { s.keep_image(); });
   const bool restores = stop.stop_possible() && s.passes.pipeline.stops_late();
@@ -230,7 +231,8 @@ bool Session::set_settings(const Settings& wanted) {
     const bool keeps_histories = setting->name == "upscale" && switches_upscaling;
     if (setting->traits.resets_history && !keeps_histories) change = Change::settings;
   }
-  // Steps that may throw come first. If one does, the session keeps its settings, except perhaps the time.
+  // Steps that may throw come first. If one does, the session keeps its settings, except perhaps the time, the threads
+  // and the form of its kernels, which change no bits.
   std::optional<State::Fresh> fresh;
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   if (fresh && !resized) s.keep_image();
@@ -258,6 +260,7 @@ bool Session::set_settings(const Settings& wanted) {
 void Session::restart(int seed) {
   state_->check_between_frames();
   State& s = *state_;
+  s.rebuild_stale_scene();
   s.settings.seed = seed;
   s.replacement.clear();
   s.drop_kept_image();

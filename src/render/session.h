@@ -28,8 +28,9 @@ Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Devi
 /// Whether the session's device has failed in a way that it does not survive (Device::finish()).
 bool device_is_lost(const Session& session);
 /// Sessions constructed from now on whose setting `device` chooses the processor run their kernels on the devices that
-/// `open` returns, as if the setting had chosen these. Tests use it to run all sessions on an emulated device. Empty:
-/// their kernels run on the processor. Call it while no thread constructs a session.
+/// `open` returns, or on the processor where it returns nullptr, as if the setting had chosen these. Tests use it to
+/// run all sessions on an emulated device. Empty: their kernels run on the processor. Call it while no thread
+/// constructs a session.
 void replace_host(std::function<std::unique_ptr<Device>()> open);
 /// Whether replace_host() has been given devices.
 bool is_host_replaced();

@@ -1,5 +1,7 @@
 // Sessions after errors of launches, as of a device that fails.
 #include <functional>
+#include <limits>
+#include <new>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -10,6 +12,8 @@
 #include "relume/error.h"
 #include "render/session.h"
 #include "scene/testing/figure.h"
+#include "scene/testing/light_scene.h"
+#include "testing/failing_memory.h"
 
 namespace relume {
 namespace {
@@ -120,6 +124,25 @@ TEST(SessionErrors, FailedChangesOfSettingsCanBeRepeated) {
   fresh.render_frame();
   EXPECT_EQ(session.image().width, resized.width);
   EXPECT_EQ(session.image().pixels, fresh.image().pixels);
+}
+
+TEST(SessionErrors, FramesAfterAFailedChangeShowTheWholeScene) {
+  Scene scene = testing::figure();
+  testing::add_light_node(scene, {.name = "bulb"}, Vec3(0, 3, 3), Vec3(0));
+  PunctualLight bright;
+  bright.intensity = Rgb(5);
+  Session whole(scene, small_settings());
+  whole.set_light(0, bright);
+  whole.render_frame();
+  testing::FailingMemory memory;
+  Session session = make_session(scene, small_settings(), memory);
+  memory.fail_after(0, std::numeric_limits<int>::max());
+  EXPECT_THROW(session.set_light(0, bright), std::bad_alloc);
+  EXPECT_TRUE(compiled_scene(session).is_stale());
+  EXPECT_THROW(session.render_frame(), std::bad_alloc) << "of an empty scene";
+  memory.recover();
+  EXPECT_TRUE(session.render_frame());
+  EXPECT_EQ(session.image().pixels, whole.image().pixels);
 }
 
 TEST(SessionErrors, HistoriesContinueAfterRejectedChanges) {

@@ -196,7 +196,8 @@ struct Session::State {
     changes |= change;
     edited = edited || change != Change::none;
   }
-  /// Changes the scene on the session's threads. Returns the resulting differences.
+  /// Changes the scene on the session's threads. Returns the resulting differences. If a step of the change fails, the
+  /// scene is empty until the next change or rebuild_stale_scene().
   template <typename F>
   Change change_scene(const F& change) {
     Change result = Change::none;
@@ -237,6 +238,11 @@ struct Session::State {
   template <typename F>
   requires std::invocable<F, CompiledScene&>
   void edit(const F& change) { edit(change_scene(change)); }
+  /// Rebuilds the scene at the session's time if a change of it failed. Throws if this fails, too: a frame of the empty
+  /// scene would be wrong.
+  void rebuild_stale_scene() {
+    if (scene->is_stale()) edit([&](CompiledScene& stale) { return stale.set_time(settings.time_s); });
+  }
 
   /// Seed of the sample sequences. It depends on the animation time at which they start and on earlier edits, but not
   /// on the number of earlier frames.
