@@ -19,6 +19,7 @@
 #include "platform.h"
 #include "preparation_progress.h"
 #include "progress.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/display.h"
 #include "render/session.h"
@@ -32,6 +33,20 @@
 
 namespace relume::cli {
 namespace {
+
+enum class DeviceErrors { shown, thrown };
+
+/// Calls `step`, and warns of its error. `of_device`: what happens with that of a GPU that is lost.
+template <typename F>
+void attempt(DeviceErrors of_device, const F& step) {
+  try {
+    step();
+  } catch (const std::exception& error) {
+    const auto* const known = dynamic_cast<const Error*>(&error);
+    if (of_device == DeviceErrors::thrown && known && known->code() == ErrorCode::device) throw;
+    warn(error.what());
+  }
+}
 
 class RenderJob {
  public:
@@ -74,6 +89,7 @@ class RenderJob {
   Display display_of_image();
   void report(StopReason reason) const;
 
+  bool is_still() const { return options_.frames.empty(); }
   float time_of(size_t index) const {
     if (options_.frames.empty()) return scene_time_s_;
     return frame_time_s(plan_.frames.first + static_cast<int>(index), options_.fps, scene_time_s_);
@@ -88,6 +104,7 @@ class RenderJob {
   std::optional<Session> session_;
   size_t first_image_ = 0;  ///< greater than 0 if a sequence is resumed
   std::optional<VideoWriter> video_;
+  int video_images_ = 0;       ///< images in video_
   uint64_t resumed_rays_ = 0;  ///< rays from the checkpoint: times cover only this run
   std::vector<std::string> written_;
   std::optional<float> last_exposure_;  ///< of the previous image, if exposures are automatic
@@ -96,8 +113,6 @@ class RenderJob {
   double last_checkpoint_s_ = 0;
   std::unique_ptr<PendingFile> copy_;  ///< see copy_image()
   double copied_samples_ = 0;          ///< Session::image_samples() of the copy
-
-  bool is_still() const { return options_.frames.empty(); }
 
   double rays_per_s() const {
     const Statistics& s = session_->statistics();
@@ -244,22 +259,17 @@ void RenderJob::save_checkpoint() {
   session_->save_checkpoint(options_.checkpoint);
 }
 
-/// Saves a checkpoint during an image: a full disk must not abort the image.
+/// Saves a checkpoint and a copy during an image: a full disk or a lack of memory must not abort the image.
 void RenderJob::try_checkpoint(size_t index) {
-  try {
-    save_checkpoint();
-    copy_image(index);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::device) throw;
-    warn(error.what());
-  }
+  attempt(DeviceErrors::thrown, [&] { save_checkpoint(); });
+  attempt(DeviceErrors::thrown, [&] { copy_image(index); });
   last_checkpoint_s_ = now_s();
 }
 
 /// Writes a copy of an incomplete image beside its file, for keep_finished(): the memory of a GPU that is lost cannot
 /// be read. Sequences have none, because an image with fewer samples than the others could go unnoticed.
 void RenderJob::copy_image(size_t index) {
-  if (!is_still() || settings_.render.device == "cpu") return;
+  if (!is_still() || settings_.render.device == "cpu" || !session_->statistics().device) return;
   auto copy = std::make_unique<PendingFile>(plan_.files[index]);
   if (!is_temporary_file(copy->path())) return;  // a pipe
   write_image_file(copy->path());
@@ -267,28 +277,27 @@ void RenderJob::copy_image(size_t index) {
   copied_samples_ = session_->image_samples();
 }
 
-/// Completes a video with its earlier images. Of a still image, writes the complete samples, or the last copy if the
-/// GPU is lost.
+/// Completes a video with its earlier images. Writes the complete samples of a still image, or else its last copy.
 void RenderJob::keep_finished(size_t index) {
   constexpr std::string_view kFailed = "the GPU failed; wrote";
-  try {
-    if (video_) {
+  const std::string file = plan_.files[index].string();
+  if (video_ && video_images_ > 0) {
+    attempt(DeviceErrors::shown, [&] {
       video_->finish();
-      log_info(verbosity_, fmt::format("the GPU failed; {} ends with frame {}", plan_.files[index].string(),
-                                       plan_.frames.first + static_cast<int>(index) - 1));
-    }
-    if (!is_still()) return;
-    if (!device_is_lost(*session_)) {
-      // No checkpoint: it could contain parts of the frame that failed.
-      if (session_->image_samples() > 0) write(index, kFailed);
-    } else if (copy_) {
-      copy_->commit();
       log_info(verbosity_,
-               fmt::format("{} {} with {}", kFailed, plan_.files[index].string(), samples_text(copied_samples_)));
-    }
-  } catch (const std::exception& error) {
-    warn(error.what());  // the caller reports the error of the GPU
+               fmt::format("the GPU failed; {} ends with frame {}", file, plan_.frames.first + video_images_ - 1));
+    });
   }
+  if (!is_still() || !written_.empty()) return;
+  attempt(DeviceErrors::shown, [&] {
+    if (device_is_lost(*session_) || session_->image_samples() <= 0) return;
+    write(index, kFailed);  // no checkpoint: it could contain parts of the frame that failed
+  });
+  if (!written_.empty() || !copy_) return;
+  attempt(DeviceErrors::shown, [&] {
+    copy_->commit();
+    log_info(verbosity_, fmt::format("{} {} with {}", kFailed, file, samples_text(copied_samples_)));
+  });
 }
 
 /// In a sequence, an automatic exposure adapts from image to image.
@@ -315,6 +324,7 @@ void RenderJob::write(size_t index, std::string_view verb) {
     const Image image = displayed_image(*session_, display, plan_.ocio.get());
     if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
     video_->add(image);
+    ++video_images_;
     if (index == first_image_) written_.push_back(file.string());
   } else {
     write_image_file(file);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "files/extension.h"
 #include "image.h"
 #include "ocio_option.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"

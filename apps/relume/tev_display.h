@@ -19,6 +19,7 @@ class TevDisplay {
     if (!address.empty()) client_ = std::make_unique<TevClient>(parse_tev_address(address));
   }
 
+  /// Sends the session's image.
   void show(const Session& session) {
     if (!client_) return;
     const Image image = session.image();
@@ -29,6 +30,7 @@ class TevDisplay {
     if (const std::string notice = client_->take_notice(); !notice.empty()) warn(notice);
   }
 
+  /// Whether the last image is half a second old.
   bool due() const { return client_ && now_s() - last_s_ >= kInterval_s; }
 
  private:

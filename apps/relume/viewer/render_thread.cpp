@@ -186,7 +186,11 @@ void RenderThread::run_tasks() {
     try {
       task(*slots_[0].session(), *slots_[0].scene());
     } catch (const std::exception& error) {
-      add_notice({.problem = true, .text = error.what(), .refused_scene = nullptr, .failed_task = true});
+      add_notice({.problem = true,
+                  .text = error.what(),
+                  .refused_scene = nullptr,
+                  .failed_task = true,
+                  .device_lost = has_lost_device()});
     }
   }
 }
