@@ -29,6 +29,8 @@ struct ExperimentContext {
   std::stop_token stop = {};
   std::function<void(const std::string& stage, double fraction)> progress = {};
 
+  /// Whether the setting chooses the processor.
+  bool measures_host() const { return device == "cpu"; }
   /// Selects a number of samples, frames, repetitions, …
   int choose(int in_full, int in_quick) const { return quick ? in_quick : in_full; }
   /// Throws ExperimentStopped on a stop request.

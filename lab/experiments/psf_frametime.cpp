@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,8 +28,8 @@ int height_of(const ExperimentContext& context) { return context.choose(270, 54)
 /// Timings and statistics of one contender's frames.
 struct FrameFigures {
   std::string name;
-  double frame_ms = 0;                                 ///< median processor time
-  std::vector<double> frame_s;                         ///< processor time per frame, in seconds
+  double frame_ms = 0;                                 ///< median
+  std::vector<double> frame_s;                         ///< frame_clock() per frame, in seconds
   std::vector<std::pair<std::string, double>> passes;  ///< wall-clock ms per frame
   double rays = 0;                                     ///< per pixel
   double cells = 0;
@@ -52,6 +53,11 @@ int counted_frames(const ExperimentContext& context) { return context.choose(24,
 
 /// Processor time of all threads, in seconds: almost independent of other programs.
 double processor_time(const Session&) { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// On a GPU, elapsed time: the host waits for it without using the processor.
+FrameClock frame_clock(const ExperimentContext& context) {
+  return context.measures_host() ? FrameClock(processor_time) : FrameClock(wall_clock);
+}
 
 double figure_of(const Session& session, std::string_view name) {
   for (const PassStatistic& figure : session.statistics().pass_statistics) {
@@ -92,7 +98,7 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
     contender.settings.width = width_of(context);
     contender.settings.height = height_of(context);
     context.check_stop();
-    sessions.push_back(std::make_unique<TimedSession>(scene.scene, contender.settings, processor_time));
+    sessions.push_back(std::make_unique<TimedSession>(scene.scene, contender.settings, frame_clock(context)));
     sessions.back()->session().set_camera(scene.camera);
   }
   std::vector<Start> starts(sessions.size());
@@ -122,13 +128,14 @@ std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, con
   return list;
 }
 
-TableBlock table(const std::vector<Timing>& timings) {
-  TableBlock block{
-      "Times",
-      "Median milliseconds of processor time per frame, over all threads; techniques take turns frame by frame.",
-      "scene, bounces",
-      {},
-      {}};
+TableBlock table(const ExperimentContext& context, const std::vector<Timing>& timings) {
+  const std::string_view clock =
+      context.measures_host() ? "of processor time per frame, over all threads" : "per frame, elapsed";
+  TableBlock block{"Times",
+                   fmt::format("Median milliseconds {}; techniques take turns frame by frame.", clock),
+                   "scene, bounces",
+                   {},
+                   {}};
   for (const FrameFigures& f : timings.front().list) block.columns.push_back({f.name});
   for (const Timing& t : timings) {
     TableRow row{.name = fmt::format("{}, {}", t.scene, t.bounces), .cells = {}};
@@ -143,7 +150,7 @@ TableBlock table(const std::vector<Timing>& timings) {
 
 TableBlock cost_table(const Timing& t) {
   TableBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces),
-                   "Processor time as above, rays by frame; cells, table and probes after the last.",
+                   "Time as above, rays by frame; cells, table and probes after the last.",
                    "technique",
                    {{"time over path tracing's", "", Better::lower},
                     {"ms", "", Better::lower},
@@ -256,7 +263,7 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   result.claims.push_back(claim_ratio("graph-with-primary", "apg is faster when combined with apsf.", all, "apg+apsf",
                                       "apg", 0, 1, "ratio below 1 everywhere"));
   result.claims.push_back(claim_growth(few, many));
-  result.blocks.insert(result.blocks.begin(), table(all));
+  result.blocks.insert(result.blocks.begin(), table(context, all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
   result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
                   {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},

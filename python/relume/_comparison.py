@@ -197,7 +197,8 @@ def experiments() -> dict[str, str]:
 def experiment(name: str, quick: bool = False, *, scenes: Optional[Path] = None, reference_folder: Optional[Path] = None,
                device: str = "cpu", progress: bool = False) -> ExperimentReport:
     """Runs an experiment; many take hours unless `quick`. `scenes`: folder that contains sponza/sponza.gltf. `device`: as
-    the setting of sessions. Raises Error for an unknown name, and if the experiment needs that folder and it is missing."""
+    the setting of sessions. Raises Error for an unknown name, if the experiment needs that folder and it is missing, and if
+    the device is unknown or cannot be used."""
     if name not in experiments():
         raise Error(f"there is no experiment '{name}'{suggestion(name, experiments())}", "not-found")
     with _stages(progress) as report:

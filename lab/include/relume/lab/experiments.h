@@ -47,7 +47,7 @@ std::vector<ExperimentInfo> list_experiments();
 
 /// Runs an experiment; many take hours unless `quick`. `progress` receives the stage and its completed fraction.
 /// Returns std::nullopt if `stop` was requested first; with a `parts_folder`, the next call continues. Throws Error for
-/// unknown names.
+/// unknown names, and if the device is unknown or cannot be used.
 std::optional<ExperimentReport> run_experiment(
     std::string_view name, const ExperimentRequest& request, std::stop_token stop = {},
     const std::function<void(const std::string& stage, double fraction)>& progress = {});
