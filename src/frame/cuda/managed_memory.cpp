@@ -157,7 +157,8 @@ void ManagedMemory::bring(const std::byte* address) {
   const auto block = find(on_host_, address);
   if (block == on_host_.end()) return;
   move(*block, queue_.device());
-  queue_.added();  // the block must not be freed before its move, even if the driver refuses the work that needs it
+  // The block must not be freed before its move, even if the driver refuses the work that needs it.
+  if (is_moved(block->second)) queue_.added();
   on_device_.insert(on_host_.extract(block));
 }
 

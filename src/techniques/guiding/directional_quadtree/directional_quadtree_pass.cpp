@@ -69,9 +69,9 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   }
   // Whether the samples were drawn from other trees than those that they adapt.
   const bool sampled_others = snapshot_.frozen();
+  moved_.write() = 0;  // may throw, so that a repeated frame must find the snapshot unchanged
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
   // Nothing allocates from here on.
-  moved_.write() = 0;
   if (same_size) {
     const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,

@@ -30,8 +30,9 @@ class VisibilityLightCachePass final : public Pass {
   }
 
   void configure(const VisibilityLightCacheSettings& settings) {
+    // Buckets of another size cannot be completed. Otherwise, samples must not be included twice.
+    if (settings.bucket_size != settings_.bucket_size) built_generation_ = 0;
     settings_ = settings;
-    built_generation_ = 0;  // buckets of another size cannot be completed
   }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
   PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }

@@ -127,6 +127,8 @@ std::vector<PassRecords> OctreePass::records() const {
       read)};
 }
 
+// After an error of a later pass, the data of that pass may lack the last complete frame's samples. A session that
+// continues from a checkpoint of this state does not add them.
 void OctreePass::save(std::ostream& out) const {
   write_value(out, !tree_ ? kNoTree : prepared_ ? kPreparedTree : kTree);
   if (!tree_) return;

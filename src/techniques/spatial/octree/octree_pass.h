@@ -35,9 +35,9 @@ class OctreePass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Number of trees so far. It stays equal in a frame that restarts an abandoned one whose tree already included the
-  /// samples of the last complete frame. Data of the regions then include them, too, unless the frame was abandoned
-  /// before: later passes compare it with that of their data.
+  /// Number of trees so far. A frame that repeats an abandoned one keeps the tree if that already includes the samples
+  /// of the last complete frame. Later passes store the number for which they made their data: if it differs, the data
+  /// lack these samples.
   uint64_t generation() const { return generation_; }
   /// Whether the last frame recorded samples: previous() and groups() are valid.
   bool has_samples() const { return previous_.has_value(); }
