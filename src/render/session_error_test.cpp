@@ -145,6 +145,27 @@ TEST(SessionErrors, FramesAfterAFailedChangeShowTheWholeScene) {
   EXPECT_EQ(session.image().pixels, whole.image().pixels);
 }
 
+TEST(SessionErrors, LightCachesIncludeSamplesOnceIfTheThreadsChange) {
+  Scene scene = testing::figure();
+  for (const float x : {-2.0f, 0.5f, 1.5f}) testing::add_light_node(scene, {.name = "bulb"}, Vec3(x, 2, 2), Vec3(0));
+  RenderSettings settings = small_settings();
+  settings.lights = LightSelectionChoice::vlc;
+  RenderSettings other = settings;
+  other.threads = 1;
+  const auto image_after_failure = [&](bool changes_threads) {
+    Session session(scene, settings);
+    for (int i = 0; i < 3; ++i) session.render_frame();
+    {
+      const FailingLaunches failing(session, "vlc.populate");
+      EXPECT_EQ(error_of([&] { session.render_frame(); }), "failure 1");
+    }
+    if (changes_threads) EXPECT_TRUE(session.set_settings(other));
+    for (int i = 0; i < 3; ++i) session.render_frame();
+    return session.image().pixels;
+  };
+  EXPECT_EQ(image_after_failure(true), image_after_failure(false));
+}
+
 TEST(SessionErrors, HistoriesContinueAfterRejectedChanges) {
   Session session(find_builtin_scene("cornell")->build(), small_settings());
   session.render_frame();
