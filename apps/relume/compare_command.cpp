@@ -203,7 +203,8 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
 
 /// The setting --device of the reference and of each contender.
 std::vector<std::string> devices_of(const ComparisonOptions& options) {
-  std::vector<std::string> devices{resolve(options.common).render.device};
+  std::vector<std::string> devices{
+      resolve_reference(options.common, {}, options.reference_settings).settings.render.device};
   for (const Contender& contender : options.contenders)
     devices.push_back(resolve_contender(contender, options.common).render.device);
   return devices;

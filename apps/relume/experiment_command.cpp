@@ -162,9 +162,10 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
            fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
 }
 
-int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
-  const std::vector<const Experiment*> list = chosen(o);
-  cuda::parse_device(o.device);  // throws for unknown ones
+int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
+  const std::vector<const Experiment*> list = chosen(wanted);
+  ExperimentOptions o = wanted;
+  o.device = cuda::resolved_device(wanted.device);  // all results record, and use, the same device
   const std::filesystem::path folder = o.output;
   make_output_folder(folder);
   check_outputs(o, list, folder);

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "frame/cuda/device_choice.h"
-#include "frame/cuda/device_code.h"
 #include "frame/cuda/devices.h"
 #include "platform.h"
 #include "version.h"
@@ -19,15 +18,15 @@ namespace {
 
 /// The GPU that a value of --device names, or "processor".
 std::string device_name(const std::string& value) {
-  using Kind = cuda::DeviceChoice::Kind;
-  const cuda::DeviceChoice choice = cuda::parse_device(value);
-  if (choice.kind == Kind::host || device_code().empty()) return "processor";
+  const std::string resolved = cuda::resolved_device(value);
+  const cuda::DeviceChoice choice = cuda::parse_device(resolved);
+  if (choice.kind == cuda::DeviceChoice::Kind::host) return "processor";
   const cuda::GpuList list = cuda::list_gpus();
   for (const cuda::GpuInfo& gpu : list.gpus) {
-    const bool is_chosen = choice.kind == Kind::automatic ? gpu.problem.empty() : gpu.index == choice.index;
-    if (is_chosen) return fmt::format("{} (cuda:{}), driver for CUDA {}", gpu.name, gpu.index, list.driver_version);
+    if (gpu.index == choice.index)
+      return fmt::format("{} (cuda:{}), driver for CUDA {}", gpu.name, gpu.index, list.driver_version);
   }
-  return "processor";
+  return resolved;
 }
 
 /// Each device once, separated by commas.

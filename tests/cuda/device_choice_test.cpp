@@ -63,5 +63,16 @@ TEST(DeviceChoice, FallsBackToTheHostIfAGpuHasNoMemory) {
   EXPECT_THROW(open_chosen_device("cuda"), DeviceMemoryError);
 }
 
+TEST(DeviceChoice, ResolvesAutoToTheGpuThatOpens) {
+  const StubDriver stub("devices=2");
+  EXPECT_EQ(resolved_device("auto"), "cuda:0");
+  StubDriver::configure("devices=2 fail=cuStreamCreate:1:2");
+  EXPECT_EQ(resolved_device("auto"), "cuda:1");
+  StubDriver::configure("devices=0");
+  EXPECT_EQ(resolved_device("auto"), "cpu");
+  for (const char* value : {"cpu", "cuda", "cuda:3"}) EXPECT_EQ(resolved_device(value), value);
+  EXPECT_THROW(resolved_device("gpu"), Error);
+}
+
 }  // namespace
 }  // namespace relume::cuda

@@ -12,21 +12,26 @@
 namespace relume::cuda {
 namespace {
 
-/// The first GPU that can be used; nullptr if there is none.
-std::unique_ptr<Device> open_any() {
+struct OpenedGpu {
+  std::unique_ptr<Device> device;  ///< nullptr: none can be used
+  int index = 0;
+};
+
+/// The first GPU that can be used.
+OpenedGpu open_any() {
+  if (device_code_bytes() == 0) return {};
   const std::string code = device_code();
-  if (code.empty()) return nullptr;
   for (const GpuInfo& gpu : list_gpus().gpus) {
     if (!gpu.problem.empty()) continue;
     try {
-      return open_device(driver(), code, {.index = gpu.index});
+      return {open_device(driver(), code, {.index = gpu.index}), gpu.index};
     } catch (const Error&) {
       continue;  // the next GPU, or the host, takes its place
     } catch (const DeviceMemoryError&) {
       continue;
     }
   }
-  return nullptr;
+  return {};
 }
 
 }  // namespace
@@ -51,8 +56,14 @@ DeviceChoice parse_device(std::string_view value) {
 std::unique_ptr<Device> open_chosen_device(std::string_view value) {
   const DeviceChoice choice = parse_device(value);
   if (choice.kind == DeviceChoice::Kind::host) return nullptr;
-  if (choice.kind == DeviceChoice::Kind::automatic) return open_any();
+  if (choice.kind == DeviceChoice::Kind::automatic) return open_any().device;
   return open_device(driver(), device_code(), {.index = choice.index});
+}
+
+std::string resolved_device(std::string_view value) {
+  if (parse_device(value).kind != DeviceChoice::Kind::automatic) return std::string(value);
+  const OpenedGpu gpu = open_any();
+  return gpu.device ? fmt::format("cuda:{}", gpu.index) : "cpu";
 }
 
 }  // namespace relume::cuda

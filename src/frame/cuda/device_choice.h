@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "frame/device.h"
@@ -25,5 +26,9 @@ DeviceChoice parse_device(std::string_view value);
 /// Opens the GPU that the value names, with the device code of the library. nullptr: the host. Throws Error for other
 /// values, and if a GPU is named that cannot be used.
 std::unique_ptr<Device> open_chosen_device(std::string_view value);
+
+/// The value, with "auto" replaced by what it opens now: "cuda:N" or "cpu". Opens and closes that GPU. Throws Error for
+/// other values.
+std::string resolved_device(std::string_view value);
 
 }  // namespace relume::cuda
