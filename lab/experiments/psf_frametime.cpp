@@ -129,10 +129,10 @@ std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, con
 }
 
 TableBlock table(const ExperimentContext& context, const std::vector<Timing>& timings) {
-  const std::string_view clock =
+  const std::string_view kind =
       context.measures_host() ? "of processor time per frame, over all threads" : "per frame, elapsed";
   TableBlock block{"Times",
-                   fmt::format("Median milliseconds {}; techniques take turns frame by frame.", clock),
+                   fmt::format("Median milliseconds {}; techniques take turns frame by frame.", kind),
                    "scene, bounces",
                    {},
                    {}};
