@@ -21,5 +21,6 @@ struct FilteredPixel {
   bool culled = false;       ///< whether the path was not followed; the pixel shows only the cell
   bool divided = false;      ///< whether the vertex has delta lobes, whose light only a path samples
 };
+static_assert(sizeof(FilteredPixel) == 92, "README.md states the bytes per pixel");
 
 }  // namespace relume

@@ -129,13 +129,12 @@ struct ResolveCellsKernel {
     CellMoments cell;
     Rgb value = p.unfiltered;
     if (p.filtered) {
-      const CellAddress address = grid.keys.address(p.point);
       const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
       const Rgb shown = cell.count > 0.0f ? p.factor * cell.mean : p.traced;
       value += p.blend * shown;
       if (p.blend < 1.0f) value += (1.0f - p.blend) * p.traced;
-      write_cell(i, p, address, slot);
+      write_cell(i, p, slot);
     } else {
       leave_out(i);
     }
@@ -157,11 +156,13 @@ struct ResolveCellsKernel {
     if (!view.empty()) view[i] = value;
   }
 
-  RELUME_HD void write_cell(uint32_t i, const FilteredPixel& p, const CellAddress& address, uint32_t slot) const {
+  RELUME_HD void write_cell(uint32_t i, const FilteredPixel& p, uint32_t slot) const {
+    if (!layers.level.empty()) layers.level[i] = static_cast<float>(grid.keys.level_of(p.point));
+    write(layers.age, i, slot == kNoCell ? 0.0f : static_cast<float>(grid.histories[slot].frames));
+    if (layers.identity.empty() && layers.occupancy.empty()) return;
+    const CellAddress address = grid.address(p.point, slot);
     write(layers.identity, i,
           hash(static_cast<uint32_t>(address.fingerprint), static_cast<uint32_t>(address.fingerprint >> 32)));
-    write(layers.level, i, static_cast<float>(grid.keys.level_of(p.point)));
-    write(layers.age, i, slot == kNoCell ? 0.0f : static_cast<float>(grid.histories[slot].frames));
     if (!layers.occupancy.empty()) layers.occupancy[i] = grid.occupancy(address);
   }
 

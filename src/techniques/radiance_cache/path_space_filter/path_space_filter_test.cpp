@@ -186,6 +186,35 @@ TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
   }
 }
 
+TEST(PathSpaceFilter, PixelsReadTheSlotsThatTheirPathsFound) {
+  CachedFrameSettings settings = small(32);
+  settings.psf.grid.undersampled_cells = UndersampledCells::keep;
+  CachedFrames frames(build("cornell"), settings);
+  std::vector<uint32_t> identity(32 * 32);
+  frames.layers().identity = mutable_view_of(identity);
+  frames.trace();
+  frames.resolve();
+  std::vector<Rgb> radiance(32 * 32);
+  std::vector<uint32_t> by_slot(32 * 32);
+  ResolveCellsKernel kernel;
+  kernel.grid = frames.grid().view(frames.scene().view().camera);
+  ASSERT_FALSE(kernel.grid.renumbered);
+  kernel.grid.keys.cell_size *= 4;  // from other keys, pixels would find other cells
+  kernel.pixels = view_of(frames.pixels());
+  kernel.radiance = mutable_view_of(radiance);
+  kernel.layers.identity = mutable_view_of(by_slot);
+  kernel.width = 32;
+  size_t known = 0;
+  for (uint32_t i = 0; i < 32 * 32; ++i) {
+    kernel(i % 32, i / 32);
+    if (frames.pixels()[i].slot == kNoCell) continue;
+    ++known;
+    EXPECT_EQ(radiance[i], frames.radiance()[i]) << i;
+    EXPECT_EQ(by_slot[i], identity[i]) << i;
+  }
+  EXPECT_GT(known, 500u);
+}
+
 TEST(PathSpaceFilter, LayersDescribeTheCells) {
   CachedFrames frames(build("cornell"), small(32));
   std::vector<float> count(32 * 32);

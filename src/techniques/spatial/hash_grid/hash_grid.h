@@ -96,6 +96,11 @@ struct HashGridView {
     return noted != kNoCell && !renumbered ? noted : find(keys.address(p));
   }
 
+  /// Address of the cell of `p`: read from its slot, or computed from its key for kNoCell.
+  RELUME_HD CellAddress address(const CellPoint& p, uint32_t slot) const {
+    return slot == kNoCell ? keys.address(p) : CellAddress{fingerprints[slot], bucket_hashes[slot]};
+  }
+
   /// Slot of a cell, inserted if necessary; kNoCell if no probed slot is free.
   RELUME_HD uint32_t find_or_insert(const CellAddress& address) const {
     uint32_t slot = first_slot(address);
