@@ -55,6 +55,11 @@ TEST_P(Presets, AreIndependentOfSceneSettings) {
   }
 }
 
+TEST(PaperPresets, HaveNoRouletteWhereThePaperHasNone) {
+  EXPECT_FALSE(resolve({.preset = "paper-002"}).render.path.russian_roulette);
+  EXPECT_TRUE(resolve({.preset = "paper-000"}).render.path.russian_roulette);
+}
+
 std::string preset_name(const ::testing::TestParamInfo<Preset>& info) {
   std::string name(info.param.name);
   for (char& c : name) c = c == '-' ? '_' : c;

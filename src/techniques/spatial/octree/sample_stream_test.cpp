@@ -226,6 +226,30 @@ TEST_F(Recording, DeltaBouncesLeaveNoDirection) {
   EXPECT_EQ(samples_[0].value, 0.0f);
 }
 
+TEST_F(Recording, SurvivorsOfRouletteTrainWithoutItsFactor) {
+  place(Vec3(0.5f), Vec3(0.5f));
+  for (const uint32_t pixel : {0u, 1u}) {
+    const float survival = pixel == 0 ? 1.0f : 0.25f;
+    PathRecorder recorder = recording_.begin(pixel);
+    FakePath path = path_;
+    recorder.arrived(point_, path);
+    path.throughput = Rgb(0.5f / survival);
+    path.bounce = 1;
+    recorder.scattered(point_, BsdfSample{}, path);
+    path.radiance += path.throughput * Rgb(2);
+    recorder.finished(path);
+  }
+  EXPECT_GT(samples_[0].value, 0.0f);
+  EXPECT_FLOAT_EQ(samples_[1].value, samples_[0].value);
+
+  PathRecorder ended = recording_.begin(2);
+  FakePath path = path_;
+  ended.arrived(point_, path);
+  path.radiance = Rgb(3);  // direct light, before roulette
+  ended.finished(path);
+  EXPECT_EQ(samples_[2].value, 0.0f);
+}
+
 TEST_F(Recording, SkippedPixelsDiscardTheLastFrame) {
   samples_[4].region = 1;
   samples_[14].region = 1;
