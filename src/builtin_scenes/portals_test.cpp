@@ -34,7 +34,7 @@ TEST(Portals, GrazingLinesDecide) {
   EXPECT_EQ(visible_rooms(4, {first, door(1, 8, -5, 0.49f), last})[0], (Rooms{0, 1, 2}));
 }
 
-/// Two doors in one wall: who leaves through the first does not return through the second.
+/// Two doors in one wall: a line through the first does not return through the second.
 TEST(Portals, LinesDoNotTurnBack) {
   const Portal there = {{0, 1}, {4, 2}, {4, 1}};
   const Portal back = {{1, 2}, {4, 12}, {4, 13}};
