@@ -77,7 +77,8 @@ TEST(WarehouseLayouts, BaysHaveTheSamePower) {
 TEST(TurntableSpot, LitPatchIsSmall) {
   const Scene& scene = scene_named("turntable-spot");
   constexpr int kRays = 4000;
-  for (const Vec3& eye : {Vec3(0, 0.01f, 0), Vec3(1.9f, 0.01f, 0), Vec3(0, 0.01f, 1.9f)}) {
+  // Not the middle, from which a peg hides the patch.
+  for (const Vec3& eye : {Vec3(0, 0.01f, 0.5f), Vec3(1.9f, 0.01f, 0), Vec3(0, 0.01f, 1.9f)}) {
     int lit = 0;
     for (int i = 0; i < kRays; ++i) {
       const Vec3 w = spread(i, kRays);

@@ -151,8 +151,6 @@ TEST(CompiledSceneFailure, OfAnUpdateLeavesAnEmptyScene) {
   layered.emission = Rgb(1);
   PunctualLight bright;
   bright.intensity = Rgb(5);
-  expect_valid_views([](CompiledScene& scene) { return scene.set_time(1); });
-  expect_valid_views([](CompiledScene& scene) { return scene.set_transform(1, {.translation = Vec3(0, 0.2f, 0)}); });
   expect_valid_views([&](CompiledScene& scene) { return scene.set_light(0, bright); });
   expect_valid_views([](CompiledScene& scene) { return scene.set_environment(testing::noise_environment(64, 32)); });
   expect_valid_views([&](CompiledScene& scene) { return scene.set_material(0, layered); });

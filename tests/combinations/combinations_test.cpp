@@ -104,8 +104,8 @@ class Measurement {
 };
 
 /// Reference by number of bounces, measured once per process. Many cells have the default number, and single presets
-/// others: theirs have fewer seeds, since a reference takes longer than a preset. On the host, also if cells are rendered
-/// on a device.
+/// others: theirs have fewer seeds, since a reference takes longer than a preset. On the host, also if cells are
+/// rendered on a device.
 const Mean& reference(int max_bounces) {
   static std::map<int, Mean> known;
   const auto [found, is_new] = known.try_emplace(max_bounces);

@@ -106,7 +106,7 @@ class GpuCheck(ProgramTest):
         self.assertIn("processor", report["devices"]["relume"][0])
         self.assertGreater(report["start"]["second_s"], 0)
         self.assertEqual([row["technique"] for row in report["times"]], ["path", "interactive", "bdpt", "bmfr", "psf", "apg", "vlc+cdq"])
-        self.assertIn("bmfr", report["times"][3]["passes_ms"])
+        self.assertIn("bmfr-fit", report["times"][3]["passes_ms"])
         for row in report["times"]:
             self.assertEqual(row["frames"], 1)
             self.assertGreater(row["passes_ms"]["trace"], 0)

@@ -28,7 +28,7 @@ class GpuViewer(Viewer):
         script = "pace off\nframes 1\nkey ctrl+1\nframes 1\n"
         self.view("cornell", script, *GPU, base=logging(log))
         # The script needs no more launches than this, with a margin for a slow interface: the viewer renders all the time.
-        later = 20 * len(launches_in(log))
+        later = 6 * len(launches_in(log))
         done = self.run_viewer("cornell", script, *GPU, frames=100000, base=environment(f"lose={later}"))
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("failed in or after the launch of '", done.stderr.splitlines()[-1])

@@ -58,9 +58,7 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
     for (const float r : roughnesses) {
       for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {
         switch (kind) {
-          case LobeKind::lambert:  // has no roughness
-            if (r == roughnesses.front()) cases.push_back(single_lobe(kind, "lambert", 1, model));
-            break;
+          case LobeKind::lambert: cases.push_back(single_lobe(kind, "lambert", 1, model)); break;
           case LobeKind::covered_lambert: cases.push_back(single_lobe(kind, "covered lambert", r, model)); break;
           case LobeKind::reflection: cases.push_back(single_lobe(kind, "reflection", r, model)); break;
           case LobeKind::multiple_reflection:
