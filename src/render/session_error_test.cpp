@@ -159,7 +159,9 @@ TEST(SessionErrors, LightCachesIncludeSamplesOnceIfTheThreadsChange) {
       const FailingLaunches failing(session, "vlc.populate");
       EXPECT_EQ(error_of([&] { session.render_frame(); }), "failure 1");
     }
-    if (changes_threads) EXPECT_TRUE(session.set_settings(other));
+    if (changes_threads) {
+      EXPECT_TRUE(session.set_settings(other));
+    }
     for (int i = 0; i < 3; ++i) session.render_frame();
     return session.image().pixels;
   };
