@@ -78,10 +78,11 @@ inline Hit trace(const Scene& scene, const Vec3& origin, const Vec3& direction, 
           const float det = glm::dot(e1, p);
           if (det == 0) continue;
           const float u = glm::dot(o - a, p) / det;
+          if (u < 0 || u > 1) continue;
           const Vec3 q = glm::cross(o - a, e1);
           const float v = glm::dot(d, q) / det;
           const float distance = glm::dot(e2, q) / det;
-          if (u < 0 || v < 0 || u + v > 1 || distance <= 1e-4f || distance >= hit.distance) continue;
+          if (v < 0 || u + v > 1 || distance <= 1e-4f || distance >= hit.distance) continue;
           hit = {distance, &scene.materials[static_cast<size_t>(mesh.material)], det > 0};
         }
       }
