@@ -161,15 +161,7 @@ TEST(BuiltinScenes, AnimatedScenesMove) {
 /// Lamps with caustics that only chance finds cover at most 0.1 % of the ceiling (5.5 m squared).
 TEST(BuiltinScenes, CausticLampsAreSmall) {
   for (const char* name : {"cornell-water", "cornell-glass"}) {
-    const Scene& scene = scene_named(name);
-    float area = 0;
-    for (const Mesh& mesh : scene.meshes) {
-      if (is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
-      for (const UVec3& t : mesh.triangles) {
-        const Vec3 a = mesh.positions[t.x];
-        area += 0.5f * glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
-      }
-    }
+    const float area = testing::emissive_area(scene_named(name));
     EXPECT_GT(area, 0.0f);
     EXPECT_LE(area, 0.001f * sqr(5.5f));
   }

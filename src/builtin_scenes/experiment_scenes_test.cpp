@@ -10,6 +10,7 @@
 namespace relume {
 namespace {
 
+using testing::emissive_area;
 using testing::emissive_count;
 using testing::Hit;
 using testing::scene_named;
@@ -58,19 +59,8 @@ TEST(WarehouseLayouts, HaveTheirLamps) {
 
 /// Bays of 4.4 m have lamps of the same total power, however many.
 TEST(WarehouseLayouts, BaysHaveTheSamePower) {
-  const auto area_per_bay = [](const Scene& scene, float bays) {
-    float area = 0;
-    for (const Mesh& mesh : scene.meshes) {
-      if (is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
-      for (const UVec3& t : mesh.triangles) {
-        const Vec3 a = mesh.positions[t.x];
-        area += 0.5f * glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
-      }
-    }
-    return area / bays;
-  };
-  const float three = area_per_bay(scene_named("warehouse-140"), 140);
-  EXPECT_NEAR(area_per_bay(scene_named("warehouse-399"), 399), three, 1e-3f * three);  // sums of floats
+  const float three = emissive_area(scene_named("warehouse-140")) / 140;
+  EXPECT_NEAR(emissive_area(scene_named("warehouse-399")) / 399, three, 1e-3f * three);  // sums of floats
 }
 
 /// Seen from the floor, what the lamp lights covers at most 1 % of the sphere of directions.

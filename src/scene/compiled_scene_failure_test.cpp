@@ -118,6 +118,17 @@ void expect_same_view(const CompiledScene& scene, const CompiledScene& expected)
   EXPECT_EQ(scene.view().materials[0].emission, expected.view().materials[0].emission);
 }
 
+/// Runs `change` while the allocation after `before` others fails. Returns whether one failed.
+bool fails(const std::function<void()>& change, WatchedMemory& memory, int before) {
+  memory.failing.fail_after(before);
+  try {
+    change();
+  } catch (const std::bad_alloc&) {
+  }
+  memory.failing.recover();
+  return memory.failing.failed();
+}
+
 /// Fails each allocation of an update in turn. Then the view must be valid, and the repeated update complete.
 void expect_valid_views(const std::function<Change(CompiledScene&)>& update) {
   CompiledScene expected(source(), options());
@@ -127,14 +138,9 @@ void expect_valid_views(const std::function<Change(CompiledScene&)>& update) {
     SCOPED_TRACE(before);
     WatchedMemory memory;
     CompiledScene scene(source(), options(), memory);
-    memory.failing.fail_after(before);
-    try {
-      update(scene);
-    } catch (const std::bad_alloc&) {
-    }
-    memory.failing.recover();
+    const bool has_failed = fails([&] { update(scene); }, memory, before);
     expect_existing_arrays(scene, memory);
-    if (!memory.failing.failed()) break;
+    if (!has_failed) break;
     EXPECT_TRUE(scene.is_stale());
     EXPECT_FALSE(is_hit(scene, 0.5f));
     EXPECT_EQ(scene.view().lights.lights.size, 0u);
@@ -162,28 +168,16 @@ TEST(CompiledSceneFailure, OfAnEnvironmentKeepsThePreviousOne) {
     SCOPED_TRACE(before);
     WatchedMemory memory;
     CompiledScene scene(source(), options(), memory);
-    memory.failing.fail_after(before);
-    try {
-      scene.set_environment(testing::noise_environment(64, 32));
-    } catch (const std::bad_alloc&) {
-    }
-    memory.failing.recover();
-    if (!memory.failing.failed()) break;
+    if (!fails([&] { scene.set_environment(testing::noise_environment(64, 32)); }, memory, before)) break;
     EXPECT_EQ(scene.set_time(0), Change::any);
     expect_same_view(scene, expected);
   }
 }
 
-/// Changes the time while the allocation after `before` others fails. Returns whether one failed.
 bool fails_to_set_time(CompiledScene& scene, WatchedMemory& memory, int before) {
-  memory.failing.fail_after(before);
-  try {
-    scene.set_time(1);
-  } catch (const std::bad_alloc&) {
-  }
-  memory.failing.recover();
-  EXPECT_EQ(scene.is_stale(), memory.failing.failed());
-  return memory.failing.failed();
+  const bool has_failed = fails([&] { scene.set_time(1); }, memory, before);
+  EXPECT_EQ(scene.is_stale(), has_failed);
+  return has_failed;
 }
 
 /// Fails each allocation of a change of the time in turn. Then `update` must rebuild the scene of the time before.
@@ -228,13 +222,7 @@ TEST(CompiledSceneFailure, OfAnImageSizeKeepsThePreviousOneOfAStaleScene) {
     WatchedMemory memory;
     CompiledScene scene(moving_source(), options(), memory);
     ASSERT_TRUE(fails_to_set_time(scene, memory, 0));
-    memory.failing.fail_after(before);
-    try {
-      scene.set_resolution(24, 12);
-    } catch (const std::bad_alloc&) {
-    }
-    memory.failing.recover();
-    if (!memory.failing.failed()) break;
+    if (!fails([&] { scene.set_resolution(24, 12); }, memory, before)) break;
     EXPECT_EQ(scene.set_time(0), Change::any);
     expect_same_view(scene, expected);
   }
@@ -342,13 +330,7 @@ TEST(CompiledSceneFailure, AddsNothing) {
     const size_t materials = scene.source().materials.size();
     const size_t meshes = scene.source().meshes.size();
     const uint32_t vertices = scene.view().vertices.size;
-    memory.failing.fail_after(before);
-    try {
-      add_wall(scene);
-    } catch (const std::bad_alloc&) {
-    }
-    memory.failing.recover();
-    if (!memory.failing.failed()) break;
+    if (!fails([&] { add_wall(scene); }, memory, before)) break;
     EXPECT_EQ(scene.source().meshes.size(), meshes);
     EXPECT_LE(scene.source().materials.size(), materials + 1) << "that of the mesh may have been added";
     scene.commit_edits();

@@ -44,6 +44,19 @@ inline size_t emissive_count(const Scene& scene) {
   return triangle_count(scene, [](const Material& m) { return !is_black(m.emission); });
 }
 
+/// Area of the emissive meshes, each counted once and untransformed.
+inline float emissive_area(const Scene& scene) {
+  float area = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    if (is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
+    for (const UVec3& t : mesh.triangles) {
+      const Vec3 a = mesh.positions[t.x];
+      area += 0.5f * glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
+    }
+  }
+  return area;
+}
+
 /// The first node with a camera. Throws std::out_of_range if there is none.
 inline size_t camera_node(const Scene& scene) {
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
