@@ -1,6 +1,7 @@
 """The page of gpu_check, and the aims of the design. scripts/gpu_bundle copies it beside gpu_check."""
 
 import html
+import re
 
 # Aims of the design, in Sponza, on a GPU of the class of an H100. Largest times of a frame and of a pass, milliseconds:
 FRAME_AIMS_MS = {("path", "1920x1080"): 16, ("interactive", "1920x1080"): 30, ("bdpt", "1280x720"): 16.7}
@@ -16,8 +17,8 @@ RAY_AIMS = {"camera rays": 2000, "shadow rays and first bounces": 1000}
 
 
 def time_of(row, names):
-    """Milliseconds of the passes with these names, and of their parts, which are named NAME-…."""
-    return sum(ms for name, ms in row["passes_ms"].items() if name in names or name.split("-")[0] in names)
+    """Milliseconds of the passes with these names, and of their parts, which are named NAME-… or NAME.…."""
+    return sum(ms for name, ms in row["passes_ms"].items() if re.split("[-.]", name)[0] in names)
 
 
 def aims(report):
@@ -72,7 +73,8 @@ table{border-collapse:collapse;margin:1em 0}th,td{border:1px solid #8886;padding
 
 def page(report):
     """The report as one HTML file."""
-    parts = [f"<h1>relume on a GPU: {verdict(report)}</h1>"]
+    place = "the processor" if report["device"] == "cpu" else "a GPU"
+    parts = [f"<h1>relume on {place}: {verdict(report)}</h1>"]
     parts.append(f"<p>{html.escape(report['relume'])}, --device {html.escape(report['device'])}, {report['date']}</p>")
     parts.append(table(["step", "seconds", "problems"], [[s["name"], f"{s['seconds']:.1f}", "; ".join(s["problems"]) or "none"] for s in report["steps"]]))
     if "devices" in report:

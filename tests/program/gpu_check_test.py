@@ -120,6 +120,9 @@ class GpuCheck(ProgramTest):
         self.assertEqual(list(aims), ["passes cells, resolve of psf", "passes cells, resolve of apg", "passes lights, octree, vlc, cdq of vlc+cdq", "camera rays", "shadow rays and first bounces"])
         for row in report["aims"]:
             self.assertGreater(row["value"], 0, row)
+        guided = report["times"][6]
+        octree_ms = sum(ms for name, ms in guided["passes_ms"].items() if name.startswith("octree"))
+        self.assertGreaterEqual(aims["passes lights, octree, vlc, cdq of vlc+cdq"]["value"], 99.9 * octree_ms / guided["frame_ms"])
         page = (self.folder / "out/gpu-check.html").read_text()
         for part in ("no problem, 3 of 3 cases compared", "<h2>Bits</h2>", "vlc+cdq", "<h2>Slowest passes</h2>", "camera rays", "<h2>Aims"):
             self.assertIn(part, page)
