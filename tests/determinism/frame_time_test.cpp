@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "determinism/same_bits.h"
 #include "framebuffer/shared_buffers.h"
@@ -22,8 +23,11 @@ constexpr int kFrames = 6;
 constexpr int kGrowthFrames = 4;         // of each size, to find the least; the first one does not count
 constexpr double kMostShare = 0.03;      // of a frame
 constexpr double kAllowance_s = 100e-6;  // added per frame; matters only where a frame takes less than a few ms
-// Growth of the time outside of launches with the image, per pixel and frame. Without loops, 1 to 4 ns were measured.
-constexpr double kMostPerPixel_s = 8e-9;
+// Other processes lengthen measurements of code that is right; they never shorten those of a loop.
+constexpr int kTries = 10;
+// Growth of the time outside of launches with the image, per pixel and frame, as a share of a loop with a power per
+// pixel. Without loops, 0.05 to 0.2 were measured.
+constexpr double kMostGrowth = 0.5;
 
 struct Size {
   int width = 128;
@@ -84,27 +88,44 @@ FrameTimes measure(const DeterminismCheck& technique, const Size& size = {}, int
   return times;
 }
 
-/// Best of up to three measurements. Cache contention with other processes lengthens the time outside of launches.
+/// Best of up to `kTries` measurements.
 FrameTimes shortest(const DeterminismCheck& technique) {
   FrameTimes best = measure(technique);
-  for (int i = 0; i < 2 && !best.add_up(); ++i) {
+  for (int i = 1; i < kTries && !best.add_up(); ++i) {
     const FrameTimes next = measure(technique);
     if (next.outside_s / next.all_s < best.outside_s / best.all_s) best = next;
   }
   return best;
 }
 
-/// Growth of the time outside of launches per pixel of the image, seconds, for the frame of a session that takes the
-/// least. The smallest of up to `tries`.
-double growth_s(const DeterminismCheck& technique, int tries,
-                const std::function<void(Session&, const std::string&)>& after_pass = {}) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < tries && least > kMostPerPixel_s; ++i) {
-    const double large_s = measure(technique, kLarge, kGrowthFrames, after_pass).least_outside_s;
-    const double small_s = measure(technique, kSmall, kGrowthFrames, after_pass).least_outside_s;
-    least = std::min(least, (large_s - small_s) / (kLarge.pixels() - kSmall.pixels()));
+/// Sum of a power of each pixel's luminance.
+template <class Pixels>
+double sum_of_powers(const Pixels& pixels) {
+  double sum = 0;
+  for (const Rgb& pixel : pixels) sum += std::pow(luminance(pixel), 1 / 2.4);
+  return sum;
+}
+
+/// The most growth of the time outside of launches per pixel, seconds: a share of the time that this processor needs
+/// for `sum_of_powers()`.
+double most_growth_s() {
+  const std::vector<Rgb> pixels(static_cast<size_t>(kLarge.pixels()), Rgb{0.3f, 0.4f, 0.5f});
+  double least_s = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kTries; ++i) {
+    const double start_s = thread_s();
+    EXPECT_GT(sum_of_powers(pixels), 0.0);
+    least_s = std::min(least_s, thread_s() - start_s);
   }
-  return least;
+  return kMostGrowth * least_s / kLarge.pixels();
+}
+
+/// Growth of the time outside of launches per pixel of the image, seconds, for the frame of a session that takes the
+/// least.
+double growth_s(const DeterminismCheck& technique,
+                const std::function<void(Session&, const std::string&)>& after_pass = {}) {
+  const double large_s = measure(technique, kLarge, kGrowthFrames, after_pass).least_outside_s;
+  const double small_s = measure(technique, kSmall, kGrowthFrames, after_pass).least_outside_s;
+  return (large_s - small_s) / (kLarge.pixels() - kSmall.pixels());
 }
 
 class FrameTimesTest : public ::testing::TestWithParam<DeterminismCheck> {};
@@ -113,32 +134,29 @@ TEST_P(FrameTimesTest, AddUpToTheFrame) {
   EXPECT_TRUE(times.add_up()) << 1000 * times.outside_s << " of " << 1000 * times.all_s
                               << " ms are outside of launches; find a loop there, and launch it";
 }
-// Finds a single loop over pixels, in every frame, that takes more than 8 ns per pixel. Shorter ones may pass.
+// Finds a single loop over pixels, in every frame, that takes more than half of the time of `sum_of_powers()`. Shorter
+// ones may pass.
 TEST_P(FrameTimesTest, GrowWithTheImageOnlyInLaunches) {
-  EXPECT_LE(growth_s(GetParam(), 3), kMostPerPixel_s) << "find a loop over pixels outside of launches, and launch it";
+  const double most_s = most_growth_s();
+  double least_s = growth_s(GetParam());
+  for (int i = 1; i < kTries && least_s > most_s; ++i) least_s = std::min(least_s, growth_s(GetParam()));
+  EXPECT_LE(least_s, most_s) << "find a loop over pixels outside of launches, and launch it";
 }
 INSTANTIATE_TEST_SUITE_P(Shared, FrameTimesTest, ::testing::ValuesIn(technique_checks().determinism),
                          [](const auto& instance) { return instance.param.name; });
 
-/// A loop over pixels after one pass, with an elementary function for each.
-class PixelLoop {
- public:
-  void operator()(Session& session, const std::string& pass) {
-    if (pass != session.passes().back().name) return;
-    for (const Rgb& pixel : buffer_table(session).read(kMean)) sum_ += std::pow(luminance(pixel), 1 / 2.4);
-  }
-  double sum() const { return sum_; }
-
- private:
-  double sum_ = 0;
-};
-
 TEST(FrameTimesTest, GrowIfOnePassLoopsOverPixels) {
   if (is_host_replaced()) GTEST_SKIP() << "the host waits for devices outside of launches";
+  double sum = 0;
+  const auto loop = [&sum](Session& session, const std::string& pass) {
+    if (pass == session.passes().back().name) sum += sum_of_powers(buffer_table(session).read(kMean));
+  };
   const DeterminismCheck& technique = technique_checks().determinism.front();
-  PixelLoop loop;
-  EXPECT_GT(growth_s(technique, 1, std::ref(loop)), kMostPerPixel_s);
-  EXPECT_GE(loop.sum(), 0.0);
+  const double most_s = most_growth_s();
+  double longest_s = growth_s(technique, loop);
+  for (int i = 1; i < kTries && longest_s <= most_s; ++i) longest_s = std::max(longest_s, growth_s(technique, loop));
+  EXPECT_GT(longest_s, most_s);
+  EXPECT_GT(sum, 0.0);
 }
 
 }  // namespace
