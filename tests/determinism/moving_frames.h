@@ -35,8 +35,9 @@ inline uint64_t frame_hash(const Session& session) {
   return hash.value();
 }
 
-/// Hash of each frame from a restart on, while the camera moves sideways. Restores the camera.
-inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings) {
+/// Hash of each frame from a restart on, while the camera moves sideways and, with `frame_s` > 0, the scene by that time
+/// per frame, seconds. Restores the camera, and then the time 0.
+inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings, float frame_s = 0) {
   const CameraPose start = session.camera();
   EXPECT_TRUE(session.set_settings(settings));
   session.restart(settings.seed);
@@ -45,10 +46,12 @@ inline std::vector<uint64_t> moving_frames(Session& session, const RenderSetting
     CameraPose moved = start;
     moved.to_world[3] += 0.02f * static_cast<float>(frame) * start.to_world[0];
     session.set_camera(moved);
+    if (frame_s > 0) session.set_time(frame_s * static_cast<float>(frame));
     session.render_frame();
     frames.push_back(frame_hash(session));
   }
   session.set_camera(start);
+  if (frame_s > 0) session.set_time(0);
   return frames;
 }
 

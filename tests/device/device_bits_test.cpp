@@ -8,6 +8,7 @@
 #include "device/host_and_device.h"
 #include "device/kernels.h"
 #include "scene/testing/figure.h"
+#include "support/scenes.h"
 #include "support/technique_checks.h"
 #include "support/test_name.h"
 
@@ -44,6 +45,14 @@ TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) {
       session->render_frame();
     }
     EXPECT_EQ(frame_hash(sessions.host()), frame_hash(sessions.on_device())) << time_s;
+  }
+}
+
+/// The same in every technique, while the camera moves, too.
+TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHostInEveryTechnique) {
+  HostAndDevice sessions(in_a_room(testing::figure({.morphs = true})));
+  for (const DeterminismCheck& technique : technique_checks().determinism) {
+    EXPECT_TRUE(sessions.agrees(technique, 0.15f)) << technique.name;
   }
 }
 

@@ -24,7 +24,9 @@ constexpr const char* kTable = RELUME_SOURCE_DIR "/docs/device-bits.md";
 constexpr const char* kPageHead =
     "# Bits of device code\n\nA device is emulated: the device code of all kernels (PTX) runs on the processor. Each "
     "technique\nrenders each built-in scene at 64×36 pixels: four frames with a moving camera. A scene counts if\nall "
-    "bits of the images and auxiliary buffers equal those of `--accel bvh` on the host. This page is\ngenerated:\n\n"
+    "bits of the images and auxiliary buffers equal those of `--accel bvh` on the host. The test\n"
+    "`SlowDeviceBitsOfMotion` requires the same for a skinned mesh with morph targets that moves. This\npage is "
+    "generated:\n\n"
     "    RELUME_WRITE=1 build/release/tests/device/device_tests --gtest_filter='DeviceBitsTable.*'\n\n"
     "| technique | scenes with equal bits |\n|---|---|\n";
 

@@ -40,10 +40,10 @@ class HostAndDevice {
   Session& host() { return host_; }
   Session& on_device() { return on_device_; }
 
-  /// Whether all frames of a technique have the same bits.
-  bool agrees(const DeterminismCheck& technique) {
+  /// Whether all frames of a technique have the same bits. `frame_s`: as for moving_frames().
+  bool agrees(const DeterminismCheck& technique, float frame_s = 0) {
     const RenderSettings settings = device_settings(technique);
-    return moving_frames(host_, settings) == moving_frames(on_device_, settings);
+    return moving_frames(host_, settings, frame_s) == moving_frames(on_device_, settings, frame_s);
   }
 
  private:

@@ -71,6 +71,35 @@ Scene open_box() {
   return scene;
 }
 
+Scene in_a_room(Scene figure) {
+  SceneBuilder builder("room");
+  Scene room = [&] {
+    const Index grey = builder.add_material(matte("grey", Rgb(0.6f)));
+    const Index light = builder.add_material(emitter("light", Rgb(12)));
+    builder.add("floor", quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}), grey);
+    builder.add("wall", quad({-4, 0, -1.5f}, {8, 0, 0}, {0, 5, 0}), grey);
+    builder.add("lamp", quad({-2, 4, 0}, {1.5f, 0, 0}, {0, 0, 1.5f}), light);
+    builder.add_camera({0.5f, 1.5f, 5}, {0.3f, 1.1f, 0}, 40);
+    return builder.take();
+  }();
+  const auto nodes = static_cast<Index>(figure.nodes.size());
+  const auto meshes = static_cast<Index>(figure.meshes.size());
+  const auto materials = static_cast<Index>(figure.materials.size());
+  for (Mesh& mesh : room.meshes) {
+    mesh.material += materials;
+    figure.meshes.push_back(std::move(mesh));
+  }
+  for (Node& node : room.nodes) {
+    if (node.parent != kNone) node.parent += nodes;
+    for (Index& mesh : node.meshes) mesh += meshes;
+    figure.nodes.push_back(std::move(node));
+  }
+  figure.materials.insert(figure.materials.end(), room.materials.begin(), room.materials.end());
+  figure.cameras = room.cameras;
+  figure.materials[0] = matte("orange", Rgb(0.7f, 0.4f, 0.1f));
+  return figure;
+}
+
 Texture make_texture(int width, int height, PixelFormat format, std::array<int, 4> (*value)(int x, int y)) {
   Texture texture;
   texture.width = width;

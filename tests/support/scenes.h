@@ -29,6 +29,9 @@ Scene irradiance_meter();
 /// The Cornell box, open at the front to a sky, with two additional lamps: light of every kind for selection.
 Scene open_box();
 
+/// The parts of testing::figure() in a room with a lamp, viewed from the front. Node 0 holds the figure.
+Scene in_a_room(Scene figure);
+
 /// 8-bit texture with nearest filtering and texel (x, y) from `value`.
 Texture make_texture(int width, int height, PixelFormat format, std::array<int, 4> (*value)(int x, int y));
 
