@@ -1,4 +1,4 @@
-// Compiles the kernels of kernels.cu for the host. launched_kernels_test.py reads their full names from the object
+// Compiles the kernels of kernels.cu for the host. check_launched_kernels.py reads their full names from the object
 // file, where aliases and default arguments are resolved.
 #include <cstdint>
 

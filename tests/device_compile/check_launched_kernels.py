@@ -1,5 +1,5 @@
-"""launched_kernels_test.py NM LIBRARY OBJECT: checks that OBJECT, kernels.cu compiled for the host, instantiates every
-kernel that LIBRARY launches."""
+"""check_launched_kernels.py NM LIBRARY OBJECT: checks that OBJECT, kernels.cu compiled for the host, instantiates every
+kernel that LIBRARY launches. The build runs it, and stops if a list lacks a kernel."""
 import sys
 
 from kernel_names import compiled_kernels, launched_kernels, symbols_of
