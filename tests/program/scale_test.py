@@ -24,6 +24,11 @@ class Scale(ProgramTest):
         self.assertLess(stats["load_s"] + stats["build_s"], 10)
         self.assertLess(stats["peak_memory_bytes"], 4 * GIB)
 
+    def test_ten_million_instanced_triangles_with_the_own_bvh(self):
+        stats = self.stats("city", "--accel", "bvh", "--width", "160", "--height", "90")
+        self.assertLess(stats["load_s"] + stats["build_s"], 10)
+        self.assertLess(stats["peak_memory_bytes"], 2e9)
+
     def test_8k_image(self):
         stats = self.stats("cornell", "--width", "7680", "--height", "4320")
         # Six float planes for the sums, and as many for image and file: 33 million pixels below 120 bytes each.
