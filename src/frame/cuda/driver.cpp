@@ -89,6 +89,7 @@ std::string_view remedy(Result result) {
     case Result::out_of_memory:
     case Result::launch_out_of_resources: return "use a smaller image or scene, or end other programs that use the GPU";
     case Result::device_unavailable: return "end the program that uses the GPU exclusively, or use --device cpu";
+    case Result::no_device: return "check that nvidia-smi lists a GPU, or use --device cpu";
     case Result::stub_library:
       return "remove the CUDA toolkit's stubs from LD_LIBRARY_PATH, so that the driver is found";
     case Result::invalid_ptx:
