@@ -371,6 +371,7 @@ void RenderJob::report(StopReason reason) const {
       .estimated_error = session_->estimated_error(),
       .load_s = load_s_,
       .build_s = statistics.build_s,
+      .accel_s = statistics.accel_s,
       .render_s = statistics.render_s,
       .write_s = write_s_,
       .samples = statistics.samples,

@@ -72,6 +72,7 @@ std::string to_json(const RunReport& report) {
       {"estimated_error", report.estimated_error},
       {"load_s", report.load_s},
       {"build_s", report.build_s},
+      {"accel_s", report.accel_s},
       {"render_s", report.render_s},
       {"write_s", report.write_s},
       {"samples", report.samples},

@@ -31,6 +31,7 @@ struct RunReport {
   double estimated_error = 0;    ///< of the last image; infinite below two samples
   double load_s = 0;             ///< these times are of this run; counts below continue from a checkpoint
   double build_s = 0;
+  double accel_s = 0;
   double render_s = 0;
   double write_s = 0;
   uint64_t samples = 0;  ///< over all pixels and images

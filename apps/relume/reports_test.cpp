@@ -24,8 +24,8 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   report.passes = {{"trace", 1.5, 0.375}, {"accumulate", 0.25}};
   report.figures = {{"cells.occupancy", 0.25}};
   const std::string text = to_json(report);
-  for (const char* name : {"load_s", "build_s", "render_s", "samples", "paths", "nonfinite_samples", "threads",
-                           "peak_memory_bytes", "scene_bytes", "buffer_bytes", "technique_bytes"}) {
+  for (const char* name : {"load_s", "build_s", "accel_s", "render_s", "samples", "paths", "nonfinite_samples",
+                           "threads", "peak_memory_bytes", "scene_bytes", "buffer_bytes", "technique_bytes"}) {
     expect_in(fmt::format("\"{}\": 0", name), text);
   }
   expect_in("\"rays\": 1152921504606846976", text);

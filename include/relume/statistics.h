@@ -37,6 +37,7 @@ struct DeviceStatistics {
 /// Totals since the session began. Counters are exact and do not depend on the number of threads.
 struct Statistics {
   double build_s = 0;    ///< compiling the scene and building the acceleration structure
+  double accel_s = 0;    ///< the part of build_s for the acceleration structure
   double render_s = 0;   ///< inside render_frame
   uint64_t frames = 0;   ///< complete frames
   uint64_t samples = 0;  ///< camera samples of all pixels

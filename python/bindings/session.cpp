@@ -112,6 +112,7 @@ std::string render_to_limits(PythonSession& s, RenderLimits limits, const py::ob
 py::dict statistics_dict(const Statistics& s) {
   py::dict result;
   result["build_s"] = s.build_s;
+  result["accel_s"] = s.accel_s;
   result["render_s"] = s.render_s;
   result["frames"] = s.frames;
   result["samples"] = s.samples;

@@ -185,6 +185,7 @@ def test_limits_end_a_rendering(cornell):
     assert cornell.render_until(time_s=0.05) == "time"
     assert cornell.statistics["frames"] >= 4
     assert (cornell.statistics["passes"]["trace"] > 0, cornell.statistics["device"]) == (True, None)
+    assert 0 < cornell.statistics["accel_s"] < cornell.statistics["build_s"]
     cornell.render_until(samples=64)
     assert 0 < cornell.estimated_error < 1
     cornell.restart(seed=7)

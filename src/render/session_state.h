@@ -99,6 +99,7 @@ struct Session::State {
     });
     counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;
+    statistics.accel_s = scene->accel_build_s();
     removed = RemovedParts(scene->source());
   }
 

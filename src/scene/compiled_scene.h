@@ -98,6 +98,8 @@ class CompiledScene {
   const std::vector<std::string>& notes() const { return notes_; }
   /// Bytes of geometry, lights, textures, environment and acceleration structure.
   size_t memory_bytes() const;
+  /// Time that the last build of the acceleration structure took, seconds. Updates do not count.
+  double accel_build_s() const { return accel_build_s_; }
   SceneBounds bounds() const { return view_.lights.bounds; }
 
  private:
@@ -249,6 +251,7 @@ class CompiledScene {
   SceneBounds bounds_;
   SceneView view_;
   std::unique_ptr<AccelStructure> accel_;
+  double accel_build_s_ = 0;
 };
 
 }  // namespace relume

@@ -1,4 +1,5 @@
 // The acceleration structure of a compiled scene.
+#include "core/clock.h"
 #include "scene/compiled_scene.h"
 #include "scene/surface_point.h"
 
@@ -42,8 +43,10 @@ void CompiledScene::build_accel() {
     meshes.push_back(a);
   }
   view_.accel = {};  // vertices may have moved: if this fails, no ray may read them
+  const double start_s = now_s();
   accel_ =
       make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
+  accel_build_s_ = now_s() - start_s;
   view_.accel = accel_->view();
 }
 

@@ -11,7 +11,7 @@ import unittest
 
 from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run, write_gltf
 
-STATS_KEYS = {"load_s", "build_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
+STATS_KEYS = {"load_s", "build_s", "accel_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
 METRICS_KEYS = {"mse", "rel_mse", "mae", "mape", "flip", "mean_a", "mean_b"}
 LAYERS = {
     "albedo": ["albedo.B", "albedo.G", "albedo.R"],
@@ -151,6 +151,8 @@ class Outputs(ProgramTest):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--stats", "s.json")
         stats = json.loads((self.folder / "s.json").read_text())
         self.assertLessEqual(STATS_KEYS, set(stats))
+        self.assertLess(0, stats["accel_s"])
+        self.assertLess(stats["accel_s"], stats["build_s"])
         self.assertEqual(stats["samples"], 24 * 18 * 2)
         self.assertEqual(stats["threads"], 1)
         self.assertIsNone(stats["device"])
