@@ -1,11 +1,14 @@
 // Failures of the CUDA backend on the stub driver: devices that fail during a frame, code that does not fit, errors at
-// every step of opening a device.
+// every step of opening a device, and in each function of the driver.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/array.h"
@@ -232,6 +235,81 @@ INSTANTIATE_TEST_SUITE_P(
     });
 #undef AGAIN
 #undef LESS
+
+/// Names in the library of all functions of the driver, except the two that describe errors.
+std::vector<std::string> function_names() {
+  std::vector<std::string> names;
+  Driver().for_each_function([&](const char* symbol, const auto&) {
+    if (!std::string_view(symbol).starts_with("cuGetError")) names.emplace_back(symbol);
+  });
+  return names;
+}
+
+bool is_one_of(const std::string& name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Opens a device, works with it, and closes it, which calls all these functions.
+void use_device(const StubDriver& stub) {
+  constexpr uint32_t kElements = 32 * 1024;  // in blocks that are large enough to be moved as a whole
+  const std::unique_ptr<Device> device = open(stub);
+  Array<uint32_t> from(device->memory());
+  Array<uint32_t> to(device->memory());
+  from.assign(kElements, 1);
+  to.assign(kElements, 0);
+  queue(*device, AddKernel{1, from.mutable_view()}, {0, 0, kElements, 1});
+  device->memory().zero(from.mutable_view().data, sizeof(uint32_t));
+  device->memory().copy(to.mutable_view().data, from.view().data, kElements * sizeof(uint32_t));
+  device->take_times();
+  EXPECT_EQ(to.read()[0], 0u);
+  EXPECT_EQ(to.read()[1], 2u);
+  device->finish();
+  device->take_times();
+}
+
+class DriverFunctionTest : public ::testing::TestWithParam<std::string> {
+ protected:
+  ~DriverFunctionTest() override { clean_up(); }
+  /// Ends the failure, and frees what it left in the driver.
+  void clean_up() {
+    StubDriver::configure("");
+    Context context = nullptr;
+    while (stub_.driver().cuCtxPopCurrent(&context) == Result::success) {
+    }
+    if (StubDriver::objects("contexts") > 0) stub_.driver().cuDevicePrimaryCtxRelease(0);
+  }
+
+  StubDriver stub_;
+};
+
+/// The first call fails with an error that the device survives, for lack of memory, and because the device is lost.
+TEST_P(DriverFunctionTest, FailsOnce) {
+  const std::string& function = GetParam();
+  const bool frees = is_one_of(
+      function, {"cuMemFree_v2", "cuMemFreeHost", "cuModuleUnload", "cuStreamDestroy_v2", "cuEventDestroy_v2"});
+  const bool releases = function == "cuDevicePrimaryCtxRelease_v2";
+  // Destructors ignore errors. After the loss of the device, the next call fails, too.
+  const bool in_destructors = frees || releases || is_one_of(function, {"cuCtxPopCurrent_v2", "cuStreamSynchronize"});
+  for (const auto& [result, name] : {std::pair(1, "CUDA_ERROR_INVALID_VALUE"), std::pair(2, "CUDA_ERROR_OUT_OF_MEMORY"),
+                                     std::pair(719, "CUDA_ERROR_LAUNCH_FAILED")}) {
+    SCOPED_TRACE(name);
+    const bool is_lost = result == 719;
+    const bool is_ignored = in_destructors && !(is_lost && function == "cuCtxPopCurrent_v2");
+    StubDriver::configure("fail=" + function + ":1:" + std::to_string(result));
+    const std::string error = error_of([&] { use_device(stub_); });
+    EXPECT_GT(StubDriver::calls(function.c_str()), 0u);
+    const bool names_it = error.find("failed") != std::string::npos && error.find(name) != std::string::npos;
+    EXPECT_EQ(error == "no error", is_ignored) << error;
+    EXPECT_EQ(names_it, !is_ignored) << error;
+    EXPECT_EQ(StubDriver::objects("leaked"), frees && !is_lost ? 1u : 0u) << "only what it should have freed";
+    EXPECT_EQ(StubDriver::objects("contexts"), releases ? 1u : 0u);
+    clean_up();
+    EXPECT_EQ(error_of([&] { use_device(stub_); }), "no error");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DriverFunctionTest, ::testing::ValuesIn(function_names()),
+                         [](const auto& tested) { return tested.param; });
 
 }  // namespace
 }  // namespace relume::cuda
