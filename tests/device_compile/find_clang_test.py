@@ -1,5 +1,5 @@
-"""Tests of the search for device code's compiler and lists of kernels. RELUME_CMAKE: the program; RELUME_MODULES: its
-modules."""
+"""Tests of the search for device code's compiler and lists of kernels, and of builds without device code.
+RELUME_CMAKE: the program; RELUME_MODULES: its modules."""
 
 import os
 import pathlib
@@ -13,6 +13,13 @@ class Script(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+
+    def install(self, name, version, otherwise=""):
+        """A compiler that states a version, and runs a line of a shell for all other commands."""
+        path = self.folder / name
+        states_version = f'if [ "$1" = -dumpversion ]; then echo {version}; exit; fi'
+        path.write_text(f"#!/bin/sh\n{states_version}\n{otherwise}\n", encoding="utf-8")
+        path.chmod(0o755)
 
     def output_of(self, module, commands, *definitions):
         """The message `[...]` of a script that includes a module, with the folder as search path."""
@@ -29,11 +36,6 @@ class Script(unittest.TestCase):
 
 
 class FindClang(Script):
-    def install(self, name, version):
-        path = self.folder / name
-        path.write_text(f"#!/bin/sh\necho {version}\n", encoding="utf-8")
-        path.chmod(0o755)
-
     def found(self, *definitions):
         return self.output_of("RelumeFindClang", 'relume_find_clang(CLANG)\nmessage("[${CLANG}]")', *definitions)
 
@@ -54,6 +56,52 @@ class FindClang(Script):
     def test_the_users_choice_is_kept(self):
         self.install("clang++", "14.0.6")
         self.assertEqual(self.found("-DCLANG=/opt/clang++"), "/opt/clang++")
+
+
+class DeviceCode(Script):
+    """Builds without a compiler of device code. RelumeDeviceCode.cmake runs as a script, which ends before it compiles."""
+
+    def configure(self, *definitions):
+        """Exit code and words of the messages."""
+        (self.folder / "src").mkdir(exist_ok=True)
+        (self.folder / "src/kernels.inc").touch()
+        script = self.folder / "script.cmake"
+        modules = os.environ["RELUME_MODULES"]
+        script.write_text(
+            f"cmake_minimum_required(VERSION 3.25)\nlist(APPEND CMAKE_MODULE_PATH {modules})\n"
+            f"set(PROJECT_SOURCE_DIR {self.folder})\nset(PROJECT_BINARY_DIR {self.folder}/build)\n"
+            'include(RelumeDeviceCode)\nmessage(STATUS "PTX: [${RELUME_PTX}]")\n',
+            encoding="utf-8",
+        )
+        done = subprocess.run(
+            [os.environ["RELUME_CMAKE"], *definitions, "-P", script],
+            env={"PATH": str(self.folder)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        return done.returncode, " ".join(done.stdout.split())
+
+    def assert_note_or_error(self, problem, *definitions):
+        """RELUME_CUDA=AUTO builds without device code and states the problem, ON stops, OFF says nothing."""
+        self.assertEqual(self.configure(*definitions), (0, f"-- No device code: {problem} -- PTX: []"))
+        code, text = self.configure("-DRELUME_CUDA=ON", *definitions)
+        self.assertEqual(code, 1)
+        self.assertIn(f"RELUME_CUDA=ON, but {problem}; install clang or set RELUME_CUDA=OFF", text)
+        self.assertEqual(self.configure("-DRELUME_CUDA=OFF", *definitions), (0, "-- PTX: []"))
+
+    def test_without_clang(self):
+        self.assert_note_or_error("clang++ 14 or later is not installed")
+
+    def test_a_clang_that_cannot_compile_device_code(self):
+        self.install("clang++", "15.0.6", "echo 'error: no target nvptx64' >&2; echo 'in file probe.cu' >&2; exit 1")
+        self.assert_note_or_error(f"{self.folder}/clang++ cannot compile device code: error: no target nvptx64")
+
+    def test_a_clang_that_is_too_old(self):
+        self.install("clang++-13", "13.0.1")
+        clang = self.folder / "clang++-13"
+        self.assert_note_or_error(f"{clang} is not version 14 or later", f"-DRELUME_CLANG={clang}")
 
 
 class KernelLists(Script):
