@@ -35,6 +35,11 @@ def parse_report(text):
     return kernels, functions
 
 
+def spilling(usages, most):
+    """The functions whose instructions store or load more than `most` bytes of spilled registers."""
+    return {name: u for name, u in usages.items() if max(u.spill_stores, u.spill_loads) > most}
+
+
 def table(usages, title_of):
     """A line for each function, the largest stack first. `title_of(name)`: its name for people."""
     lines = ["registers   stack  spill stores  spill loads  function"]
