@@ -60,6 +60,12 @@ class Builder {
     follow<&RenderSettings::path>(added);
     return added;
   }
+  /// Configures the pass with `values` of the settings, now and whenever settings change.
+  template <typename P, typename Values>
+  void add_follower(P& pass, const Values& values) {
+    pass.configure(values(settings_));
+    passes_.followers.push_back([&pass, values](const RenderSettings& now) { pass.configure(values(now)); });
+  }
   const Pipeline& pipeline() const { return passes_.pipeline; }
 
  private:
@@ -105,6 +111,14 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
     const bool reads_hits = std::find(pass.reads.begin(), pass.reads.end(), BufferId(kPrimaryHits)) != pass.reads.end();
     return reads_hits && !pass.only_sampled_pixels;
   });
+}
+
+OctreePass& add_octree(Builder& builder, bool adds_up) {
+  OctreePass& octree = builder.add<OctreePass, &RenderSettings::octree>(adds_up);
+  builder.add_follower(octree, [](const RenderSettings& s) {
+    return RecordUsers{.lights = s.lights == LightSelectionChoice::vlc, .directions = s.guide == GuideChoice::cdq};
+  });
+  return octree;
 }
 
 const LightSelector& add_light_selection(Builder& builder, const RenderSettings& settings, const OctreePass* octree) {
@@ -364,7 +378,7 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   FramePasses passes;
   Builder builder(settings, passes, memory);
   const bool adds_up = settings.history != HistoryChoice::none;
-  const OctreePass* octree = learns(settings) ? &builder.add<OctreePass, &RenderSettings::octree>(adds_up) : nullptr;
+  const OctreePass* octree = learns(settings) ? &add_octree(builder, adds_up) : nullptr;
   const LightSelector& selector = add_light_selection(builder, settings, octree);
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};

@@ -29,7 +29,7 @@ OctreeTree first_tree(const SceneView& scene, Memory& memory) {
 }  // namespace
 
 OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
-  const double scale = s.scale ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
+  const double scale = s.scale && s.count == OctreeCount::all ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
   constexpr double kFewest = 1024;
   const double split = std::max(s.split * scale, std::min<double>(s.split, kFewest));
   OctreeThresholds t;
@@ -67,11 +67,19 @@ bool OctreePass::run(const FrameContext& frame) {
 
 void OctreePass::adapt(const FrameContext& frame) {
   stream_.group(frame.backend, tree_->leaf_slots());
-  OctreeTree next =
-      tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()), scratch_);
+  OctreeTree next = tree_->adapted(frame.backend, counts(frame), thresholds_of(settings_, frame.pixels()), scratch_);
   previous_ = std::move(tree_);
   tree_ = std::move(next);
   ++generation_;
+}
+
+View<const uint32_t> OctreePass::counts(const FrameContext& frame) {
+  if (settings_.count == OctreeCount::all) return stream_.groups().counts;
+  useful_.reset(tree_->leaf_slots(), kUninitialized);
+  const CountUsefulSamplesKernel count{stream_.groups(), users_, frame.scene.lights.first_infinite,
+                                       useful_.mutable_view()};
+  frame.launch("octree.count", count, {tree_->leaf_slots(), 1});
+  return useful_.view();
 }
 
 PassDeclaration RegionViewPass::declaration() const {
@@ -92,7 +100,7 @@ bool RegionViewPass::run(const FrameContext& frame) {
 }
 
 size_t OctreePass::memory_bytes() const {
-  return stream_.memory_bytes() + depths_.memory_bytes() + scratch_.memory_bytes() +
+  return stream_.memory_bytes() + depths_.memory_bytes() + scratch_.memory_bytes() + useful_.memory_bytes() +
          (tree_ ? tree_->memory_bytes() : 0) + (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
 }
 

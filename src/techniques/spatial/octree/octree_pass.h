@@ -8,12 +8,13 @@
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/spatial/octree/settings.h"
 #include "techniques/spatial/octree/snapshot.h"
+#include "techniques/spatial/octree/useful_samples.h"
 
 namespace relume {
 
 /// Thresholds for an image of `pixels` pixels. The settings apply to 1920 × 1080 pixels with two records each, and
 /// `scale` scales them with the number of records. Regions of fewer than 1024 samples adapt poorly, so scaling does
-/// not lower `split` below that.
+/// not lower `split` below that. Numbers of useful records have thresholds without a scale.
 OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
 
 /// Groups the last frame's samples by region and builds the next tree from their numbers. Later passes update the data
@@ -22,9 +23,17 @@ class OctreePass final : public Pass {
  public:
   /// `epochs`: several frames may sample the same tree, because a history accumulates them.
   OctreePass(const OctreeSettings& settings, bool epochs, Memory& memory)
-      : settings_(settings), epochs_(epochs), memory_(memory), scratch_(memory), stream_(memory), depths_(memory) {}
+      : settings_(settings),
+        epochs_(epochs),
+        memory_(memory),
+        scratch_(memory),
+        stream_(memory),
+        useful_(memory),
+        depths_(memory) {}
 
   void configure(const OctreeSettings& settings) { settings_ = settings; }
+  /// Sets which records the passes of this pipeline learn from.
+  void configure(const RecordUsers& users) { users_ = users; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   void abandon() override { prepared_ = has_taken_samples_; }
@@ -55,8 +64,11 @@ class OctreePass final : public Pass {
 
  private:
   void adapt(const FrameContext& frame);
+  /// Number of records that count, by leaf slot of the tree.
+  View<const uint32_t> counts(const FrameContext& frame);
 
   OctreeSettings settings_;
+  RecordUsers users_;
   bool epochs_;
   Memory& memory_;
   bool prepared_ = false;           ///< whether the tree is already that of the next frame
@@ -67,6 +79,7 @@ class OctreePass final : public Pass {
   std::optional<OctreeTree> previous_;
   OctreeScratch scratch_;
   SampleStream stream_;
+  Array<uint32_t> useful_;  ///< number of useful records by leaf slot
   PathRecording recording_;
   Array<uint8_t> depths_;
 };

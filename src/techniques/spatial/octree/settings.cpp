@@ -15,7 +15,13 @@ SettingList describe(OctreeSettings& s) {
        &s.split,
        "A region that receives more samples per frame than this is split in eight",
        {.min = 8, .max = 1 << 24}},
-      {"scale", &s.scale, "Scale collapse and split, which are defined for 1920 x 1080 pixels, with the image size"},
+      {"scale",
+       &s.scale,
+       "Scale collapse and split, which are defined for 1920 x 1080 pixels, with the image size; no effect with count "
+       "useful"},
+      {"count", choice(s.count, {"all", "useful"}),
+       "Samples that collapse and split count: all, or only those that the light cache or the quadtree of a region "
+       "learns from, at any image size"},
       {"max-depth", &s.max_depth, "Maximum number of levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
       {"vertices",
        &s.vertices,
