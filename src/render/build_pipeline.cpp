@@ -8,6 +8,7 @@
 
 #include "frame/cuda/device_choice.h"
 #include "relume/error.h"
+#include "render/pipeline_builder.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
 #include "techniques/denoise/oidn/oidn_filter.h"
@@ -36,48 +37,6 @@
 
 namespace relume {
 namespace {
-
-/// Builds the list of a frame's passes.
-class Builder {
- public:
-  Builder(const RenderSettings& settings, FramePasses& passes, Memory& memory)
-      : settings_(settings), passes_(passes), memory_(memory) {}
-
-  /// Adds the pass and returns it, for passes that read its results. Its constructor takes the settings named by
-  /// `members`, then `arguments`, then the memory if it owns data for kernels; its configure() follows these settings.
-  template <typename P, auto... members, typename... Arguments>
-  P& add(Arguments&&... arguments) {
-    auto pass = make_pass<P>(memory_, settings_.*members..., std::forward<Arguments>(arguments)...);
-    P& added = *pass;
-    passes_.pipeline.add(std::move(pass));
-    (follow<members>(added), ...);
-    return added;
-  }
-  /// Adds a pass that traces paths and follows the path settings.
-  template <typename P, auto... members, typename... Arguments>
-  P& add_tracing(Arguments&&... arguments) {
-    P& added = add<P, members...>(std::forward<Arguments>(arguments)...);
-    follow<&RenderSettings::path>(added);
-    return added;
-  }
-  /// Configures the pass with `values` of the settings, now and whenever settings change.
-  template <typename P, typename Values>
-  void add_follower(P& pass, const Values& values) {
-    pass.configure(values(settings_));
-    passes_.followers.push_back([&pass, values](const RenderSettings& now) { pass.configure(values(now)); });
-  }
-  const Pipeline& pipeline() const { return passes_.pipeline; }
-
- private:
-  template <auto member, typename P>
-  void follow(P& pass) {
-    passes_.followers.push_back([&pass](const RenderSettings& now) { pass.configure(now.*member); });
-  }
-
-  const RenderSettings& settings_;
-  FramePasses& passes_;
-  Memory& memory_;
-};
 
 /// Whether a pass of a stage before `end` reads any of the buffers.
 bool read_before(const Pipeline& pipeline, Stage end, const std::vector<BufferDescription>& buffers) {
@@ -113,7 +72,7 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
   });
 }
 
-OctreePass& add_octree(Builder& builder, bool adds_up) {
+OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   OctreePass& octree = builder.add<OctreePass, &RenderSettings::octree>(adds_up);
   builder.add_follower(octree, [](const RenderSettings& s) {
     return RecordUsers{.lights = s.lights == LightSelectionChoice::vlc, .directions = s.guide == GuideChoice::cdq};
@@ -121,7 +80,8 @@ OctreePass& add_octree(Builder& builder, bool adds_up) {
   return octree;
 }
 
-const LightSelector& add_light_selection(Builder& builder, const RenderSettings& settings, const OctreePass* octree) {
+const LightSelector& add_light_selection(PipelineBuilder& builder, const RenderSettings& settings,
+                                         const OctreePass* octree) {
   switch (settings.lights) {
     case LightSelectionChoice::uniform:
       return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::uniform).selector();
@@ -141,7 +101,7 @@ const LightSelector& add_light_selection(Builder& builder, const RenderSettings&
   return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::power).selector();
 }
 
-const DirectionSampler& add_direction_sampling(Builder& builder, const RenderSettings& settings,
+const DirectionSampler& add_direction_sampling(PipelineBuilder& builder, const RenderSettings& settings,
                                                const OctreePass* octree) {
   static const DirectionSampler bsdf_directions;
   if (settings.guide == GuideChoice::bsdf) return bsdf_directions;
@@ -180,7 +140,7 @@ bool splits_light(const RenderSettings& settings) { return denoiser_splits(setti
 
 /// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
 /// nullptr. Returns the pass of path tracing without a cache, or nullptr.
-PathPass* add_paths(Builder& builder, const RenderSettings& settings, const PathSource& source,
+PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                     const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
@@ -219,7 +179,7 @@ uint32_t pixel_count(const RenderSettings& settings) {
   return static_cast<uint32_t>(settings.width) * static_cast<uint32_t>(settings.height);
 }
 
-void add_history(Builder& builder, const RenderSettings& settings) {
+void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
   const AccumulatedParts parts{.m2_rgb = settings.allocation == AllocationChoice::adaptive,
                                .splat_image = needs_splat_image(settings),
                                .specular = history_splits(settings)};
@@ -232,7 +192,7 @@ void add_history(Builder& builder, const RenderSettings& settings) {
   builder.add<AccumulatePass>(ends_history(settings), settings.history != HistoryChoice::none, parts);
 }
 
-void add_allocation(Builder& builder, const RenderSettings& settings) {
+void add_allocation(PipelineBuilder& builder, const RenderSettings& settings) {
   if (!skips_pixels(settings)) return;
   builder.add<SampleCountPass>();
   if (upscales(settings)) {
@@ -246,7 +206,7 @@ void add_allocation(Builder& builder, const RenderSettings& settings) {
 bool shows_mirrors(const RenderSettings& settings) { return settings.estimator != EstimatorChoice::light; }
 
 /// Adds noise-free features if a denoiser or a history needs them.
-FeaturesPass* add_features(Builder& builder, const RenderSettings& settings) {
+FeaturesPass* add_features(PipelineBuilder& builder, const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::none && !history_splits(settings)) return nullptr;
   return &builder.add<FeaturesPass, &RenderSettings::path>(shows_mirrors(settings), splits_light(settings));
 }
@@ -259,7 +219,7 @@ void join(const Pipeline& pipeline, const RenderSettings& settings, PathPass* pa
   paths->hand_surfaces_to(features->from_paths());
 }
 
-void add_denoiser(Builder& builder, const RenderSettings& settings) {
+void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::none) return;
   const bool mirrors = shows_mirrors(settings);
   const bool split = denoiser_splits(settings);
@@ -376,7 +336,7 @@ std::string refusal(const RenderSettings& settings) {
 FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   check_combination(settings);
   FramePasses passes;
-  Builder builder(settings, passes, memory);
+  PipelineBuilder builder(settings, passes, memory);
   const bool adds_up = settings.history != HistoryChoice::none;
   const OctreePass* octree = learns(settings) ? &add_octree(builder, adds_up) : nullptr;
   const LightSelector& selector = add_light_selection(builder, settings, octree);

@@ -29,7 +29,8 @@ OctreeTree first_tree(const SceneView& scene, Memory& memory) {
 }  // namespace
 
 OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
-  const double scale = s.scale && s.count == OctreeCount::all ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
+  const bool scales = s.scale && s.count == OctreeCount::all;
+  const double scale = scales ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
   constexpr double kFewest = 1024;
   const double split = std::max(s.split * scale, std::min<double>(s.split, kFewest));
   OctreeThresholds t;
