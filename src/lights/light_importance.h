@@ -145,6 +145,27 @@ RELUME_HD inline float punctual_importance(const LightReceiver& r, const LightSa
   return luminance(s.radiance) * reflected;
 }
 
+/// Height above the horizon of a disk at `z` with the sine `radius`, faded as in soft_form_factor().
+RELUME_HD inline float soft_height(float z, float radius) {
+  if (z >= radius) return z;
+  return z > -radius ? sqr(z + radius) / (4.0f * radius) : 0.0f;
+}
+
+/// Importance of a light at infinity without occlusion: of the centre of a sun, or of a sky with the mean radiance.
+RELUME_HD inline float infinite_importance(const LightReceiver& r, const LightsView& lights, LightId id) {
+  const Light& light = lights.lights[id];
+  if (light.kind != LightKind::directional)
+    return luminance(lights.environment.mean) * (r.diffuse + r.glossy + r.behind);
+  const DirectionalLight& sun = light.directional;
+  const Vec3 w = r.frame.to_local(sun.to_light);
+  const float radius = std::sqrt(sun.one_minus_cos * (2.0f - sun.one_minus_cos));
+  const float height = soft_height(w.z, radius);
+  float reflected = kInvPi * (r.diffuse * height + r.behind * soft_height(-w.z, radius));
+  if (r.glossy > 0.0f && height > 0.0f)
+    reflected += r.glossy * ltc_pdf(r.glossy_matrix, glm::normalize(Vec3(w.x, w.y, height)));
+  return luminance(sun.irradiance) * reflected;
+}
+
 namespace light_importance {
 
 /// `e`: the members of CompactLight, of one light or of kLanes.

@@ -54,6 +54,34 @@ double reflected(const LightsView& lights, LightId id, const Receiver& r, int sa
   return sum / samples;
 }
 
+/// Ratio of a sun's importance to the light that it reflects, for surfaces that face it.
+TEST(InfiniteImportance, IsNearTheReflectedLightOfSuns) {
+  const testing::LightScene scene = testing::make_light_scene({});
+  const LightsView& lights = scene.lights();
+  testing::Random random(4);
+  int compared = 0;
+  for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
+    if (lights.lights[id].kind != LightKind::directional) continue;
+    for (int i = 0; i < 40; ++i) {
+      const Receiver r = receiver(Vec3(0), 0.8f, 0.0f, random);
+      if (r.frame.to_local(lights.lights[id].directional.to_light).z < 0.3f) continue;
+      const double ratio = double{infinite_importance(r.seen(), lights, id)} / reflected(lights, id, r, 64);
+      EXPECT_GT(ratio, 0.6) << id;
+      EXPECT_LT(ratio, 1.6) << id;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 20);
+}
+
+TEST(InfiniteImportance, FadesAtTheHorizon) {
+  EXPECT_EQ(soft_height(0.5f, 0.1f), 0.5f);
+  EXPECT_FLOAT_EQ(soft_height(0.1f, 0.1f), 0.1f);
+  EXPECT_GT(soft_height(-0.05f, 0.1f), 0.0f);  // half of the disk is visible
+  EXPECT_EQ(soft_height(-0.1f, 0.1f), 0.0f);
+  EXPECT_EQ(soft_height(-0.1f, 0.0f), 0.0f);
+}
+
 class LightImportance : public ::testing::Test {
  protected:
   const testing::LightScene scene_ = testing::make_light_scene({});

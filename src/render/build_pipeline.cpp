@@ -75,7 +75,9 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
 OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   OctreePass& octree = builder.add<OctreePass, &RenderSettings::octree>(adds_up);
   builder.add_follower(octree, [](const RenderSettings& s) {
-    return RecordUsers{.lights = s.lights == LightSelectionChoice::vlc, .directions = s.guide == GuideChoice::cdq};
+    return RecordUsers{.lights = s.lights == LightSelectionChoice::vlc,
+                       .infinite_lights = s.vlc.lists_infinite(),
+                       .directions = s.guide == GuideChoice::cdq};
   });
   return octree;
 }

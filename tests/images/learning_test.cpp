@@ -66,6 +66,7 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.lights = LightSelectionChoice::vlc;
   all.settings.vlc.memory = 0;
   all.settings.vlc.bucket_size = 4;  // several buckets per region
+  all.settings.vlc.infinite = CachedInfinity::entries;
   all.settings.guide = GuideChoice::cdq;
   all.settings.cdq.bits = QuadtreeBits::b64;
   all.settings.cdq.migrations = 4;
@@ -74,6 +75,7 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.cdq.sampling = QuadtreeSampling::stratified;
   all.settings.octree.vertices = 4;
   all.settings.octree.jitter = 1;
+  all.settings.octree.count = OctreeCount::useful;
   list.push_back(all);
   Way paper{"paper", base_settings(effort)};
   paper.settings.lights = LightSelectionChoice::vlc;

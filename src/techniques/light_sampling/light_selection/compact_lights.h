@@ -1,4 +1,4 @@
-// Computes the compact forms of all finite lights in a launch.
+// Computes the compact forms of lights in a launch.
 #pragma once
 
 #include "frame/launch.h"
@@ -15,11 +15,11 @@ struct CompactLightsKernel {
   }
 };
 
-/// Replaces `compact` by compact_lights(lights).
-inline void write_compact_lights(Backend& backend, std::string_view name, const LightsView& lights,
+/// Replaces `compact` by the compact forms of the first `count` lights.
+inline void write_compact_lights(Backend& backend, std::string_view name, const LightsView& lights, uint32_t count,
                                  Array<CompactLight>& compact) {
-  compact.reset(lights.first_infinite, kUninitialized);
-  launch(backend, name, CompactLightsKernel{lights, compact.mutable_view()}, lights.first_infinite, 1);
+  compact.reset(count, kUninitialized);
+  launch(backend, name, CompactLightsKernel{lights, compact.mutable_view()}, count, 1);
 }
 
 }  // namespace relume

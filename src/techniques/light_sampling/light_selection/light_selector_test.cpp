@@ -100,6 +100,25 @@ struct Selectors {
     c.lights = lights;
   }
 
+  /// Adds the lights at infinity to the lists of region 0, where they are rarely visible.
+  void list_infinite(const LightsView& lights) {
+    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
+      uint32_t slot = id % 4 * 8;
+      while (entries[slot] != CachedLight::kNone) ++slot;
+      entries[slot] = CachedLight::pack(id, 0);
+      compact.push_back(compact_form(lights, lights.lights[id]));
+    }
+    float filled = 0;
+    for (uint32_t b = 0; b < 4; ++b) filled += entries[8 * b] != CachedLight::kNone ? 1.0f : 0.0f;
+    for (uint32_t b = 0; b < 4; ++b) bucket_weights[b] = entries[8 * b] != CachedLight::kNone ? 1 / filled : 0.0f;
+    shares.resize(1);
+    shares[0].visibility = {{0.3f, 0.01f, 0.1f, 1.0f}};
+    VisibilityLightCache& c = selector.cache;
+    c.compact = view_of(compact);
+    c.shares = view_of(shares);
+    c.lists_infinite = true;
+  }
+
   LightSelector selector;
   std::vector<AliasEntry> power;
   std::vector<AliasEntry> infinite;
@@ -112,6 +131,7 @@ struct Selectors {
   std::vector<LightBuckets> buckets;
   std::vector<uint32_t> entries;
   std::vector<float> bucket_weights{0.7f, 0, 0.3f, 0};
+  std::vector<LightShares> shares;
 };
 
 /// A default SurfacePoint, and points that see the lamps well, at a grazing angle, from behind and through glass.
@@ -152,6 +172,26 @@ TEST(LightSelector, EveryKindKeepsTheContract) {
         check_light_selector(selectors.selector, sp, lights.lights.size, "selector " + std::to_string(k));
       }
     }
+  }
+}
+
+TEST(LightSelector, LightCachesCanListLightsAtInfinity) {
+  Environment sky;
+  sky.kind = EnvironmentKind::sun_sky;
+  for (const Environment& environment :
+       {Environment{}, testing::constant_environment(), testing::noise_environment(24, 12), sky}) {
+    const testing::LightScene scene = testing::make_light_scene(environment);
+    const LightsView& lights = scene.lights();
+    Selectors selectors(lights);
+    selectors.list_infinite(lights);
+    selectors.selector.kind = LightSelectorKind::cache;
+    for (const SurfacePoint& sp : receivers())
+      check_light_selector(selectors.selector, sp, lights.lights.size, "lights at infinity");
+    // Half of the exploration, without a list.
+    float infinite = 0;
+    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id)
+      infinite += selectors.selector.pmf(receivers()[4], id);
+    EXPECT_NEAR(infinite, 0.5f, 1e-5f);
   }
 }
 

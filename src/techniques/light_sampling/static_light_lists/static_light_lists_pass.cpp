@@ -55,7 +55,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
     all_.assign(build_alias_table(weights));
     infinite_.assign(build_infinite_lights(lights, selection_.infinity()));
   });
-  write_compact_lights(frame.backend, "static-lists.lights", lights, compact_);
+  write_compact_lights(frame.backend, "static-lists.lights", lights, lights.first_infinite, compact_);
   StaticLightLists& view = selector_.lists;
   view.grid = grid_;
   view.first = first_.view();

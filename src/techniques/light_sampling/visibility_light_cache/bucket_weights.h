@@ -15,8 +15,11 @@ struct BucketWeightsKernel {
   View<const uint32_t> entries;
   View<const LightSummary> lights;
   uint32_t bucket_size = 32;
-  float even = 1;       ///< uniform share, > 0
-  View<float> weights;  ///< by bucket; a region's first index is its first entry / bucket_size
+  float even = 1;                     ///< uniform share, > 0
+  View<float> weights;                ///< by bucket; a region's first index is its first entry / bucket_size
+  LightId first_infinite = kNoLight;  ///< lights from here on are at infinity
+  float infinity2 = 1;                ///< squared distance that stands for infinity: of the scene's radius, m²
+  View<const LightShares> shares;     ///< by region; empty: none
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const {
     const LightBuckets b = buckets[region];
@@ -45,8 +48,13 @@ struct BucketWeightsKernel {
     return entries[b.first + bucket * bucket_size] == CachedLight::kNone;
   }
 
+  RELUME_HD float visibility(uint32_t region, LightId id) const {
+    if (region >= shares.size) return 1.0f;
+    return shares[region].visibility.of[InfinityVisibility::index_of(id - first_infinite)];
+  }
+
   /// Sums power over squared distance, W/m², per bucket; returns the total. Distances are at least half the region's
-  /// diagonal.
+  /// diagonal. The power of lights at infinity is that through the scene's bounds.
   RELUME_HD float power_over_squared_distance(uint32_t region, const LightBuckets& b, float* out) const {
     const OctreeCell cell = octree_cell_of(tree.nodes, parents, region);
     const float half = 0.5f * static_cast<float>(cell.size());
@@ -57,8 +65,10 @@ struct BucketWeightsKernel {
       out[i] = 0;
       const uint32_t* entry = entries.data + b.first + i * bucket_size;
       for (uint32_t k = 0; k < bucket_size && entry[k] != CachedLight::kNone; ++k) {
-        const LightSummary& light = lights[CachedLight::id(entry[k])];
-        out[i] += light.watts / max(length_squared(light.position - center), least);
+        const LightId id = CachedLight::id(entry[k]);
+        const LightSummary& light = lights[id];
+        out[i] += id < first_infinite ? light.watts / max(length_squared(light.position - center), least)
+                                      : visibility(region, id) * light.watts / infinity2;
       }
       sum += out[i];
     }

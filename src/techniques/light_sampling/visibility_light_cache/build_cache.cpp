@@ -53,6 +53,7 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.lists = scratch.lists.mutable_view();
   launch(backend, "vlc.merge", merge, regions, 1);
 
+  learn_shares(backend, tree, samples, options, scratch);
   fill_buckets(backend, tree, lights, options, scratch);
   dropped_ = scratch.dropped.read();
   // Nothing allocates from here on: all arrays change together, or none.
@@ -61,6 +62,18 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   buckets_.swap(scratch.buckets);
   entries_.swap(scratch.entries);
   bucket_weights_.swap(scratch.bucket_weights);
+  shares_.swap(scratch.shares);
+}
+
+void LightCaches::learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
+                               const CacheBuildOptions& options, CacheScratch& scratch) const {
+  const uint32_t regions = tree.leaf_slots();
+  if (options.first_infinite == kNoLight) return scratch.shares.clear();
+  scratch.shares.reset(regions, kUninitialized);
+  const View<const LightShares> old = shares_.size() == regions ? shares_.view() : View<const LightShares>{};
+  const LearnSharesKernel learn{samples, options.first_infinite, options.max_samples, old,
+                                scratch.shares.mutable_view()};
+  launch(backend, "vlc.shares", learn, regions, 1);
 }
 
 void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
@@ -90,7 +103,10 @@ void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<co
                                   lights,
                                   size,
                                   options.even_buckets,
-                                  scratch.bucket_weights.mutable_view()};
+                                  scratch.bucket_weights.mutable_view(),
+                                  options.first_infinite,
+                                  sqr(options.scene_radius),
+                                  scratch.shares.view()};
   launch(backend, "vlc.buckets", weigh, regions, 1);
 }
 
@@ -101,6 +117,12 @@ void LightCaches::populate(Backend& backend, const OctreeTree& next, CacheScratc
   const InheritCachesKernel kernel{next.links().previous.view(), buckets_.view(), lists_.view(),
                                    scratch.buckets.mutable_view(), scratch.lists.mutable_view()};
   launch(backend, "vlc.populate", kernel, regions, 1, {}, kRegionsPerTile);
+  if (!shares_.empty()) {
+    scratch.shares.reset(regions, kUninitialized);
+    const InheritSharesKernel inherit{next.links().previous.view(), shares_.view(), scratch.shares.mutable_view()};
+    launch(backend, "vlc.populate", inherit, regions, 1, {}, kRegionsPerTile);
+    shares_.swap(scratch.shares);
+  }
   buckets_.swap(scratch.buckets);
   lists_.swap(scratch.lists);
 }
@@ -113,12 +135,14 @@ LightCaches LightCaches::copy(Backend& backend) const {
   copy_to(entries_, result.entries_);
   copy_to(bucket_weights_, result.bucket_weights_);
   copy_to(lights_, result.lights_);
+  copy_to(shares_, result.shares_);
   result.dropped_ = dropped_;
   return result;
 }
 
 size_t LightCaches::region_bytes() const {
-  return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList);
+  return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList) +
+         shares_.size() * sizeof(LightShares);
 }
 
 size_t LightCaches::entry_bytes() const {
@@ -153,6 +177,7 @@ void LightCaches::save(std::ostream& out) const {
   write_array(out, lights_);
   write_array(out, entries_);
   write_array(out, bucket_weights_);
+  write_array(out, shares_);
 }
 
 void LightCaches::load(std::istream& in) {
@@ -161,6 +186,7 @@ void LightCaches::load(std::istream& in) {
   read_array(in, lights_);
   read_array(in, entries_);
   read_array(in, bucket_weights_);
+  read_array(in, shares_);
   const std::span<const LightBuckets> buckets = buckets_.read();
   const std::span<const LightList> lists = lists_.read();
   uint64_t listed = 0;
@@ -176,7 +202,11 @@ void LightCaches::load(std::istream& in) {
   const bool whole_buckets = entries_.size() == bucket_size * bucket_weights_.size() &&
                              std::all_of(buckets.begin(), buckets.end(), has_entries);
   // The eight children of a split region share its list. More overlap would leave sums of lengths unbounded.
-  if (in && whole_buckets && lists.size() == buckets.size() && std::all_of(lists.begin(), lists.end(), inside) &&
+  const std::span<const LightShares> shares = shares_.read();
+  const bool valid_shares = (shares.empty() || shares.size() == buckets.size()) &&
+                            std::all_of(shares.begin(), shares.end(), [](const LightShares& s) { return s.valid(); });
+  if (in && whole_buckets && valid_shares && lists.size() == buckets.size() &&
+      std::all_of(lists.begin(), lists.end(), inside) &&
       listed <= std::min<uint64_t>(8 * uint64_t{lights_.size()}, kMostListed)) {
     return;
   }

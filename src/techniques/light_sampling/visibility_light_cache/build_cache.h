@@ -20,11 +20,13 @@ namespace relume {
 inline constexpr uint32_t kMaxBuckets = 64;
 
 struct CacheBuildOptions {
-  uint32_t bucket_size = 32;    ///< capacity in lights, at most kMaxBucketSize
-  uint32_t max_samples = 4096;  ///< maximum number read per region, spread evenly over its samples
-  float hysteresis = 0.75f;     ///< maximum fill of each bucket, as a fraction, after their number shrinks
-  uint32_t memory = 0;          ///< frames that a light stays listed without being seen
-  float even_buckets = 0.1f;    ///< probability of choosing a bucket uniformly
+  uint32_t bucket_size = 32;          ///< capacity in lights, at most kMaxBucketSize
+  uint32_t max_samples = 4096;        ///< maximum number read per region, spread evenly over its samples
+  float hysteresis = 0.75f;           ///< maximum fill of each bucket, as a fraction, after their number shrinks
+  uint32_t memory = 0;                ///< frames that a light stays listed without being seen
+  float even_buckets = 0.1f;          ///< probability of choosing a bucket uniformly
+  LightId first_infinite = kNoLight;  ///< listed lights from here on are at infinity
+  float scene_radius = 1;             ///< metres
 };
 
 /// Lights of one region, before sorting into buckets.
@@ -44,6 +46,7 @@ struct CacheScratch {
         buckets(memory),
         entries(memory),
         bucket_weights(memory),
+        shares(memory),
         dropped(memory) {}
 
   Array<uint32_t> seen;         ///< distinct lights, parallel to SampleGroupsView::order
@@ -54,13 +57,14 @@ struct CacheScratch {
   Array<LightBuckets> buckets;  ///< buckets of the next caches, by leaf slot
   Array<uint32_t> entries;      ///< of the next caches
   Array<float> bucket_weights;  ///< of the next caches
+  Array<LightShares> shares;    ///< of the next caches, by leaf slot
   KernelValue<uint64_t> dropped;
   PrimitiveScratch primitives;
 
   size_t memory_bytes() const {
     return seen.memory_bytes() + seen_counts.memory_bytes() + offsets.memory_bytes() + lights.memory_bytes() +
            lists.memory_bytes() + buckets.memory_bytes() + entries.memory_bytes() + bucket_weights.memory_bytes() +
-           primitives.memory_bytes();
+           shares.memory_bytes() + primitives.memory_bytes();
   }
 };
 
@@ -68,10 +72,15 @@ struct CacheScratch {
 class LightCaches {
  public:
   explicit LightCaches(Memory& memory = host_memory())
-      : buckets_(memory), lists_(memory), entries_(memory), bucket_weights_(memory), lights_(memory) {}
+      : buckets_(memory),
+        lists_(memory),
+        entries_(memory),
+        bucket_weights_(memory),
+        lights_(memory),
+        shares_(memory) {}
 
-  /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite lights. Larger ids are
-  /// ignored: those of lights at infinity and of removed lights.
+  /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all lights that regions may list: the
+  /// finite ones, or all. Larger ids are ignored, as those of removed lights.
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
              const CacheBuildOptions& options, CacheScratch& scratch);
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightSummary> lights,
@@ -95,6 +104,8 @@ class LightCaches {
   View<const uint32_t> entries() const { return entries_.view(); }
   /// Probability of each bucket. Those of a region begin at index (first entry / bucket size) and sum to one.
   View<const float> bucket_weights() const { return bucket_weights_.view(); }
+  /// By region; empty if regions do not list lights at infinity.
+  View<const LightShares> shares() const { return shares_.view(); }
   /// Buckets of all regions, for host code.
   std::span<const LightBuckets> read_buckets() const { return buckets_.read(); }
   /// Lights of a region as CachedLight, sorted by id, for host code.
@@ -109,7 +120,7 @@ class LightCaches {
   size_t entry_bytes() const;
   size_t memory_bytes() const {
     return buckets_.memory_bytes() + lists_.memory_bytes() + entries_.memory_bytes() + lights_.memory_bytes() +
-           bucket_weights_.memory_bytes();
+           bucket_weights_.memory_bytes() + shares_.memory_bytes();
   }
 
   /// Whether ids are below `light_count`, and probabilities sum to one without empty buckets. Detects damaged
@@ -120,6 +131,9 @@ class LightCaches {
   void load(std::istream& in);
 
  private:
+  /// Writes the next shares to `scratch`, none if regions do not list lights at infinity.
+  void learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
+                    const CacheBuildOptions& options, CacheScratch& scratch) const;
   /// Sorts the new lists, in `scratch`, into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                     const CacheBuildOptions& options, CacheScratch& scratch);
@@ -129,6 +143,7 @@ class LightCaches {
   Array<uint32_t> entries_;
   Array<float> bucket_weights_;
   Array<uint32_t> lights_;
+  Array<LightShares> shares_;  ///< by leaf slot, or empty
   uint64_t dropped_ = 0;
 };
 

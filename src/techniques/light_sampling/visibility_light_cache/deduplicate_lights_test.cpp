@@ -1,6 +1,7 @@
-// The forms of the kernel that deduplicates lights give the same bits.
+// The forms of the kernel that deduplicates lights give the same bits; both sort any list.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <set>
 #include <vector>
@@ -103,6 +104,18 @@ TEST(DeduplicateLights, WritesTheDistinctVisibleLightsInOrder) {
     const auto first = scene.seen.begin() + scene.offsets[region];
     EXPECT_EQ(std::vector<uint32_t>(first, first + scene.seen_counts[region]),
               std::vector<uint32_t>(expected.begin(), expected.end()));
+  }
+}
+
+TEST(LightSet, SortsAnything) {
+  testing::Random random(2);
+  for (uint32_t count = 0; count < 70; ++count) {
+    std::vector<uint32_t> values;
+    for (uint32_t i = 0; i < count; ++i) values.push_back(static_cast<uint32_t>(100 * random.next()));
+    std::vector<uint32_t> expected = values;
+    std::sort(expected.begin(), expected.end());
+    light_cache::sort(values.data(), count);
+    EXPECT_EQ(values, expected);
   }
 }
 

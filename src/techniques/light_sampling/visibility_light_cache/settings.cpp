@@ -37,6 +37,9 @@ SettingList describe(VisibilityLightCacheSettings& s) {
        &s.exploration_cells,
        "Exploration cells along the longest side of the lights' bounds, each with its own distances; 1: the paper",
        {.min = 1, .max = 64}},
+      {"infinite", choice(s.infinite, {"entries", "apart"}),
+       "Suns and the sky: entries of the regions' lists, weighted by their visibility from the region; or apart, with "
+       "half of the samples"},
   };
 }
 

@@ -5,6 +5,9 @@
 
 namespace relume {
 
+/// Lights at infinity: entries of the regions' lists, or a separate group with a fixed share of the samples.
+enum class CachedInfinity : int { entries, apart };
+
 struct VisibilityLightCacheSettings {
   int bucket_size = 32;
   float exploration = 0.1f;
@@ -16,6 +19,9 @@ struct VisibilityLightCacheSettings {
   float change_weight = 1;
   float distance_weight = 1;
   int exploration_cells = 32;
+  CachedInfinity infinite = CachedInfinity::apart;
+
+  bool lists_infinite() const { return infinite == CachedInfinity::entries; }
 };
 
 SettingList describe(VisibilityLightCacheSettings& settings);

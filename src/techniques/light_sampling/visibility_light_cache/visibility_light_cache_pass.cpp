@@ -15,11 +15,12 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, caches_);
   if (generation_ != octree_.generation()) {
     build_caches(frame);
-  } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size)) {
+  } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size) ||
+             selector_.cache.lists_infinite != settings_.lists_infinite()) {
     caches_.clear();
   }
   const LightsView& lights = frame.scene.lights;
-  all_.build(frame.backend, summaries_.view(), lights.bounds.radius, frame.scene.camera.position,
+  all_.build(frame.backend, finite_summaries(lights), lights.bounds.radius, frame.scene.camera.position,
              {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
              static_cast<uint32_t>(settings_.exploration_cells));
   set_selector(lights);
@@ -32,10 +33,11 @@ void VisibilityLightCachePass::update_lights(const FrameContext& frame) {
   if (!std::exchange(lights_changed_, rebuilds) && !rebuilds && built_) return;
   built_ = false;
   const LightsView& lights = frame.scene.lights;
-  summaries_.reset(lights.first_infinite, kUninitialized);
-  frame.launch("vlc.lights", LightSummariesKernel{lights, summaries_.mutable_view()}, {lights.first_infinite, 1});
-  write_compact_lights(frame.backend, "vlc.lights", lights, compact_);
-  all_.update_digest(frame.backend, summaries_.view());
+  const uint32_t listed = listed_lights(lights);
+  summaries_.reset(listed, kUninitialized);
+  frame.launch("vlc.lights", LightSummariesKernel{lights, summaries_.mutable_view()}, {listed, 1});
+  write_compact_lights(frame.backend, "vlc.lights", lights, listed, compact_);
+  all_.update_digest(frame.backend, finite_summaries(lights));
   frame.backend.run("vlc.lights", [&] { infinite_.assign(build_infinite_lights(lights, selection_.infinity())); });
   built_ = true;
 }
@@ -52,6 +54,8 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   options.hysteresis = settings_.hysteresis;
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
+  if (settings_.lists_infinite()) options.first_infinite = frame.scene.lights.first_infinite;
+  options.scene_radius = frame.scene.lights.bounds.radius;
   if (built_generation_ != octree_.generation())
     caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options, scratch_);
   built_generation_ = octree_.generation();
@@ -86,6 +90,8 @@ void VisibilityLightCachePass::set_selector(const LightsView& lights) {
   view.bucket_weights = sampled.bucket_weights();
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
+  view.lists_infinite = settings_.lists_infinite();
+  view.shares = sampled.shares();
   view.all = all_.grid();
   view.infinite = make_infinite_lights(lights, infinite_.view(), !view.all.empty());
   view.ltc = ltc_table(ltc_);
@@ -157,10 +163,11 @@ void VisibilityLightCachePass::drop_inconsistent(const FrameContext& frame) {
   loaded_ = false;
   const auto bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   selector_.cache.bucket_size = bucket_size;
+  selector_.cache.lists_infinite = settings_.lists_infinite();
   bool consistent = false;
   frame.backend.run("vlc.lights", [&] {
     const auto is_consistent = [&](const LightCaches& caches) {
-      return caches.consistent(bucket_size, frame.scene.lights.first_infinite);
+      return caches.consistent(bucket_size, listed_lights(frame.scene.lights));
     };
     consistent = is_consistent(caches_) && is_consistent(snapshot_.of(caches_));
   });

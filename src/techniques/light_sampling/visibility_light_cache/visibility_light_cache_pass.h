@@ -30,8 +30,9 @@ class VisibilityLightCachePass final : public Pass {
   }
 
   void configure(const VisibilityLightCacheSettings& settings) {
-    // Buckets of another size cannot be completed. Otherwise, samples must not be included twice.
-    if (settings.bucket_size != settings_.bucket_size) built_generation_ = 0;
+    // Buckets of another size, or of other lights, cannot be completed. Otherwise, samples must not be included twice.
+    if (settings.bucket_size != settings_.bucket_size || settings.infinite != settings_.infinite)
+      built_generation_ = 0;
     settings_ = settings;
   }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
@@ -55,6 +56,13 @@ class VisibilityLightCachePass final : public Pass {
   void drop_inconsistent(const FrameContext& frame);
   void build_caches(const FrameContext& frame);
   void set_selector(const LightsView& lights);
+  /// Number of lights that regions may list.
+  uint32_t listed_lights(const LightsView& lights) const {
+    return settings_.lists_infinite() ? lights.lights.size : lights.first_infinite;
+  }
+  View<const LightSummary> finite_summaries(const LightsView& lights) const {
+    return {summaries_.view().data, lights.first_infinite};
+  }
 
   VisibilityLightCacheSettings settings_;
   LightSelectionSettings selection_;

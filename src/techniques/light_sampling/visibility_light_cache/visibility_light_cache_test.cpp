@@ -257,6 +257,7 @@ TEST_F(Caches, RejectListsThatOverlapMoreThanASplitCauses) {
     write_vector(file, std::vector<uint32_t>(10, CachedLight::pack(1, 0)));
     write_vector(file, std::vector<uint32_t>());
     write_vector(file, std::vector<float>());
+    write_vector(file, std::vector<LightShares>());
     LightCaches caches;
     caches.load(file);
     return static_cast<bool>(file);
@@ -273,6 +274,7 @@ TEST_F(Caches, RefuseBucketsBeyondTheirEntries) {
     write_vector(file, std::vector<uint32_t>());
     write_vector(file, std::vector<uint32_t>(entries, CachedLight::kNone));
     write_vector(file, std::vector<float>(weights, 0.5f));
+    write_vector(file, std::vector<LightShares>());
     LightCaches caches;
     caches.load(file);
     return static_cast<bool>(file);
@@ -292,6 +294,7 @@ TEST_F(Caches, DetectInconsistentBuckets) {
     write_vector(file, std::vector<uint32_t>());
     write_vector(file, entries);
     write_vector(file, weights);
+    write_vector(file, std::vector<LightShares>());
     LightCaches caches;
     caches.load(file);
     return file && caches.consistent(2, 10);
@@ -330,18 +333,6 @@ TEST_F(Caches, DoNotDependOnThreads) {
   LightCaches other;
   other.build(one, tree_, stream.groups(), view_of(lights_), {});
   EXPECT_EQ(std::vector<uint32_t>(other.entries().begin(), other.entries().end()), entries);
-}
-
-TEST(LightSet, SortsAnything) {
-  testing::Random random(2);
-  for (uint32_t count = 0; count < 70; ++count) {
-    std::vector<uint32_t> values;
-    for (uint32_t i = 0; i < count; ++i) values.push_back(static_cast<uint32_t>(100 * random.next()));
-    std::vector<uint32_t> expected = values;
-    std::sort(expected.begin(), expected.end());
-    light_cache::sort(values.data(), count);
-    EXPECT_EQ(values, expected);
-  }
 }
 
 /// A point with a full BSDF below the lamps of the light scene.

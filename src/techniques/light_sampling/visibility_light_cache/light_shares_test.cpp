@@ -1,0 +1,109 @@
+#include "techniques/light_sampling/visibility_light_cache/light_shares.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "techniques/light_sampling/visibility_light_cache/build_cache.h"
+
+namespace relume {
+namespace {
+
+/// Caches of eight regions whose last light is a sun.
+class Shares : public ::testing::Test {
+ protected:
+  static constexpr LightId kSun = 20;
+
+  Shares() { options_.first_infinite = kSun; }
+
+  void see(uint32_t region, LightId light, bool visible, int times) {
+    for (int i = 0; i < times; ++i) samples_.push_back({region, light | (visible ? kVisibleLight : 0u), 0, 0});
+  }
+
+  void build() {
+    SampleStream stream;
+    stream.resize(backend_, static_cast<uint32_t>(samples_.size()), 1);
+    std::copy(samples_.begin(), samples_.end(), stream.samples().begin());
+    stream.group(backend_, tree_.leaf_slots());
+    caches_.build(backend_, tree_, stream.groups(), view_of(lights_), options_);
+    samples_.clear();
+  }
+
+  std::vector<LightId> known(uint32_t region) const {
+    std::vector<LightId> ids;
+    for (const uint32_t light : caches_.list(region)) ids.push_back(CachedLight::id(light));
+    return ids;
+  }
+
+  Backend backend_{2};
+  OctreeTree tree_{Vec3(0), 2};
+  std::vector<LightSummary> lights_ = std::vector<LightSummary>(kSun + 1);
+  std::vector<VertexSample> samples_;
+  LightCaches caches_;
+  CacheBuildOptions options_;
+};
+
+TEST_F(Shares, SunsAreListedWithTheirVisibility) {
+  for (int frame = 0; frame < 8; ++frame) {
+    see(0, kSun, true, 30);
+    see(0, kSun, false, 90);
+    see(0, 5, true, 40);       // a finite light does not count
+    see(7, kSun, false, 200);  // a region without windows, across the corner from 0
+    see(7, 6, true, 10);
+    build();
+  }
+  EXPECT_EQ(known(0), (std::vector<LightId>{5, kSun}));
+  EXPECT_EQ(known(7), (std::vector<LightId>{6}));
+  ASSERT_EQ(caches_.shares().size, tree_.leaf_slots());
+  EXPECT_NEAR(caches_.shares()[0].visibility.of[0], 0.25f, 0.01f);
+  EXPECT_LT(caches_.shares()[7].visibility.of[0], 0.01f);
+  EXPECT_EQ(caches_.shares()[0].visibility.of[1], 0.5f);  // no such light
+  caches_.populate(backend_, tree_);
+  EXPECT_LT(caches_.shares()[7].visibility.of[0], 0.01f);
+}
+
+TEST_F(Shares, ArePartOfCheckpoints) {
+  see(0, kSun, true, 30);
+  build();
+  std::stringstream file;
+  caches_.save(file);
+  LightCaches other;
+  other.load(file);
+  EXPECT_TRUE(file);
+  ASSERT_EQ(other.shares().size, tree_.leaf_slots());
+  EXPECT_EQ(other.shares()[0].visibility.of[0], caches_.shares()[0].visibility.of[0]);
+  LightShares damaged;
+  damaged.visibility.of[2] = 0;
+  EXPECT_FALSE(damaged.valid());
+}
+
+TEST_F(Shares, EndWithTheListing) {
+  build();
+  EXPECT_FALSE(caches_.shares().empty());
+  options_.first_infinite = kNoLight;
+  build();
+  EXPECT_TRUE(caches_.shares().empty());
+}
+
+TEST_F(Shares, WeightBucketsByIrradianceFromInfinity) {
+  options_.bucket_size = 1;
+  options_.even_buckets = 0.5f;
+  options_.scene_radius = 2;
+  lights_[kSun].watts = 8;                  // 2 W/m², times the visibility
+  lights_[5] = {Vec3(-0.5f), 3.0f, false};  // in region 0, at the least distance √3 / 2
+  see(0, kSun, true, 3000);
+  see(0, 5, true, 100);
+  build();
+  const LightBuckets b = caches_.buckets()[0];
+  ASSERT_EQ(b.count, 2u);
+  const float* weights = caches_.bucket_weights().data + b.first;
+  const float sun = 2 * caches_.shares()[0].visibility.of[0];
+  EXPECT_GT(sun, 1.9f);
+  EXPECT_NEAR(weights[0], 0.25f + 0.5f * sun / (sun + 3 / 0.75f), 1e-5f);
+  EXPECT_NEAR(weights[1], 0.25f + 0.5f * (3 / 0.75f) / (sun + 3 / 0.75f), 1e-5f);
+}
+
+}  // namespace
+}  // namespace relume
