@@ -24,6 +24,7 @@ struct BsdfSample {
   bool delta = false;
   bool valid = false;
   float guide_pdf_w = 0;  ///< density of the guiding distribution alone, if it is part of `pdf_w`
+  float bsdf_pdf_w = 0;   ///< density of the BSDF alone, if `pdf_w` includes guiding
 
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
@@ -71,6 +72,14 @@ RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
 RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     if (!is_delta(bsdf.lobes[i].kind)) return true;
+  }
+  return false;
+}
+
+/// Whether any lobe has one direction only.
+RELUME_HD inline bool has_delta(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (is_delta(bsdf.lobes[i].kind)) return true;
   }
   return false;
 }

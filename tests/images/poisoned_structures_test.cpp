@@ -75,6 +75,13 @@ class Poisoned {
     context.directions.quadtrees = quadtrees_.view();
     return context;
   }
+  /// With a random fraction of directions from the BSDF in each region.
+  PathContext guided_by_fractions() {
+    for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) fractions_.push_back(0.1f + 0.8f * random_.next());
+    PathContext context = guided();
+    context.directions.fractions = view_of(fractions_);
+    return context;
+  }
   PathContext cached() const {
     PathContext context = plain();
     context.selector.kind = LightSelectorKind::cache;
@@ -156,6 +163,7 @@ class Poisoned {
   CompiledScene scene_;
   OctreeTree tree_;
   Quadtrees quadtrees_;
+  std::vector<float> fractions_;
   LightCaches caches_;
   ExplorationTables exploration_{host_memory()};
   std::vector<AliasEntry> infinite_;
@@ -170,6 +178,12 @@ TEST(PoisonedStructures, QuadtreesKeepTheMean) {
   Poisoned poisoned("cornell");
   const Moments expected = poisoned.images(poisoned.plain(), 1001);
   expect_same_image("poisoned-quadtrees", poisoned.images(poisoned.guided(), 1), expected, kOptions);
+}
+
+TEST(PoisonedStructures, FractionsKeepTheMean) {
+  Poisoned poisoned("cornell");
+  const Moments expected = poisoned.images(poisoned.plain(), 1001);
+  expect_same_image("poisoned-fractions", poisoned.images(poisoned.guided_by_fractions(), 1), expected, kOptions);
 }
 
 TEST(PoisonedStructures, LightCachesKeepTheMean) {

@@ -13,8 +13,9 @@ enum class DirectionSamplerKind : int { bsdf, quadtree };
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
   QuadtreeArray quadtrees;     ///< quadtrees by region
-  float bsdf_fraction = 0.5f;  ///< probability of the BSDF at guided vertices
-  bool stratified = false;     ///< whether quadtrees are sampled by sample_stratified()
+  float bsdf_fraction = 0.5f;   ///< probability of the BSDF at guided vertices
+  bool stratified = false;      ///< whether quadtrees are sampled by sample_stratified()
+  View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none
 
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
@@ -25,15 +26,20 @@ struct DirectionSampler {
   /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there.
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
     if (!guides(sp)) return bsdf.pdf_forward;
-    return mixed(bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
+    return mixed(fraction_at(sp), bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
   }
 
  private:
   RELUME_HD bool guides(const SurfacePoint& sp) const {
     return kind == DirectionSamplerKind::quadtree && sp.region < quadtrees.tree_count() && has_non_delta(sp.bsdf);
   }
-  RELUME_HD float mixed(float pdf_bsdf, float pdf_tree) const {
-    return bsdf_fraction * pdf_bsdf + (1.0f - bsdf_fraction) * pdf_tree;
+  /// Probability of the BSDF at a point. Fractions are learned without delta lobes, so points with such do not use
+  /// them.
+  RELUME_HD float fraction_at(const SurfacePoint& sp) const {
+    return sp.region < fractions.size && !has_delta(sp.bsdf) ? fractions[sp.region] : bsdf_fraction;
+  }
+  RELUME_HD static float mixed(float fraction, float pdf_bsdf, float pdf_tree) {
+    return fraction * pdf_bsdf + (1.0f - fraction) * pdf_tree;
   }
 
   RELUME_HD static BsdfSample sample_bsdf(const SurfacePoint& sp, Sampler& sampler,
@@ -46,16 +52,18 @@ struct DirectionSampler {
   /// roulette uses the weight of BSDF sampling. Guided directions have small weights because they are likely.
   RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, Sampler& sampler) const {
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
+    const float fraction = fraction_at(sp);
     BsdfSample s;
-    if (sampler.next_1d() < bsdf_fraction) {
+    if (sampler.next_1d() < fraction) {
       s = sample_bsdf(sp, sampler);
       if (!s.valid) return s;
       if (s.delta) {
-        s.weight /= bsdf_fraction;
+        s.weight /= fraction;
         return s;
       }
       s.guide_pdf_w = tree.pdf(s.wi);
-      const float pdf = mixed(s.pdf_w, s.guide_pdf_w);
+      s.bsdf_pdf_w = s.pdf_w;
+      const float pdf = mixed(fraction, s.pdf_w, s.guide_pdf_w);
       s.weight *= s.pdf_w / pdf;
       s.eta_scale *= s.pdf_w / pdf;
       s.pdf_w = pdf;
@@ -65,7 +73,8 @@ struct DirectionSampler {
     s.wi = stratified ? tree.sample_stratified(u) : tree.sample(u);
     const BsdfEval bsdf = eval_pdf(sp, s.wi);
     s.guide_pdf_w = tree.pdf(s.wi);
-    s.pdf_w = mixed(bsdf.pdf_forward, s.guide_pdf_w);
+    s.bsdf_pdf_w = bsdf.pdf_forward;
+    s.pdf_w = mixed(fraction, bsdf.pdf_forward, s.guide_pdf_w);
     s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;
     if (!s.valid) return s;
     s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);

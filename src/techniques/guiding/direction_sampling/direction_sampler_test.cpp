@@ -182,6 +182,35 @@ TEST(DirectionSampler, DeltaLobesKeepTheirShare) {
   EXPECT_GT(with_delta, 0);
 }
 
+TEST(DirectionSampler, LearnedFractionsReplaceTheConstantWithoutDeltaLobes) {
+  Guide learned(0.5f, false);
+  const std::vector<float> fractions{0.3f};
+  learned.sampler.fractions = view_of(fractions);
+  const Guide expected(0.3f, false);
+  const Guide constant(0.5f, false);
+  int compared[2] = {0, 0};
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    const bool delta = has_delta(sp.bsdf);
+    const DirectionSampler& same = delta ? constant.sampler : expected.sampler;
+    for (uint32_t i = 0; i < 100; ++i) {
+      Sampler a = numbers(i);
+      Sampler b = numbers(i);
+      const BsdfSample s = learned.sampler.sample(sp, a);
+      const BsdfSample t = same.sample(sp, b);
+      ASSERT_EQ(s.wi, t.wi) << c.name;
+      ASSERT_EQ(s.weight, t.weight) << c.name;
+      if (!s.valid || s.delta) continue;
+      const BsdfEval e = eval_pdf(sp, s.wi);
+      ASSERT_EQ(learned.sampler.pdf(sp, s.wi, e), same.pdf(sp, s.wi, e)) << c.name;
+      ASSERT_NEAR(s.bsdf_pdf_w / e.pdf_forward, 1.0f, 1e-2f) << c.name;
+      ++compared[delta ? 1 : 0];
+    }
+  }
+  EXPECT_GT(compared[0], 100);
+  EXPECT_GT(compared[1], 100);
+}
+
 TEST(DirectionSampler, EqualsTheBsdfWithoutLearnedLight) {
   const Guide guide(0.5f, false);
   const testing::BsdfCase c = materials().back();

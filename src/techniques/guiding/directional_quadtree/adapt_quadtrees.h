@@ -16,9 +16,10 @@ struct AdaptQuadtreesKernel {
   SampleGroupsView samples;
   QuadtreeArray trees;
   QuadtreeAdaption options;
-  float guided_fraction = 0;      ///< share of directions from trees of an earlier frame; 0: samples are from `trees`
-  View<QuadtreeWeights> weights;  ///< weights of the last frame by region; empty: no memory
-  View<uint64_t> moved;           ///< number of migrations, one element
+  float guided_fraction = 0;         ///< share of directions from trees of an earlier frame; 0: samples are from `trees`
+  View<QuadtreeWeights> weights;     ///< weights of the last frame by region; empty: no memory
+  View<uint64_t> moved;              ///< number of migrations, one element
+  View<const float> fractions = {};  ///< learned probability of the BSDF by region; empty: none
 
   template <typename Group>
   RELUME_HD void operator()(const Group& group, Shared& shared, uint32_t region, uint32_t) const {
@@ -59,18 +60,19 @@ struct AdaptQuadtreesKernel {
   /// Sample i of a region with the tree `before`.
   RELUME_HD DirectionSample sample(const DirectionalQuadtree& before, uint32_t region, uint32_t i) const {
     const VertexSample& s = samples.sample(region, i);
-    return {s.direction, s.value * value_scale(before, s)};
+    return {s.direction, s.value * value_scale(before, region, s)};
   }
 
   /// Factor of a sample's value. It multiplies the square by the ratio of the two mixture densities. In expectation,
   /// the sums of squares are then those of samples from `tree`.
-  RELUME_HD float value_scale(const DirectionalQuadtree& tree, const VertexSample& s) const {
+  RELUME_HD float value_scale(const DirectionalQuadtree& tree, uint32_t region, const VertexSample& s) const {
     if (guided_fraction == 0.0f || !(s.value > 0.0f)) return 1.0f;
     constexpr float kLeastRatio = 0.02f;  // about the precision of packed densities
     const float pdf_w = unpack_density(s.densities);
     const float change =
         tree.pdf(direction_from_square(unpack_square(s.direction))) - unpack_guide_density(s.densities);
-    return 1.0f / std::sqrt(relume::max(1.0f + guided_fraction * change / pdf_w, kLeastRatio));
+    const float guided = region < fractions.size ? 1.0f - fractions[region] : guided_fraction;
+    return 1.0f / std::sqrt(relume::max(1.0f + guided * change / pdf_w, kLeastRatio));
   }
 };
 

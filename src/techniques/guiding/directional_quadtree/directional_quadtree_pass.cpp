@@ -23,16 +23,20 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
 Quadtrees Quadtrees::copy(Backend& backend) const {
   Quadtrees result(bit_count_, 0, memory());
   relume::copy(backend, "cdq.copy", words_, result.words_);
+  relume::copy(backend, "cdq.copy", fractions_, result.fractions_);
   return result;
 }
 
 void Quadtrees::load(std::istream& in) {
   read_array(in, words_);
+  read_array(in, fractions_);
   const QuadtreeArray trees = write();
-  bool valid = words_.size() % trees.words_per_tree() == 0;
+  bool valid = words_.size() % trees.words_per_tree() == 0 && (fractions_.empty() || fractions_.size() == size());
+  for (const float fraction : fractions_.read()) valid = valid && fraction > 0.0f && fraction <= 1.0f;
   for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
   if (valid) return;
   words_.clear();
+  fractions_.clear();
   in.setstate(std::ios::failbit);
 }
 
@@ -50,7 +54,9 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   } else {
     take_in_samples(frame);
   }
-  directions_.quadtrees = snapshot_.of(trees_).view();
+  Quadtrees& sampled = snapshot_.of(trees_);
+  directions_.quadtrees = sampled.view();
+  directions_.fractions = settings_.learn_fraction ? sampled.fractions() : View<const float>{};
   directions_.bsdf_fraction = settings_.bsdf_fraction;
   directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
   return true;
@@ -61,7 +67,11 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
       octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
   // The frames of an epoch sample the same trees, so they have the same weight.
   const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
-  next_trees_.reset(bit_count(), octree_.tree().leaf_slots());
+  next_trees_.reset(bit_count(), octree_.tree().leaf_slots(), settings_.learn_fraction);
+  if (settings_.learn_fraction) {
+    moments_.reserve(trees_.size());
+    next_moments_.reset(octree_.tree().leaf_slots(), kUninitialized);
+  }
   if (remembers) {
     weights_.reserve(trees_.size());
     successors_.reset(trees_.size(), kUninitialized);
@@ -79,8 +89,14 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
     if (remembers && weights_.size() != trees_.size()) resize(frame.backend, "cdq.adapt", weights_, trees_.size());
     const AdaptQuadtreesKernel adapt{
         octree_.groups(),        trees_.view(),        options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
-        weights_.mutable_view(), moved_.mutable_view()};
+        weights_.mutable_view(), moved_.mutable_view(),
+        settings_.learn_fraction ? trees_.fractions() : View<const float>{}};
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
+    if (settings_.learn_fraction) {
+      if (moments_.size() != trees_.size()) resize(frame.backend, "cdq.fractions", moments_, trees_.size());
+      const LearnFractionsKernel learn{octree_.groups(), moments_.mutable_view()};
+      frame.launch("cdq.fractions", learn, {octree_.previous().leaf_slots(), MixtureMoments::kFractions});
+    }
   }
   populate(frame, same_size, remembers);
   generation_ = octree_.generation();
@@ -91,6 +107,7 @@ void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, boo
   const View<const uint32_t> previous = octree_.tree().links().previous.view();
   const PopulateQuadtreesKernel kernel{previous, keep ? trees_.view() : QuadtreeArray{}, next_trees_.view()};
   frame.launch("cdq.populate", kernel, regions);
+  populate_fractions(frame, keep);
   if (!remembers || !keep) weights_.clear();
   if (!remembers) return std::swap(trees_, next_trees_);
   successors_.reset(weights_.size(), kUninitialized);
@@ -102,6 +119,18 @@ void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, boo
   frame.launch("cdq.populate", inherit, regions);
   std::swap(trees_, next_trees_);
   weights_.swap(next_weights_);
+}
+
+void DirectionalQuadtreePass::populate_fractions(const FrameContext& frame, bool keep) {
+  if (!keep || !settings_.learn_fraction) moments_.clear();
+  if (!settings_.learn_fraction) return;
+  const InheritFractionsKernel kernel{octree_.tree().links().previous.view(),
+                                      moments_.view(),
+                                      {.fraction = settings_.bsdf_fraction},
+                                      next_moments_.mutable_view(),
+                                      next_trees_.mutable_fractions()};
+  frame.launch("cdq.populate", kernel, {octree_.tree().leaf_slots(), 1});
+  moments_.swap(next_moments_);
 }
 
 std::vector<PassRecords> DirectionalQuadtreePass::records() const {
@@ -137,6 +166,7 @@ void DirectionalQuadtreePass::save(std::ostream& out) const {
   trees_.save(out);
   snapshot_.save(out);
   write_array(out, weights_);
+  write_array(out, moments_);
 }
 
 void DirectionalQuadtreePass::load(std::istream& in) {
@@ -145,11 +175,15 @@ void DirectionalQuadtreePass::load(std::istream& in) {
   trees_.load(in);
   snapshot_.load(in, Quadtrees(bit_count(), 0, memory));
   read_array(in, weights_);
+  read_array(in, moments_);
   generation_ = octree_.generation();
-  if (in && (weights_.empty() || weights_.size() == trees_.size())) return;
+  const bool fits = (weights_.empty() || weights_.size() == trees_.size()) &&
+                    (moments_.empty() || moments_.size() == trees_.size());
+  if (in && fits) return;
   trees_ = Quadtrees(bit_count(), 0, memory);
   snapshot_.reset();
   weights_.clear();
+  moments_.clear();
   in.setstate(std::ios::failbit);
 }
 

@@ -10,6 +10,9 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        &s.bsdf_fraction,
        "Fraction of directions sampled from the BSDF instead of the quadtree",
        {.min = 0.01, .max = 1}},
+      {"learn-fraction", &s.learn_fraction,
+       "Learn in each region the fraction of directions from the BSDF that gives the least noise; starts from "
+       "bsdf-fraction"},
       {"migrations", &s.migrations, "Maximum number of leaves that a quadtree moves per frame", {.min = 1, .max = 32}},
       {"stability",
        &s.stability,

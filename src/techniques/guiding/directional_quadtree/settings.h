@@ -11,6 +11,7 @@ enum class QuadtreeSampling : int { bottom_up, stratified };
 struct DirectionalQuadtreeSettings {
   QuadtreeBits bits = QuadtreeBits::b128;
   float bsdf_fraction = 0.5f;
+  bool learn_fraction = false;  ///< whether regions learn their own fraction
   int migrations = 1;
   float stability = 0.1f;
   int memory = 0;    ///< m: sums keep m / (m + 1) of their value per frame

@@ -84,6 +84,8 @@ struct PathRecorder {
     sample.direction = pack_square(square_from_direction(path.ray.direction));
     sample.densities = pack_densities(path.pdf_w, s.guide_pdf_w);
     factor[v] = shading_cosine(sp, path.ray.direction) / path.pdf_w;
+    if (s.bsdf_pdf_w > 0.0f && factor[v] > 0.0f && !has_delta(sp.bsdf))
+      sample.bsdf = pack_densities(luminance(s.weight) / factor[v], s.bsdf_pdf_w);
     throughput[v] = path.throughput;
     // Directions count by the light in the image, so the recorded radiance keeps the weight of the wavelength.
     if (path.dispersed) throughput[v] /= wavelength_weight(path.wavelength_nm);

@@ -23,9 +23,10 @@ struct VertexSample {
   uint32_t direction = 0;       ///< direction in which the path continued: octahedral, 16 bits per coordinate
   float value = 0;              ///< luminance of Li cos θ / pdf_w along `direction`; 0 if the path ended
   uint32_t densities = 0;       ///< pdf_w of the mixture and of the guiding distribution (pack_densities())
+  uint32_t bsdf = 0;            ///< luminance and pdf_w of the BSDF along `direction`; 0: not guided, or delta lobes
 };
 
-/// Packs two positive numbers with 8 bits of precision each.
+/// Packs two numbers, not negative, with 8 bits of precision each.
 RELUME_HD inline uint32_t pack_densities(float pdf_w, float guide_pdf_w) {
   return (float_bits(pdf_w) & 0xffff0000u) | (float_bits(guide_pdf_w) >> 16);
 }
