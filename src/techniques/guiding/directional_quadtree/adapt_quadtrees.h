@@ -8,7 +8,50 @@
 
 namespace relume {
 
-/// Adapts the quadtree of each region to the region's samples; one group per region.
+/// Regions whose samples also adapt the tree of a region with few samples, as lists of lights are merged in
+/// [Dittebrandt20, §4.1]: its face neighbours and the leaves of its parent.
+struct QuadtreePool {
+  View<const uint32_t> neighbours = {};  ///< six per region, or kNoRegion
+  uint32_t samples = 0;                  ///< number from which a region uses its own samples only; 0: no pooling
+  float guided_fraction = 0;             ///< share of directions from trees
+};
+
+/// The samples that adapt one tree: its region's, then those of the pool. With n of N = QuadtreePool::samples samples,
+/// squares from the pool count 1 − n / N.
+struct PooledSamples {
+  static constexpr uint32_t kMost = 14;  ///< the region, six neighbours, seven siblings
+  uint32_t regions[kMost] = {};
+  uint32_t ends[kMost] = {};  ///< number of samples up to the end of that region
+  uint32_t count = 0;         ///< of regions
+  float factor = 0;           ///< of values from the pool
+
+  RELUME_HD PooledSamples(const SampleGroupsView& samples, const QuadtreePool& pool, uint32_t region) {
+    add(samples, region);
+    const uint32_t own = samples.counts[region];
+    if (own >= pool.samples) return;
+    factor = std::sqrt(1.0f - static_cast<float>(own) / static_cast<float>(pool.samples));
+    for (uint32_t face = 0; face < 6; ++face) {
+      const uint32_t neighbour = pool.neighbours[6 * region + face];
+      if (neighbour != kNoRegion) add(samples, neighbour);
+    }
+    for (uint32_t sibling = region / 8 * 8; sibling < region / 8 * 8 + 8; ++sibling) add(samples, sibling);
+  }
+
+  RELUME_HD uint32_t size() const { return ends[count - 1]; }
+
+ private:
+  /// Adds a region once.
+  RELUME_HD void add(const SampleGroupsView& samples, uint32_t region) {
+    for (uint32_t k = 0; k < count; ++k) {
+      if (regions[k] == region) return;
+    }
+    regions[count] = region;
+    ends[count] = (count > 0 ? ends[count - 1] : 0u) + samples.counts[region];
+    ++count;
+  }
+};
+
+/// Adapts the quadtree of each region to the region's samples, and to those of its pool; one group per region.
 struct AdaptQuadtreesKernel {
   static constexpr uint32_t kThreads = 128;
   using Shared = GroupAdaption;
@@ -20,10 +63,12 @@ struct AdaptQuadtreesKernel {
   View<QuadtreeWeights> weights;     ///< weights of the last frame by region; empty: no memory
   View<uint64_t> moved;              ///< number of migrations, one element
   View<const float> fractions = {};  ///< learned probability of the BSDF by region; empty: none
+  QuadtreePool pool = {};
 
   template <typename Group>
   RELUME_HD void operator()(const Group& group, Shared& shared, uint32_t region, uint32_t) const {
-    const uint32_t count = samples.counts[region];
+    const PooledSamples pooled(samples, pool, region);
+    const uint32_t count = pooled.size();
     if (count == 0) return;
     const bool remembers = weights.size > 0;
     group.each(QuadtreeWeights::kBits, [&](uint32_t bit) {
@@ -33,21 +78,22 @@ struct AdaptQuadtreesKernel {
     DirectionalQuadtree tree = trees.load(region);
     const DirectionalQuadtree before = tree;
     const uint32_t migrations = shared.adapt(
-        group, tree, [&](uint32_t i) { return sample(before, region, i); }, count, options);
+        group, tree, [&](uint32_t i) { return sample(before, pooled, i); }, count, options);
     if (remembers)
       group.each(QuadtreeWeights::kBits, [&](uint32_t bit) { weights[region].copy(bit, shared.weights, bit); });
     if (migrations > 0) group.each(1, [&](uint32_t) { store(region, tree, migrations); });
   }
 
   void on_host(uint32_t region, uint32_t) const {
-    const uint32_t count = samples.counts[region];
+    const PooledSamples pooled(samples, pool, region);
+    const uint32_t count = pooled.size();
     if (count == 0) return;
     DirectionalQuadtree tree = trees.load(region);
     const DirectionalQuadtree before = tree;
     QuadtreeWeights of_this_frame{};
     QuadtreeWeights& w = weights.size > 0 ? weights[region] : of_this_frame;
     const uint32_t migrations = adapt(
-        tree, w, [&](uint32_t i) { return sample(before, region, i); }, count, options);
+        tree, w, [&](uint32_t i) { return sample(before, pooled, i); }, count, options);
     if (migrations > 0) store(region, tree, migrations);
   }
 
@@ -57,21 +103,29 @@ struct AdaptQuadtreesKernel {
     atomic_add(&moved[0], uint64_t{migrations});
   }
 
-  /// Sample i of a region with the tree `before`.
-  RELUME_HD DirectionSample sample(const DirectionalQuadtree& before, uint32_t region, uint32_t i) const {
-    const VertexSample& s = samples.sample(region, i);
-    return {s.direction, s.value * value_scale(before, region, s)};
+  /// Sample i for the tree `before` of the first pooled region.
+  RELUME_HD DirectionSample sample(const DirectionalQuadtree& before, const PooledSamples& pooled, uint32_t i) const {
+    const uint32_t region = pooled.regions[0];
+    if (i < pooled.ends[0]) {
+      const VertexSample& s = samples.sample(region, i);
+      return {s.direction, s.value * value_scale(before, region, s, guided_fraction)};
+    }
+    uint32_t k = 1;
+    while (i >= pooled.ends[k]) ++k;
+    const VertexSample& s = samples.sample(pooled.regions[k], i - pooled.ends[k - 1]);
+    return {s.direction, s.value * value_scale(before, region, s, pool.guided_fraction) * pooled.factor};
   }
 
-  /// Factor of a sample's value. It multiplies the square by the ratio of the two mixture densities. In expectation,
+  /// Factor of a sample's value, 1 if the sampled tree is `tree` (`guided` 0). It multiplies the square by the ratio of the two mixture densities. In expectation,
   /// the sums of squares are then those of samples from `tree`.
-  RELUME_HD float value_scale(const DirectionalQuadtree& tree, uint32_t region, const VertexSample& s) const {
-    if (guided_fraction == 0.0f || !(s.value > 0.0f)) return 1.0f;
+  RELUME_HD float value_scale(const DirectionalQuadtree& tree, uint32_t region, const VertexSample& s,
+                              float guided) const {
+    if (guided == 0.0f || !(s.value > 0.0f)) return 1.0f;
     constexpr float kLeastRatio = 0.02f;  // about the precision of packed densities
     const float pdf_w = unpack_density(s.densities);
     const float change =
         tree.pdf(direction_from_square(unpack_square(s.direction))) - unpack_guide_density(s.densities);
-    const float guided = region < fractions.size ? 1.0f - fractions[region] : guided_fraction;
+    if (region < fractions.size) guided = 1.0f - fractions[region];
     return 1.0f / std::sqrt(relume::max(1.0f + guided * change / pdf_w, kLeastRatio));
   }
 };

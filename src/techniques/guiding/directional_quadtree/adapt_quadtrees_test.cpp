@@ -73,18 +73,25 @@ struct Trees {
 };
 
 /// Adapts trees in several frames by each form. Returns the number of migrations.
-uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, float guided_fraction, bool remembers) {
-  const std::vector<uint32_t> counts = {0, 1, 5, 127, 128, 129, 700};
+uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, float guided_fraction, bool remembers,
+                       uint32_t pool = 0) {
+  const std::vector<uint32_t> counts = {0, 1, 5, 127, 128, 129, 700, 0, 9, 0, 0, 0, 0, 0, 0, 3};
   const auto regions = static_cast<uint32_t>(counts.size());
+  std::vector<uint32_t> neighbours(6 * regions, kNoRegion);
+  for (uint32_t region = 0; region < regions; ++region) neighbours[6 * region + 2] = (region + 5) % regions;
+  const auto kernel_of = [&](Trees& t, const Samples& samples) {
+    AdaptQuadtreesKernel kernel = t.kernel(samples, options, guided_fraction);
+    kernel.pool = {view_of(neighbours), pool, 0.5f};
+    return kernel;
+  };
   std::vector<Trees> trees(3, Trees(bit_count, regions, remembers));
   for (uint32_t frame = 0; frame < 8; ++frame) {
     const Samples samples(counts, frame % 3);
     for (const KernelForm form : {KernelForm::host, KernelForm::device}) {
       Backend backend(1, form);
-      launch(backend, "adapt", trees[form == KernelForm::host ? 0 : 1].kernel(samples, options, guided_fraction),
-             regions, 1);
+      launch(backend, "adapt", kernel_of(trees[form == KernelForm::host ? 0 : 1], samples), regions, 1);
     }
-    testing::run_shuffled(trees[2].kernel(samples, options, guided_fraction), regions, 1, frame);
+    testing::run_shuffled(kernel_of(trees[2], samples), regions, 1, frame);
     EXPECT_TRUE(trees[0].same_bits(trees[1])) << bit_count << " frame " << frame;
     EXPECT_TRUE(trees[0].same_bits(trees[2])) << bit_count << " frame " << frame;
   }
@@ -99,7 +106,81 @@ TEST(AdaptQuadtreesForms, AgreeForAllSizesAndSettings) {
     EXPECT_GT(compare_forms(bit_count, {.migrations = 4, .kept = 8.0f / 9, .spread = 1}, 0, true), 8u);
     EXPECT_GT(compare_forms(bit_count, {.stability = 1, .migrations = 9, .kept = 1, .spread = 0.3f}, 0.9f, true), 8u);
     EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .spread = 1}, 0, false), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 3}, 0, false, 600), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .kept = 8.0f / 9}, 0.5f, true, 600), 8u);
   }
+}
+
+/// Region 0 has all the light, in one direction. Region 3 is a sibling, region 9 a neighbour; region 1 has its own
+/// samples.
+class Pool : public ::testing::Test {
+ protected:
+  static constexpr uint32_t kRegions = 16;
+
+  Pool() : neighbours_(6 * kRegions, kNoRegion), counts_(kRegions, 0), words_(4 * kRegions) {
+    neighbours_[6 * 9 + 2] = 0;
+    const auto record = [&](uint32_t region, const Vec2& place, uint32_t times) {
+      for (uint32_t i = 0; i < times; ++i)
+        records_.push_back({region, kNoLight, pack_square(place), 1.0f, pack_densities(0.08f, 0.08f)});
+      counts_[region] = times;
+    };
+    record(0, bright_, 300);
+    record(1, Vec2(0.8f, 0.7f), 500);
+    for (uint32_t region = 0; region <= kRegions; ++region)
+      offsets_.push_back(region == 0 ? 0 : region == 1 ? 300 : 800);
+    order_.resize(records_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+  }
+
+  SampleGroupsView samples() const {
+    return {view_of(records_), view_of(order_), view_of(offsets_), view_of(counts_)};
+  }
+  /// Density in the bright direction over that of a uniform tree, after ten frames.
+  std::vector<float> learned(uint32_t pool) {
+    const QuadtreeArray trees{mutable_view_of(words_), 128};
+    for (uint32_t region = 0; region < kRegions; ++region) trees.store(region, uniform_quadtree(128));
+    std::vector<uint64_t> moved{0};
+    AdaptQuadtreesKernel kernel{samples(), trees, {}, 0, {}, mutable_view_of(moved)};
+    kernel.pool = {view_of(neighbours_), pool, 0.5f};
+    Backend backend(2);
+    for (int frame = 0; frame < 10; ++frame) launch(backend, "adapt", kernel, kRegions, 1);
+    const Vec3 w = direction_from_square(bright_);
+    std::vector<float> ratios;
+    for (uint32_t region = 0; region < kRegions; ++region)
+      ratios.push_back(trees.load(region).pdf(w) / uniform_quadtree(128).pdf(w));
+    return ratios;
+  }
+
+  Vec2 bright_{0.3f, 0.2f};
+  std::vector<uint32_t> neighbours_;
+  std::vector<uint32_t> counts_;
+  std::vector<uint32_t> words_;
+  std::vector<VertexSample> records_;
+  std::vector<uint32_t> offsets_;
+  std::vector<uint32_t> order_;
+};
+
+TEST_F(Pool, LearnsFromNeighboursAndSiblings) {
+  const std::vector<float> own = learned(0);
+  EXPECT_GT(own[0], 8.0f);
+  for (const uint32_t region : {3u, 9u, 10u}) EXPECT_EQ(own[region], 1.0f);
+  const std::vector<float> pooled = learned(400);
+  EXPECT_GT(pooled[0], 8.0f);
+  EXPECT_GT(pooled[3], 8.0f);
+  EXPECT_GT(pooled[9], 8.0f);
+  EXPECT_EQ(pooled[10], 1.0f);  // neither
+  EXPECT_LE(pooled[1], 1.0f);   // has enough samples
+}
+
+TEST_F(Pool, CountsEachRegionOnceAndByNeed) {
+  neighbours_[6 * 3] = 0;  // a sibling, too
+  const QuadtreePool pool{view_of(neighbours_), 400, 0.5f};
+  EXPECT_EQ(PooledSamples(samples(), pool, 3).size(), 800u);
+  EXPECT_EQ(PooledSamples(samples(), pool, 3).factor, 1.0f);
+  EXPECT_EQ(PooledSamples(samples(), pool, 0).size(), 800u);
+  EXPECT_FLOAT_EQ(PooledSamples(samples(), pool, 0).factor, 0.5f);  // squares count a quarter
+  EXPECT_EQ(PooledSamples(samples(), pool, 1).size(), 500u);
+  EXPECT_EQ(PooledSamples(samples(), pool, 10).size(), 0u);
 }
 
 TEST(AdaptQuadtreesForms, AgreeOnThreads) {

@@ -90,7 +90,9 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
     const AdaptQuadtreesKernel adapt{
         octree_.groups(),        trees_.view(),        options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
         weights_.mutable_view(), moved_.mutable_view(),
-        settings_.learn_fraction ? trees_.fractions() : View<const float>{}};
+        settings_.learn_fraction ? trees_.fractions() : View<const float>{},
+        {octree_.previous().links().neighbours.view(), static_cast<uint32_t>(settings_.pool),
+         1.0f - settings_.bsdf_fraction}};
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
     if (settings_.learn_fraction) {
       if (moments_.size() != trees_.size()) resize(frame.backend, "cdq.fractions", moments_, trees_.size());

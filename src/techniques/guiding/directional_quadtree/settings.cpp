@@ -18,6 +18,11 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        &s.stability,
        "A leaf is split only if this fraction of its sum exceeds the sum of the node joined to free its bits",
        {.min = 0.001, .max = 1}},
+      {"pool",
+       &s.pool,
+       "A region with fewer samples per frame than this also learns from those of its face neighbours and of the other "
+       "leaves of its parent; 0: from its own only, as in the paper",
+       {.min = 0, .max = 1 << 24}},
       {"memory",
        &s.memory,
        "Approximate number of earlier frames with samples that still count; 0: none, as in the paper",

@@ -14,6 +14,7 @@ struct DirectionalQuadtreeSettings {
   bool learn_fraction = false;  ///< whether regions learn their own fraction
   int migrations = 1;
   float stability = 0.1f;
+  int pool = 0;      ///< number of samples from which a region learns from its own only
   int memory = 0;    ///< m: sums keep m / (m + 1) of their value per frame
   float spread = 0;  ///< share of a leaf's sum that is also added around it
   QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
