@@ -67,6 +67,8 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.vlc.memory = 0;
   all.settings.vlc.bucket_size = 4;  // several buckets per region
   all.settings.vlc.infinite = CachedInfinity::entries;
+  all.settings.vlc.change_measure = ChangeMeasure::amount;
+  all.settings.vlc.learn_exploration = true;
   all.settings.guide = GuideChoice::cdq;
   all.settings.cdq.bits = QuadtreeBits::b64;
   all.settings.cdq.migrations = 4;

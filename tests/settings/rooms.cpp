@@ -68,7 +68,7 @@ void add_lamps(SceneBuilder& builder) {
   }
   const Vec3 from(-1.1f, 1.3f, 0.4f);
   AnimationChannel move;
-  move.node = builder.add("moving lamp", box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f}),
+  move.node = builder.add("moving lamp", box({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.15f}),
                           builder.add_material(emitter("moving lamp", Rgb(80))), at(from));
   move.times = {0, 1};
   move.values = {Vec4(from, 0), Vec4(1.1f, 1.8f, 0, 0)};

@@ -113,10 +113,12 @@ struct Selectors {
     for (uint32_t b = 0; b < 4; ++b) bucket_weights[b] = entries[8 * b] != CachedLight::kNone ? 1 / filled : 0.0f;
     shares.resize(1);
     shares[0].visibility = {{0.3f, 0.01f, 0.1f, 1.0f}};
+    shares[0].exploration = 0.25f;
     VisibilityLightCache& c = selector.cache;
     c.compact = view_of(compact);
     c.shares = view_of(shares);
     c.lists_infinite = true;
+    c.learns_exploration = true;
   }
 
   LightSelector selector;

@@ -7,6 +7,7 @@
 #include "core/stream_io.h"
 #include "frame/primitives/fill.h"
 #include "frame/primitives/scan.h"
+#include "techniques/light_sampling/visibility_light_cache/learn_shares.h"
 
 namespace relume {
 namespace {
@@ -53,7 +54,7 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.lists = scratch.lists.mutable_view();
   launch(backend, "vlc.merge", merge, regions, 1);
 
-  learn_shares(backend, tree, samples, options, scratch);
+  learn_shares(backend, tree, samples, lights.size, options, scratch);
   fill_buckets(backend, tree, lights, options, scratch);
   dropped_ = scratch.dropped.read();
   // Nothing allocates from here on: all arrays change together, or none.
@@ -66,12 +67,19 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
 }
 
 void LightCaches::learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
-                               const CacheBuildOptions& options, CacheScratch& scratch) const {
+                               uint32_t light_count, const CacheBuildOptions& options, CacheScratch& scratch) const {
   const uint32_t regions = tree.leaf_slots();
-  if (options.first_infinite == kNoLight) return scratch.shares.clear();
+  if (options.first_infinite == kNoLight && !options.exploration.learns) return scratch.shares.clear();
   scratch.shares.reset(regions, kUninitialized);
   const View<const LightShares> old = shares_.size() == regions ? shares_.view() : View<const LightShares>{};
-  const LearnSharesKernel learn{samples, options.first_infinite, options.max_samples, old,
+  const LearnSharesKernel learn{samples,
+                                options.first_infinite,
+                                light_count,
+                                options.max_samples,
+                                options.exploration,
+                                lists_.view(),
+                                lights_.view(),
+                                old,
                                 scratch.shares.mutable_view()};
   launch(backend, "vlc.shares", learn, regions, 1);
 }

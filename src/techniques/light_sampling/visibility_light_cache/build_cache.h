@@ -19,6 +19,13 @@ namespace relume {
 /// Maximum number of buckets per region.
 inline constexpr uint32_t kMaxBuckets = 64;
 
+/// How regions learn the share of samples that explore.
+struct LearnedExploration {
+  bool learns = false;
+  float start = 0.1f;  ///< share before a region has samples
+  float floor = 0.02f;
+};
+
 struct CacheBuildOptions {
   uint32_t bucket_size = 32;          ///< capacity in lights, at most kMaxBucketSize
   uint32_t max_samples = 4096;        ///< maximum number read per region, spread evenly over its samples
@@ -27,6 +34,7 @@ struct CacheBuildOptions {
   float even_buckets = 0.1f;          ///< probability of choosing a bucket uniformly
   LightId first_infinite = kNoLight;  ///< listed lights from here on are at infinity
   float scene_radius = 1;             ///< metres
+  LearnedExploration exploration = {};
 };
 
 /// Lights of one region, before sorting into buckets.
@@ -104,7 +112,7 @@ class LightCaches {
   View<const uint32_t> entries() const { return entries_.view(); }
   /// Probability of each bucket. Those of a region begin at index (first entry / bucket size) and sum to one.
   View<const float> bucket_weights() const { return bucket_weights_.view(); }
-  /// By region; empty if regions do not list lights at infinity.
+  /// By region; empty unless regions list lights at infinity or learn how much to explore.
   View<const LightShares> shares() const { return shares_.view(); }
   /// Buckets of all regions, for host code.
   std::span<const LightBuckets> read_buckets() const { return buckets_.read(); }
@@ -131,9 +139,9 @@ class LightCaches {
   void load(std::istream& in);
 
  private:
-  /// Writes the next shares to `scratch`, none if regions do not list lights at infinity.
+  /// Writes the next shares to `scratch`, none if nothing is learned.
   void learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
-                    const CacheBuildOptions& options, CacheScratch& scratch) const;
+                    uint32_t light_count, const CacheBuildOptions& options, CacheScratch& scratch) const;
   /// Sorts the new lists, in `scratch`, into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                     const CacheBuildOptions& options, CacheScratch& scratch);

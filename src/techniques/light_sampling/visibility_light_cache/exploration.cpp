@@ -36,10 +36,9 @@ UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
 
 }  // namespace
 
-std::vector<LightSummary> light_summaries(const LightsView& lights) {
-  std::vector<LightSummary> list(lights.first_infinite);
-  for (LightId i = 0; i < lights.first_infinite; ++i)
-    list[i] = {position_of(lights.lights[i]), selection_weight(lights, i), lights.lights[i].changed};
+std::vector<LightSummary> light_summaries(const LightsView& lights, ChangeMeasure measure) {
+  std::vector<LightSummary> list;
+  for (LightId i = 0; i < lights.first_infinite; ++i) list.push_back(summary_of(lights, i, measure));
   return list;
 }
 

@@ -10,28 +10,51 @@
 #include "frame/primitives/reduce.h"
 #include "lights/light.h"
 #include "sampling/alias_table.h"
+#include "techniques/light_sampling/visibility_light_cache/settings.h"
 
 namespace relume {
 
 /// Properties of a light for exploration.
 struct LightSummary {
   Vec3 position{0};
-  float watts = 0;  ///< luminance of the emitted power
-  bool changed = false;
+  float watts = 0;   ///< luminance of the emitted power
+  float change = 0;  ///< weight among the lights that have changed since the last frame
 };
 
-/// Properties of all finite lights, by id.
-std::vector<LightSummary> light_summaries(const LightsView& lights);
+/// Watts that arrive differently than in the last frame: those gained or lost, and of the rest a share that grows with
+/// the distance moved. A light that moved by `reach`, metres, counts half; other changes count a hundredth.
+RELUME_HD inline float amount_of_change(const LightsView& lights, LightId id, float reach) {
+  constexpr float kLeast = 0.01f;
+  const float now = selection_weight(lights, id);
+  if (id >= lights.previous.size) return now;
+  LightsView before = lights;
+  before.lights = lights.previous;
+  const float earlier = selection_weight(before, id);
+  const Vec3 step = position_of(lights.lights[id]) - position_of(lights.previous[id]);
+  const float moved = std::sqrt(length_squared(step));
+  const float share = moved > 0.0f ? moved / (moved + reach) : 0.0f;
+  return std::fabs(now - earlier) + relume::max(now, earlier) * relume::max(share, kLeast);
+}
 
-/// Writes the properties of each finite light.
+/// Properties of a light.
+RELUME_HD inline LightSummary summary_of(const LightsView& lights, LightId id, ChangeMeasure measure) {
+  const Light& light = lights.lights[id];
+  LightSummary summary{position_of(light), selection_weight(lights, id), 0.0f};
+  if (light.changed)
+    summary.change = measure == ChangeMeasure::flag ? 1.0f : amount_of_change(lights, id, 0.01f * lights.bounds.radius);
+  return summary;
+}
+
+/// Properties of all finite lights, by id.
+std::vector<LightSummary> light_summaries(const LightsView& lights, ChangeMeasure measure = ChangeMeasure::flag);
+
+/// Writes the properties of each light.
 struct LightSummariesKernel {
   LightsView lights;
+  ChangeMeasure measure = ChangeMeasure::flag;
   View<LightSummary> summaries;
 
-  RELUME_HD void operator()(uint32_t i, uint32_t) const {
-    const Light& light = lights.lights[i];
-    summaries[i] = {position_of(light), selection_weight(lights, i), light.changed};
-  }
+  RELUME_HD void operator()(uint32_t i, uint32_t) const { summaries[i] = summary_of(lights, i, measure); }
 };
 
 /// Bounds and hash of all lights; the hash detects changes.
@@ -52,7 +75,7 @@ struct DigestOfLight {
     const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
     for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
     add(light.watts);
-    add(light.changed ? 1.0f : 0.0f);
+    add(light.change);
     return {light.position, light.position, light.watts > 0.0f ? 1u : 0u, h};
   }
 };
@@ -69,7 +92,7 @@ struct CombineDigests {
 /// Relative weights of the three distributions in the mixture.
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light can be chosen
-  float change = 1;  ///< uniform over the lights that changed since the last frame
+  float change = 1;  ///< over the lights that changed since the last frame, by LightSummary::change
   /// By the inverse squared distance to the camera; in a grid, by power over squared distance to the cell.
   float distance = 1;
 };
@@ -143,14 +166,14 @@ struct ExplorationTablesKernel {
       if (!(light.watts > 0.0f)) continue;
       table[i].keep = nearness(light, middle);
       sums[0] += static_cast<double>(light.watts);
-      sums[1] += light.changed ? 1.0 : 0.0;
+      sums[1] += static_cast<double>(light.change);
       sums[2] += static_cast<double>(table[i].keep);
     }
     const float mixture[3] = {weights.energy, weights.change, weights.distance};
     for (uint32_t i = 0; i < lights.size; ++i) {
       float weight = 0;
       if (lights[i].watts > 0.0f) {
-        const float values[3] = {lights[i].watts, lights[i].changed ? 1.0f : 0.0f, table[i].keep};
+        const float values[3] = {lights[i].watts, lights[i].change, table[i].keep};
         for (int d = 0; d < 3; ++d) {
           if (sums[d] > 0) weight += mixture[d] * static_cast<float>(static_cast<double>(values[d]) / sums[d]);
         }

@@ -70,5 +70,35 @@ TEST(Exploration, FavoursLightsNearEachCell) {
   EXPECT_EQ(tables.grid().at(Vec3(39, 0, 0)).pmf(2), build_exploration(view, Vec3(0), {})[2].pmf);
 }
 
+TEST(Exploration, WeighsTheAmountOfChange) {
+  std::vector<Light> before(4);
+  for (uint32_t i = 0; i < 4; ++i) {
+    before[i].kind = LightKind::point;
+    before[i].point = {Vec3(10.0f * static_cast<float>(i), 0, 0), Rgb(1)};
+  }
+  std::vector<Light> now = before;
+  for (Light& light : now) light.changed = true;
+  now[3].changed = false;
+  now[0].point.intensity = Rgb(3);  // gains twice its power
+  now[1].point.position.y = 0.5f;   // moves by 1 % of the radius
+  LightsView view;
+  view.lights = view_of(now);
+  view.previous = view_of(before);
+  view.first_infinite = 4;
+  view.bounds = {Vec3(0), 50};
+  const std::vector<LightSummary> flags = light_summaries(view);
+  EXPECT_EQ(flags[0].change, 1.0f);
+  EXPECT_EQ(flags[2].change, 1.0f);
+  EXPECT_EQ(flags[3].change, 0.0f);
+  const std::vector<LightSummary> amounts = light_summaries(view, ChangeMeasure::amount);
+  const float watts = amounts[3].watts;
+  EXPECT_NEAR(amounts[0].change / watts, 2.0f + 3 * 0.01f, 1e-4f);
+  EXPECT_NEAR(amounts[1].change / watts, 0.5f, 1e-4f);
+  EXPECT_NEAR(amounts[2].change / watts, 0.01f, 1e-5f);
+  EXPECT_EQ(amounts[3].change, 0.0f);
+  view.previous = {};  // unknown
+  EXPECT_FLOAT_EQ(light_summaries(view, ChangeMeasure::amount)[2].change, watts);
+}
+
 }  // namespace
 }  // namespace relume

@@ -1,12 +1,10 @@
-#include "techniques/light_sampling/visibility_light_cache/light_shares.h"
+#include "techniques/light_sampling/visibility_light_cache/learn_shares.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 #include <vector>
-
-#include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 
 namespace relume {
 namespace {
@@ -79,6 +77,31 @@ TEST_F(Shares, ArePartOfCheckpoints) {
   EXPECT_FALSE(damaged.valid());
 }
 
+TEST_F(Shares, ExplorationFollowsTheRateOfNewLights) {
+  options_.exploration = {.learns = true, .start = 0.1f, .floor = 0.02f};
+  const auto exploration = [&](uint32_t region) { return caches_.shares()[region].exploration; };
+  see(0, 1, true, 200);
+  build();
+  EXPECT_FLOAT_EQ(exploration(0), 0.5f);  // without a list, all is new
+  EXPECT_FLOAT_EQ(exploration(7), 0.1f);  // no samples
+  for (int frame = 0; frame < 8; ++frame) {
+    see(0, 1, true, 200);
+    see(0, 2, false, 300);  // hidden
+    build();
+  }
+  EXPECT_FLOAT_EQ(exploration(0), 0.02f);
+  for (int i = 0; i < 10; ++i) see(0, static_cast<LightId>(5 + i), true, 1);
+  see(0, 1, true, 200);
+  build();
+  EXPECT_GT(exploration(0), 0.2f);
+  for (int frame = 0; frame < 8; ++frame) {  // now they are on the list
+    for (int i = 0; i < 10; ++i) see(0, static_cast<LightId>(5 + i), true, 20);
+    build();
+  }
+  EXPECT_FLOAT_EQ(exploration(0), 0.02f);
+  EXPECT_FLOAT_EQ(exploration(7), 0.1f);
+}
+
 TEST_F(Shares, EndWithTheListing) {
   build();
   EXPECT_FALSE(caches_.shares().empty());
@@ -92,7 +115,7 @@ TEST_F(Shares, WeightBucketsByIrradianceFromInfinity) {
   options_.even_buckets = 0.5f;
   options_.scene_radius = 2;
   lights_[kSun].watts = 8;                  // 2 W/m², times the visibility
-  lights_[5] = {Vec3(-0.5f), 3.0f, false};  // in region 0, at the least distance √3 / 2
+  lights_[5] = {Vec3(-0.5f), 3.0f};  // in region 0, at the least distance √3 / 2
   see(0, kSun, true, 3000);
   see(0, 5, true, 100);
   build();

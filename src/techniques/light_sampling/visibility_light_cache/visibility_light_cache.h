@@ -37,6 +37,7 @@ struct VisibilityLightCache {
   View<const float> bucket_weights;  ///< probabilities by bucket; a region's first index: its first entry / bucket_size
   uint32_t bucket_size = 32;
   float exploration = 0.1f;        ///< share of samples that explore
+  bool learns_exploration = false;  ///< whether regions have their own share, in `shares`
   bool lists_infinite = false;     ///< whether regions list lights at infinity; otherwise they are a separate group
   View<const LightShares> shares;  ///< by region; empty: none
   ExplorationGrid all;             ///< over finite lights
@@ -50,7 +51,7 @@ struct VisibilityLightCache {
     if (!lists_infinite && infinite.takes(n)) return infinite.sample(n);
     if (nothing_emits()) return {};
     const LightBuckets buckets = buckets_of(sp);
-    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration, n);
+    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration_at(sp), n);
     LightId light = kNoLight;
     uint32_t bucket = 0;
     if (exploring) {
@@ -80,6 +81,11 @@ struct VisibilityLightCache {
  private:
   /// Whether exploration has no light to choose.
   RELUME_HD bool nothing_emits() const { return all.empty() && !(lists_infinite && infinite.share > 0.0f); }
+
+  /// Share of samples that explore in a region with a list.
+  RELUME_HD float exploration_at(const SurfacePoint& sp) const {
+    return learns_exploration && sp.region < shares.size ? shares[sp.region].exploration : exploration;
+  }
 
   /// Chooses among all lights, or all finite ones if those at infinity are a separate group.
   RELUME_HD LightSelection explore(const Vec3& position, ReusableNumber n) const {
@@ -137,7 +143,8 @@ struct VisibilityLightCache {
     const float explored = explored_pmf(sp.position, light);
     if (buckets.count == 0) return share * explored;
     const float cached = w.sum > 0.0f ? w.weight / w.sum * weights_of(buckets)[bucket] : 0.0f;
-    return share * (exploration * explored + (1.0f - exploration) * cached);
+    const float exploring = exploration_at(sp);
+    return share * (exploring * explored + (1.0f - exploring) * cached);
   }
 };
 

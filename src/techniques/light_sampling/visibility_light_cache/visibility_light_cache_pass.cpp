@@ -35,7 +35,7 @@ void VisibilityLightCachePass::update_lights(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
   const uint32_t listed = listed_lights(lights);
   summaries_.reset(listed, kUninitialized);
-  frame.launch("vlc.lights", LightSummariesKernel{lights, summaries_.mutable_view()}, {listed, 1});
+  frame.launch("vlc.lights", LightSummariesKernel{lights, settings_.change_measure, summaries_.mutable_view()}, {listed, 1});
   write_compact_lights(frame.backend, "vlc.lights", lights, listed, compact_);
   all_.update_digest(frame.backend, finite_summaries(lights));
   frame.backend.run("vlc.lights", [&] { infinite_.assign(build_infinite_lights(lights, selection_.infinity())); });
@@ -55,6 +55,7 @@ void VisibilityLightCachePass::build_caches(const FrameContext& frame) {
   options.memory = static_cast<uint32_t>(settings_.memory);
   options.even_buckets = settings_.even_buckets;
   if (settings_.lists_infinite()) options.first_infinite = frame.scene.lights.first_infinite;
+  options.exploration = {settings_.learn_exploration, settings_.exploration, settings_.exploration_floor};
   options.scene_radius = frame.scene.lights.bounds.radius;
   if (built_generation_ != octree_.generation())
     caches_.build(frame.backend, octree_.previous(), octree_.groups(), summaries_.view(), options, scratch_);
@@ -90,6 +91,7 @@ void VisibilityLightCachePass::set_selector(const LightsView& lights) {
   view.bucket_weights = sampled.bucket_weights();
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
+  view.learns_exploration = settings_.learn_exploration;
   view.lists_infinite = settings_.lists_infinite();
   view.shares = sampled.shares();
   view.all = all_.grid();

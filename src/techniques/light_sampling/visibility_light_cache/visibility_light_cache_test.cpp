@@ -104,9 +104,9 @@ TEST_F(Caches, WeightBucketsByEstimatedIrradiance) {
   CacheBuildOptions options;
   options.bucket_size = 4;
   // Region 0 is the cube from −1 to 0. Of four buckets, 0 has two lights inside, 1 has one 20 m away, and 2 is empty.
-  lights_[0] = {Vec3(-0.5f), 3.0f, false};
-  lights_[1] = {Vec3(-0.5f, -0.5f, -20.5f), 30.0f, false};
-  lights_[3] = {Vec3(-0.5f), 0.0f, false};
+  lights_[0] = {Vec3(-0.5f), 3.0f};
+  lights_[1] = {Vec3(-0.5f, -0.5f, -20.5f), 30.0f};
+  lights_[3] = {Vec3(-0.5f), 0.0f};
   lights_[4] = lights_[0];
   for (const LightId light : {0u, 1u, 3u, 4u, 5u, 7u, 8u, 9u, 11u, 12u, 13u, 15u}) see(0, light);
   options.even_buckets = 0.5f;
