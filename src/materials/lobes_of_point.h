@@ -25,6 +25,7 @@ struct BsdfSample {
   bool valid = false;
   float guide_pdf_w = 0;  ///< density of the guiding distribution alone, if it is part of `pdf_w`
   float bsdf_pdf_w = 0;   ///< density of the BSDF alone, if `pdf_w` includes guiding
+  float resampling = 1;   ///< factor of resampling in `weight`, which is then f · |cos θ| / pdf times it
 
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
@@ -72,6 +73,14 @@ RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
 RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     if (!is_delta(bsdf.lobes[i].kind)) return true;
+  }
+  return false;
+}
+
+/// Whether any lobe is glossy.
+RELUME_HD inline bool has_glossy(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (is_glossy(bsdf.lobes[i].kind)) return true;
   }
   return false;
 }

@@ -74,6 +74,7 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.cdq.migrations = 4;
   all.settings.cdq.learn_fraction = true;
   all.settings.cdq.pool = 256;
+  all.settings.cdq.candidates = 4;
   all.settings.cdq.memory = 8;
   all.settings.cdq.spread = 1;
   all.settings.cdq.sampling = QuadtreeSampling::stratified;

@@ -2,6 +2,7 @@
 // with the BSDF here, so pdf() is always the density of the whole mixture.
 #pragma once
 
+#include "core/hash.h"
 #include "sampling/sampler.h"
 #include "scene/surface_point.h"
 #include "techniques/guiding/directional_quadtree/directional_quadtree.h"
@@ -10,20 +11,34 @@ namespace relume {
 
 enum class DirectionSamplerKind : int { bsdf, quadtree };
 
+/// Independent random numbers, for candidates beyond the first: a bounce has few dimensions of a sequence.
+struct HashedNumbers {
+  uint32_t seed = 0;
+  uint32_t count = 0;
+
+  RELUME_HD float next_1d() { return to_unit_float(hash(seed, count++)); }
+  RELUME_HD Vec2 next_2d() {
+    const float x = next_1d();
+    return {x, next_1d()};
+  }
+};
+
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
   QuadtreeArray quadtrees;     ///< quadtrees by region
   float bsdf_fraction = 0.5f;   ///< probability of the BSDF at guided vertices
   bool stratified = false;      ///< whether quadtrees are sampled by sample_stratified()
   View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none
+  uint32_t candidates = 1;      ///< directions of which one is resampled at glossy vertices; 1: no resampling
 
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
-    if (guides(sp)) return sample_mixture(sp, sampler);
-    return sample_bsdf(sp, sampler, mode);
+    if (!guides(sp)) return sample_bsdf(sp, sampler, mode);
+    const DirectionalQuadtree tree = quadtrees.load(sp.region);
+    return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, tree, sampler);
   }
 
-  /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there.
+  /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there. With resampling, that of a candidate.
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
     if (!guides(sp)) return bsdf.pdf_forward;
     return mixed(fraction_at(sp), bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
@@ -42,20 +57,60 @@ struct DirectionSampler {
     return fraction * pdf_bsdf + (1.0f - fraction) * pdf_tree;
   }
 
-  RELUME_HD static BsdfSample sample_bsdf(const SurfacePoint& sp, Sampler& sampler,
+  /// Whether a direction is resampled. Delta lobes cannot be: their directions have no density.
+  RELUME_HD bool resamples(const SurfacePoint& sp) const {
+    return candidates > 1 && has_glossy(sp.bsdf) && !has_delta(sp.bsdf);
+  }
+
+  template <typename Numbers>
+  RELUME_HD static BsdfSample sample_bsdf(const SurfacePoint& sp, Numbers& numbers,
                                           TransportMode mode = TransportMode::radiance) {
-    const float u_lobe = sp.bsdf.lobe_count > 1 || transmits(sp.bsdf.lobes[0].kind) ? sampler.next_1d() : 0.0f;
-    return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
+    const float u_lobe = sp.bsdf.lobe_count > 1 || transmits(sp.bsdf.lobes[0].kind) ? numbers.next_1d() : 0.0f;
+    return relume::sample(sp, u_lobe, numbers.next_2d(), mode);
+  }
+
+  /// Draws candidates from the mixture and keeps one with a probability in proportion to w = t / p, where the target t
+  /// is the BSDF with the cosine times the density of the quadtree (resampled importance sampling). With the mean of w
+  /// over w as a factor of its weight f cos θ / p, the expected value of weight × h is ∫ f cos θ h for every function h
+  /// of the direction. MIS weights are such a function: they sum to one with `pdf_w`, the density p of a candidate, as
+  /// they do without resampling. The target has a uniform part, so that directions that the tree neglects have bounded
+  /// factors.
+  RELUME_HD BsdfSample resample(const SurfacePoint& sp, const DirectionalQuadtree& tree, Sampler& sampler) const {
+    constexpr uint32_t kSalt = 0x3c6ef372u;
+    constexpr float kUniform = 0.1f;
+    BsdfSample kept;
+    float kept_weight = 0;
+    float sum = 0;
+    const auto offer = [&](const BsdfSample& s, float u) {
+      if (!s.valid) return;
+      const float density = (1.0f - kUniform) * s.guide_pdf_w + kUniform * sphere_pdf();
+      const float weight = luminance(s.weight) * density;
+      sum += weight;
+      if (!(u * sum < weight)) return;
+      kept = s;
+      kept_weight = weight;
+    };
+    offer(sample_mixture(sp, tree, sampler), 0.0f);
+    HashedNumbers numbers{hash(sampler.ray_id(), kSalt)};
+    for (uint32_t i = 1; i < candidates; ++i) {
+      const BsdfSample s = sample_mixture(sp, tree, numbers);
+      offer(s, numbers.next_1d());
+    }
+    if (!(kept_weight > 0.0f)) return {};
+    kept.resampling = sum / (static_cast<float>(candidates) * kept_weight);
+    kept.weight *= kept.resampling;
+    kept.eta_scale *= kept.resampling;
+    return kept;
   }
 
   /// One sample of the mixture of BSDF and quadtree. `eta_scale` includes the ratio of densities, so that Russian
   /// roulette uses the weight of BSDF sampling. Guided directions have small weights because they are likely.
-  RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, Sampler& sampler) const {
-    const DirectionalQuadtree tree = quadtrees.load(sp.region);
+  template <typename Numbers>
+  RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, const DirectionalQuadtree& tree, Numbers& numbers) const {
     const float fraction = fraction_at(sp);
     BsdfSample s;
-    if (sampler.next_1d() < fraction) {
-      s = sample_bsdf(sp, sampler);
+    if (numbers.next_1d() < fraction) {
+      s = sample_bsdf(sp, numbers);
       if (!s.valid) return s;
       if (s.delta) {
         s.weight /= fraction;
@@ -69,7 +124,7 @@ struct DirectionSampler {
       s.pdf_w = pdf;
       return s;
     }
-    const Vec2 u = sampler.next_2d();
+    const Vec2 u = numbers.next_2d();
     s.wi = stratified ? tree.sample_stratified(u) : tree.sample(u);
     const BsdfEval bsdf = eval_pdf(sp, s.wi);
     s.guide_pdf_w = tree.pdf(s.wi);

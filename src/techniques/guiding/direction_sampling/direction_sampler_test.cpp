@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -209,6 +210,108 @@ TEST(DirectionSampler, LearnedFractionsReplaceTheConstantWithoutDeltaLobes) {
   }
   EXPECT_GT(compared[0], 100);
   EXPECT_GT(compared[1], 100);
+}
+
+/// Mean and variance of weight × h.
+struct Estimate {
+  double mean = 0;
+  double variance = 0;
+};
+
+/// Estimates for several functions h of the direction: h(w) returns their values.
+template <size_t kCount, typename Functions>
+std::array<Estimate, kCount> estimates(const DirectionSampler& sampler, const SurfacePoint& sp, uint32_t samples,
+                                       uint32_t first, const Functions& h) {
+  std::array<Estimate, kCount> result{};
+  for (uint32_t i = 0; i < samples; ++i) {
+    Sampler u = numbers(first + i);
+    const BsdfSample s = sampler.sample(sp, u);
+    if (!s.valid) continue;
+    const std::array<double, kCount> values = h(s.wi);
+    for (size_t k = 0; k < kCount; ++k) {
+      const double x = double{luminance(s.weight)} * values[k];
+      result[k].mean += x / samples;
+      result[k].variance += x * x / samples;
+    }
+  }
+  for (Estimate& e : result) e.variance -= e.mean * e.mean;
+  return result;
+}
+
+/// Whether resampling applies to the point.
+bool can_resample(const SurfacePoint& sp) { return has_glossy(sp.bsdf) && !has_delta(sp.bsdf); }
+
+TEST(DirectionSampler, ResamplingKeepsTheMean) {
+  constexpr uint32_t kSamples = 8000;
+  int compared = 0;
+  for (const testing::BsdfCase& c : materials({0.3f, 0.8f})) {
+    if (c.name.ends_with(testing::to_string(MicrofacetModel::beckmann))) continue;
+    const SurfacePoint sp = make_point(c);
+    if (!can_resample(sp)) continue;
+    for (const uint32_t candidates : {2u, 4u, 8u}) {
+      Guide guide(0.4f, candidates == 4);
+      guide.sampler.candidates = candidates;
+      const Vec3 lamp = sp.frame.to_world(glm::normalize(Vec3(0.2f, 0.5f, 0.6f)));
+      // The light of a lamp with its MIS weight, which depends on the density of candidates; a side; everything.
+      const auto h = [&](const Vec3& w) {
+        const double p = double{guide.sampler.pdf(sp, w, eval_pdf(sp, w))};
+        const double q = glm::dot(w, lamp) > 0.9f ? 5.0 : 0.01;
+        return std::array<double, 3>{q * p * p / (p * p + q * q), w.x < 0.1f ? 1.0 : 0.0, 1.0};
+      };
+      const auto found = estimates<3>(guide.sampler, sp, kSamples, 0, h);
+      const auto expected = estimates<3>(DirectionSampler{}, sp, kSamples, kSamples, h);
+      for (size_t k = 0; k < 3; ++k) {
+        const double error = std::sqrt((found[k].variance + expected[k].variance) / kSamples);
+        EXPECT_NEAR(found[k].mean, expected[k].mean, 5 * error) << c.name << ' ' << candidates << ' ' << k;
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 8);
+}
+
+TEST(DirectionSampler, ResamplingFollowsTheProductOfBsdfAndTree) {
+  // Light as the tree has learned it.
+  int compared = 0;
+  for (const testing::BsdfCase& c : materials({0.3f})) {
+    const SurfacePoint sp = make_point(c);
+    if (!can_resample(sp)) continue;
+    Guide guide(0.5f, false);
+    const DirectionalQuadtree tree = guide.sampler.quadtrees.load(0);
+    const auto light = [&](const Vec3& w) { return std::array<double, 1>{double{tree.pdf(w)}}; };
+    const auto variance = [&](uint32_t candidates) {
+      guide.sampler.candidates = candidates;
+      return estimates<1>(guide.sampler, sp, 20000, 0, light)[0].variance;
+    };
+    const double one = variance(1);
+    EXPECT_LT(variance(4), 0.6 * one) << c.name;
+    EXPECT_LT(variance(8), 0.4 * one) << c.name;
+    ++compared;
+  }
+  EXPECT_GT(compared, 0);
+}
+
+TEST(DirectionSampler, ResampledDirectionsHaveTheDensityOfCandidates) {
+  Guide guide(0.4f, false);
+  guide.sampler.candidates = 4;
+  int resampled = 0;
+  for (const testing::BsdfCase& c : materials({0.3f, 0.8f})) {
+    const SurfacePoint sp = make_point(c);
+    for (uint32_t i = 0; i < 200; ++i) {
+      Sampler u = numbers(i);
+      const BsdfSample s = guide.sampler.sample(sp, u);
+      if (!s.valid || s.delta) continue;
+      const BsdfEval e = eval_pdf(sp, s.wi);
+      ASSERT_NEAR(s.pdf_w / guide.sampler.pdf(sp, s.wi, e), 1.0f, 2e-3f) << c.name;
+      const Rgb expected = e.f * (s.resampling * shading_cosine(sp, s.wi) / s.pdf_w);
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(s.weight[k], expected[k], 5e-3f * expected[k] + 1e-6f) << c.name;
+      if (s.resampling != 1.0f) ++resampled;
+      if (!can_resample(sp)) {
+        ASSERT_EQ(s.resampling, 1.0f) << c.name;
+      }
+    }
+  }
+  EXPECT_GT(resampled, 100);
 }
 
 TEST(DirectionSampler, EqualsTheBsdfWithoutLearnedLight) {

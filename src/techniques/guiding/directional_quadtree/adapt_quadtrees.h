@@ -116,8 +116,8 @@ struct AdaptQuadtreesKernel {
     return {s.direction, s.value * value_scale(before, region, s, pool.guided_fraction) * pooled.factor};
   }
 
-  /// Factor of a sample's value, 1 if the sampled tree is `tree` (`guided` 0). It multiplies the square by the ratio of the two mixture densities. In expectation,
-  /// the sums of squares are then those of samples from `tree`.
+  /// Factor of a sample's value, 1 if the sampled tree is `tree` (`guided` 0). It multiplies the square by the ratio of
+  /// the two mixture densities. In expectation, the sums of squares are then those of samples from `tree`.
   RELUME_HD float value_scale(const DirectionalQuadtree& tree, uint32_t region, const VertexSample& s,
                               float guided) const {
     if (guided == 0.0f || !(s.value > 0.0f)) return 1.0f;

@@ -58,6 +58,7 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   directions_.quadtrees = sampled.view();
   directions_.fractions = settings_.learn_fraction ? sampled.fractions() : View<const float>{};
   directions_.bsdf_fraction = settings_.bsdf_fraction;
+  directions_.candidates = static_cast<uint32_t>(settings_.candidates);
   directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
   return true;
 }

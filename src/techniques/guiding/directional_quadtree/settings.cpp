@@ -13,6 +13,11 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
       {"learn-fraction", &s.learn_fraction,
        "Learn in each region the fraction of directions from the BSDF that gives the least noise; starts from "
        "bsdf-fraction"},
+      {"candidates",
+       &s.candidates,
+       "Directions drawn at a glossy vertex, of which one is kept in proportion to BSDF times quadtree; 1: no "
+       "resampling",
+       {.min = 1, .max = 8}},
       {"migrations", &s.migrations, "Maximum number of leaves that a quadtree moves per frame", {.min = 1, .max = 32}},
       {"stability",
        &s.stability,

@@ -44,7 +44,7 @@ struct PathRecorder {
   uint32_t reached = 0;                  ///< number of recorded vertices; valid elements of the arrays below
   Rgb throughput[kMaxRecordedVertices];  ///< throughput after the direction was chosen, without wavelength_weight()
   Rgb radiance[kMaxRecordedVertices];    ///< radiance of the path up to then, with the excluded emission
-  float factor[kMaxRecordedVertices];    ///< cos θ / pdf_w; 0: no direction
+  float factor[kMaxRecordedVertices];    ///< cos θ / pdf_w, with the factor of resampling; 0: no direction
 
   template <typename Path>
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
@@ -83,7 +83,7 @@ struct PathRecorder {
     VertexSample& sample = recording->sample(v, pixel);
     sample.direction = pack_square(square_from_direction(path.ray.direction));
     sample.densities = pack_densities(path.pdf_w, s.guide_pdf_w);
-    factor[v] = shading_cosine(sp, path.ray.direction) / path.pdf_w;
+    factor[v] = s.resampling * shading_cosine(sp, path.ray.direction) / path.pdf_w;
     if (s.bsdf_pdf_w > 0.0f && factor[v] > 0.0f && !has_delta(sp.bsdf))
       sample.bsdf = pack_densities(luminance(s.weight) / factor[v], s.bsdf_pdf_w);
     throughput[v] = path.throughput;

@@ -21,7 +21,7 @@ struct VertexSample {
   uint32_t region = kNoRegion;  ///< leaf of the vertex; kNoRegion: no record
   uint32_t light = kNoLight;    ///< light sampled by next event estimation, with kVisibleLight; or kNoLight
   uint32_t direction = 0;       ///< direction in which the path continued: octahedral, 16 bits per coordinate
-  float value = 0;              ///< luminance of Li cos θ / pdf_w along `direction`; 0 if the path ended
+  float value = 0;              ///< luminance of Li cos θ / pdf_w · BsdfSample::resampling; 0 if the path ended
   uint32_t densities = 0;       ///< pdf_w of the mixture and of the guiding distribution (pack_densities())
   uint32_t bsdf = 0;            ///< luminance and pdf_w of the BSDF along `direction`; 0: not guided, or delta lobes
 };

@@ -250,6 +250,27 @@ TEST_F(Recording, SurvivorsOfRouletteTrainWithoutItsFactor) {
   EXPECT_EQ(samples_[2].value, 0.0f);
 }
 
+TEST_F(Recording, ValuesHaveTheFactorOfResampling) {
+  place(Vec3(0.5f), Vec3(0.5f));
+  for (const uint32_t pixel : {0u, 1u}) {
+    BsdfSample s;
+    s.resampling = pixel == 0 ? 1.0f : 3.0f;
+    s.weight = Rgb(0.37f * s.resampling);
+    s.bsdf_pdf_w = 2;
+    PathRecorder recorder = recording_.begin(pixel);
+    FakePath path = path_;
+    recorder.arrived(point_, path);
+    path.throughput = s.weight;
+    path.bounce = 1;
+    recorder.scattered(point_, s, path);
+    path.radiance += path.throughput * Rgb(2);
+    recorder.finished(path);
+  }
+  EXPECT_FLOAT_EQ(samples_[1].value, 3 * samples_[0].value);
+  EXPECT_EQ(samples_[1].bsdf, samples_[0].bsdf);
+  EXPECT_NE(samples_[0].bsdf, 0u);
+}
+
 TEST_F(Recording, SkippedPixelsDiscardTheLastFrame) {
   samples_[4].region = 1;
   samples_[14].region = 1;

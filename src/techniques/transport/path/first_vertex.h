@@ -43,7 +43,7 @@ struct FirstVertexPolicy : NoPolicy {
     if (after.bounce != 1 || s.delta) return;
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
-    throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
+    throughput = after.throughput * (s.pdf_w / (s.resampling * shading_cosine(sp, s.wi)));
     // These weights are not part of the BSDF, so `indirect` includes them.
     if (after.dispersed) throughput /= wavelength_weight(after.wavelength_nm);
     throughput /= after.indirect_weight;
