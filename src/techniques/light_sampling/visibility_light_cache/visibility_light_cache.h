@@ -36,12 +36,12 @@ struct VisibilityLightCache {
   View<const uint32_t> entries;      ///< CachedLight, `bucket_size` per bucket, sorted by id
   View<const float> bucket_weights;  ///< probabilities by bucket; a region's first index: its first entry / bucket_size
   uint32_t bucket_size = 32;
-  float exploration = 0.1f;        ///< share of samples that explore
+  float exploration = 0.1f;         ///< share of samples that explore
   bool learns_exploration = false;  ///< whether regions have their own share, in `shares`
-  bool lists_infinite = false;     ///< whether regions list lights at infinity; otherwise they are a separate group
-  View<const LightShares> shares;  ///< by region; empty: none
-  ExplorationGrid all;             ///< over finite lights
-  InfiniteLights infinite;         ///< its share is that of all samples, or if regions list them, of exploration
+  bool lists_infinite = false;      ///< whether regions list lights at infinity; otherwise they are a separate group
+  View<const LightShares> shares;   ///< by region; empty: none
+  ExplorationGrid all;              ///< over finite lights
+  InfiniteLights infinite;          ///< its share is that of all samples, or if regions list them, of exploration
   LtcTable ltc;
   View<const CompactLight> compact;
   LightsView lights;
