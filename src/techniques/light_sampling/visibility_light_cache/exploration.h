@@ -10,7 +10,7 @@
 #include "frame/primitives/reduce.h"
 #include "lights/light.h"
 #include "sampling/alias_table.h"
-#include "techniques/light_sampling/visibility_light_cache/settings.h"
+#include "techniques/light_sampling/visibility_light_cache/change_measure.h"
 
 namespace relume {
 

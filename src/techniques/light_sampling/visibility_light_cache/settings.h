@@ -2,14 +2,9 @@
 #pragma once
 
 #include "settings/setting.h"
+#include "techniques/light_sampling/visibility_light_cache/change_measure.h"
 
 namespace relume {
-
-/// Weight in exploration of a light that has changed.
-enum class ChangeMeasure : int {
-  flag,    ///< one for every such light
-  amount,  ///< by the change of power and position
-};
 
 /// Lights at infinity: entries of the regions' lists, or a separate group with a fixed share of the samples.
 enum class CachedInfinity : int { entries, apart };
