@@ -107,6 +107,7 @@ constexpr std::array kDetails = {
     Detail{"psf.min-roughness", {"0", "0.2", "1"}},
     Detail{"apg.feed", {"0", "0.25", "1"}},
     Detail{"apg.variance-constant", {"0", "0.1", "10"}},
+    Detail{"apsf.survival-measure", {"variance", "standard-error", "standard-error"}},
     Detail{"apsf.survival-floor", {"0.01", "0.1", "1"}},
     Detail{"apsf.blend", {"automatic", "step", "one-over-square"}},
     Detail{"adaptive.min", {"2", "4", "16"}},

@@ -203,6 +203,7 @@ class Combinations(RefusalTest):
         self.refuse_each(self.render("-o", "out.exr"), [
             (FAILED, "--allocation adaptive --adaptive.max 4 --adaptive.min 4", r"adaptive\.max is 4 .*adaptive\.min is 4, .* --adaptive\.max 5"),
             (FAILED, "--cache apsf --apsf.survival-v0 2 --apsf.survival-v1 2", r"apsf\.survival-v0 is 2 .*apsf\.survival-v1 is 2, .* v1 must exceed v0"),
+            (FAILED, "--cache apsf --apsf.error-v0 0.5", r"apsf\.error-v0 is 0\.5 .*apsf\.error-v1 is 0\.008, .* v1 must exceed v0"),
             (FAILED, "--cache apsf+apg --apsf.blend-v0 0.5", r"apsf\.blend-v0 is 0\.5 .*apsf\.blend-v1 is 0\.2, .* v1 must exceed v0"),
             # With a difference of 8, the thesis divides by zero.
             (FAILED, "--cache apsf --apsf.survival-v0 1 --apsf.survival-v1 9", r"apsf\.survival-v1 is 9, .* by less than 8"),

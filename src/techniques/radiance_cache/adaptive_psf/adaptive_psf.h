@@ -11,7 +11,8 @@ struct AdaptivePsf {
   SurvivalFunction survival_function = SurvivalFunction::smooth_linear;
   BlendFunction blend_function = BlendFunction::one;
   VarianceMeasure measure = VarianceMeasure::relative;
-  VarianceThresholds survival_thresholds;
+  SurvivalMeasure survival_measure = SurvivalMeasure::variance;
+  VarianceThresholds survival_thresholds;  ///< in units of `survival_measure`
   VarianceThresholds blend_thresholds;
   float survival_floor = 0.1f;  ///< minimum probability, so that each cell receives samples
   float min_count = 128;        ///< samples below which a cell's variance counts as infinite
@@ -26,6 +27,17 @@ struct AdaptivePsf {
     return mean > 0.0f ? v / sqr(mean) : 0.0f;
   }
 
+  /// Probability of following the paths of the cell in `slot`, whose variance() is `v`.
+  RELUME_HD float survival_in(const HashGridView& grid, uint32_t slot, const CellMoments& cell, float v) const {
+    if (!(v < kInfinity)) return 1.0f;
+    if (survival_measure == SurvivalMeasure::standard_error) {
+      // Black samples do not show that a cell is dark: bright ones may be rare.
+      if (grid.histories[slot].changed != 0 || !(luminance(cell.mean) > 0.0f)) return 1.0f;
+      v /= cell.count;
+    }
+    return relume::max(survival(survival_function, survival_thresholds, v), survival_floor);
+  }
+
   /// Decides at the filter vertex whether the path is followed. Sets slot, survival, blend and culled. A culled pixel
   /// shows its cell with any blend function, because it has no sample. Paths at vertices with delta lobes always
   /// survive. `u` in [0, 1).
@@ -35,10 +47,7 @@ struct AdaptivePsf {
     // The cell's own moments: all pixels with the same key must have the same probability.
     const CellMoments cell = grid.own_moments(pixel.slot);
     const float v = variance(grid, cell);
-    const bool known = v < kInfinity;
-    pixel.survival = known && !pixel.divided
-                         ? relume::max(survival(survival_function, survival_thresholds, v), survival_floor)
-                         : 1.0f;
+    pixel.survival = pixel.divided ? 1.0f : survival_in(grid, pixel.slot, cell, v);
     pixel.blend = blend(blend_function, blend_thresholds, v);
     pixel.culled = u >= pixel.survival;
     if (pixel.culled) pixel.blend = 1.0f;

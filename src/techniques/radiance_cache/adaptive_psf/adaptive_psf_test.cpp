@@ -6,6 +6,7 @@
 #include "relume/error.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_graphs/testing/cached_frames.h"
+#include "techniques/spatial/hash_grid/testing/grid_camera.h"
 
 namespace relume {
 namespace {
@@ -130,6 +131,81 @@ TEST(AdaptivePsf, TracesFewerRays) {
     full.render();
   }
   EXPECT_LT(static_cast<double>(adaptive.rays()), 0.85 * static_cast<double>(full.rays()));
+}
+
+/// A cell filled with frames of 64 samples.
+class OneCell {
+ public:
+  OneCell() : grid_(HashGridSettings{}, 64), backend_(1) {
+    point_.position = Vec3(0.1f, 0.2f, 2);
+    point_.normal = 1;
+  }
+
+  /// One sample in eight is `bright`, the others are `dim`.
+  void fill(int frames, float dim, float bright) {
+    for (int frame = 0; frame < frames; ++frame) {
+      const HashGridView view = grid_.view(grid_camera());
+      for (int i = 0; i < 64; ++i) view.insert(point_, Rgb(i % 8 == 0 ? bright : dim), 1.0f, 0.9f);
+      grid_.end_frame(backend_);
+    }
+  }
+
+  float survival(SurvivalMeasure measure) {
+    AdaptivePsfSettings settings;
+    settings.survival_measure = measure;
+    FilteredPixel pixel;
+    pixel.point = point_;
+    make_adaptive_psf(settings).decide(grid_.view(grid_camera()), pixel, 0.0f);
+    return pixel.survival;
+  }
+
+ private:
+  HashGrid grid_;
+  Backend backend_;
+  CellPoint point_;
+};
+
+TEST(SurvivalMeasure, TheStandardErrorFallsWithTheNumberOfSamples) {
+  OneCell cell;  // samples of mean 1 and variance 7
+  cell.fill(2, 0, 8);
+  EXPECT_EQ(cell.survival(SurvivalMeasure::variance), 1.0f);
+  EXPECT_EQ(cell.survival(SurvivalMeasure::standard_error), 1.0f);  // 7 / 128 = 0.055
+  cell.fill(14, 0, 8);
+  EXPECT_EQ(cell.survival(SurvivalMeasure::variance), 1.0f);
+  // 7 / 1024 = 0.0068: eq. 4.2 gives smoothstep(0.56).
+  EXPECT_NEAR(cell.survival(SurvivalMeasure::standard_error), 0.59f, 0.01f);
+}
+
+TEST(SurvivalMeasure, TheStandardErrorOfABlackCellIsUnknown) {
+  OneCell cell;
+  cell.fill(8, 0, 0);
+  EXPECT_LT(cell.survival(SurvivalMeasure::variance), 0.25f);
+  EXPECT_EQ(cell.survival(SurvivalMeasure::standard_error), 1.0f);
+}
+
+TEST(SurvivalMeasure, AChangeRaisesSurvivalToOne) {
+  OneCell cell;
+  cell.fill(16, 1, 1.8f);
+  EXPECT_LT(cell.survival(SurvivalMeasure::standard_error), 0.3f);
+  cell.fill(1, 2, 3.6f);  // the first of two windows that must depart before the history is discarded
+  EXPECT_LT(cell.survival(SurvivalMeasure::variance), 0.3f);
+  EXPECT_EQ(cell.survival(SurvivalMeasure::standard_error), 1.0f);
+}
+
+TEST(SurvivalMeasure, TheStandardErrorKeepsTheMeanOfPathTracing) {
+  CachedFrameSettings settings = small(48);
+  settings.apsf.survival_measure = SurvivalMeasure::standard_error;
+  CachedFrames adaptive(build("cornell"), settings);
+  settings.kind = CacheKind::none;
+  CachedFrames plain(build("cornell"), settings);
+  double sums[2] = {};
+  constexpr int kFrames = 64;
+  for (int i = 0; i < kFrames; ++i) {
+    for (const Rgb& p : adaptive.render()) sums[0] += static_cast<double>(luminance(p));
+    for (const Rgb& p : plain.render()) sums[1] += static_cast<double>(luminance(p));
+  }
+  EXPECT_NEAR(sums[0] / sums[1], 1.0, 0.02);
+  EXPECT_LT(static_cast<double>(adaptive.rays()), 0.7 * static_cast<double>(plain.rays()));
 }
 
 TEST(AdaptivePsf, PathsNeededByDeltaLobesSurvive) {

@@ -25,6 +25,11 @@ SettingList describe(AdaptivePsfSettings& s) {
        "Probability that a path is followed: always 1, or rising between the thresholds with the variance of its cell"},
       {"survival-v0", &s.survival_v0, "Variance below which few paths are followed", {.min = 0, .max = 1e6}},
       {"survival-v1", &s.survival_v1, "Variance above which most paths are followed", {.min = 0, .max = 1e6}},
+      {"survival-measure", choice(s.survival_measure, {"variance", "standard-error"}),
+       "What survival depends on: the variance of one sample in the cell, or the squared standard error of the cell's "
+       "mean, variance / samples, which follows all paths of black and changed cells"},
+      {"error-v0", &s.error_v0, "Squared standard error below which few paths are followed", {.min = 0, .max = 1e6}},
+      {"error-v1", &s.error_v1, "Squared standard error above which most paths are followed", {.min = 0, .max = 1e6}},
       {"survival-floor",
        &s.survival_floor,
        "Minimum probability that a path is followed, so that cells can adapt to changes",
@@ -49,7 +54,7 @@ SettingList describe(AdaptivePsfSettings& s) {
        "Variance above which cells are preferred again",
        {.min = 0, .max = 1e6, .biases = true}},
       {"variance", choice(s.variance, {"relative", "absolute"}),
-       "Variance compared with the thresholds: that of a sample relative to the squared mean of its cell, or absolute"},
+       "Unit of variances and squared standard errors: the squared mean of the cell, or absolute"},
   };
 }
 
@@ -60,7 +65,10 @@ AdaptivePsf make_adaptive_psf(const AdaptivePsfSettings& s, BlendFunction automa
   a.survival_function = s.survival;
   a.blend_function = s.blend == BlendFunction::automatic ? automatic : s.blend;
   a.measure = s.variance;
-  a.survival_thresholds = checked("survival", s.survival_v0, s.survival_v1);
+  a.survival_measure = s.survival_measure;
+  const VarianceThresholds variances = checked("survival", s.survival_v0, s.survival_v1);
+  const VarianceThresholds errors = checked("error", s.error_v0, s.error_v1);
+  a.survival_thresholds = s.survival_measure == SurvivalMeasure::variance ? variances : errors;
   a.blend_thresholds = checked("blend", s.blend_v0, s.blend_v1);
   a.survival_floor = s.survival_floor;
   a.min_count = static_cast<float>(s.min_samples);

@@ -12,6 +12,9 @@ struct AdaptivePsfSettings {
   SurvivalFunction survival = SurvivalFunction::smooth_linear;
   float survival_v0 = 0.5f;
   float survival_v1 = 2.0f;
+  SurvivalMeasure survival_measure = SurvivalMeasure::variance;
+  float error_v0 = 0.002f;
+  float error_v1 = 0.008f;
   float survival_floor = 0.1f;
   int min_samples = 128;
   BlendFunction blend = BlendFunction::automatic;

@@ -58,6 +58,11 @@ enum class VarianceMeasure : int {
   absolute   ///< squared radiance, as in the thesis
 };
 
+enum class SurvivalMeasure : int {
+  variance,       ///< variance of one sample, as in the thesis
+  standard_error  ///< squared standard error of the mean, which pixels show
+};
+
 /// Probability of following a path whose cell has the variance `v`.
 RELUME_HD inline float survival(SurvivalFunction function, const VarianceThresholds& t, float v) {
   switch (function) {

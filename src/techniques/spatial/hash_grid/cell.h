@@ -108,7 +108,8 @@ struct CellHistory {
   CellMoments moments;
   CellMoments recent;     ///< window of the latest frames, still too small for a comparison
   uint32_t age = 0;       ///< frames since the last sample
-  int32_t departure = 0;  ///< windows in a row above (positive) or below the history's confidence interval
+  int16_t departure = 0;  ///< windows in a row above (positive) or below the history's confidence interval
+  uint16_t changed = 0;   ///< 1 if the latest window departed from the history, alone or with its region
   uint32_t frames = 0;    ///< frames with samples since the cell started
 
   RELUME_HD bool empty() const { return moments.count <= 0.0f; }

@@ -74,11 +74,13 @@ RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMome
   CellHistory next;
   next.frames = history.frames + 1;
   next.departure = history.departure;
+  next.changed = history.changed;
   if (rule.change_threshold > 0.0f) {
     next.recent = pooled(history.recent, frame, kInfinity);
     if (next.recent.count >= rule.min_count) {
       const int side = departure(history.moments, next.recent, rule);
-      next.departure = side * history.departure > 0 ? history.departure + side : side;
+      next.departure = static_cast<int16_t>(side * history.departure > 0 ? history.departure + side : side);
+      next.changed = side != 0 || excess > 0.0f ? 1 : 0;
       if (next.departure >= kDeparturesOfAChange || next.departure <= -kDeparturesOfAChange) {
         next.moments = next.recent;
         next.moments.count = relume::min(next.moments.count, rule.max_count);

@@ -73,6 +73,20 @@ TEST(RegionChange, TwoOutlyingFramesOfOneCellAreAChange) {
   EXPECT_NEAR(region.mean(0), 3.0f, 1.1f);  // five standard errors
 }
 
+TEST(CellHistory, RecordsWhetherItsLatestWindowDeparted) {
+  const AveragingRule rule{1024, 4, 8};
+  const auto frame = [](float mean) { return CellMoments{Rgb(mean), 1.01f * sqr(luminance(Rgb(mean))), 16}; };
+  CellHistory h;
+  for (int i = 0; i < 16; ++i) h = advanced(h, frame(1), rule);
+  EXPECT_EQ(h.changed, 0);
+  EXPECT_EQ(advanced(h, frame(2), rule).changed, 1);
+  EXPECT_EQ(advanced(h, frame(1), rule, 0.5f).changed, 1);  // its region changed
+  h = advanced(h, frame(2), rule);
+  EXPECT_EQ(advanced(h, frame(2), rule).moments.count, 16.0f);
+  EXPECT_EQ(advanced(h, frame(2), rule).changed, 1);
+  EXPECT_EQ(advanced(h, frame(1), rule).changed, 0);
+}
+
 TEST(RegionChange, DiscountedCountMatchesTheError) {
   CellMoments history;
   history.count = 1000;
