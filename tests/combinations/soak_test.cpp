@@ -101,7 +101,7 @@ constexpr std::array kDetails = {
     Detail{"cdq.spread", {"0", "1", "8"}},
     Detail{"cdq.stability", {"0.001", "0.1", "1"}},
     Detail{"psf.cell-size", {"2", "8", "64"}},
-    Detail{"psf.undersampled-cells", {"keep", "coarser", "neighbours"}},
+    Detail{"psf.undersampled-cells", {"keep", "coarser", "neighbours+coarser"}},
     Detail{"psf.max-cells", {"0", "64", "4096"}},
     Detail{"psf.edge-rays", {"0", "1", "16"}},
     Detail{"psf.min-roughness", {"0", "0.2", "1"}},

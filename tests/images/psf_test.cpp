@@ -112,6 +112,27 @@ TEST_P(Caches, LightReachesFurtherAtGrazingAnglesButFaintly) {
   EXPECT_EQ(bands[3], 0.0);
 }
 
+TEST_P(Caches, NeighboursAndACoarserLevelLeakOneCellFurther) {
+  constexpr int kCell = 8;  // as above
+  RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 256, 64);
+  s.psf.grid.cell_size = 10;
+  s.psf.grid.undersampled_cells = UndersampledCells::neighbours_coarser;
+  Session session(grazed_floor(6), s);
+  double lit = 0;
+  double third = 0;
+  constexpr int kFrames = 16;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    session.render_frame();
+    const Image image = session.image();
+    lit += mean_right(image, -16, 0) / kFrames;
+    third += mean_right(image, 2 * kCell, 3 * kCell) / kFrames;
+    // Both points move by up to half a cell, and a coarser cell is two cells wide.
+    EXPECT_EQ(mean_right(image, 3 * kCell, 128), 0.0) << frame;
+  }
+  EXPECT_GT(lit, 0.05);
+  EXPECT_LT(third, 0.0005 * lit);
+}
+
 TEST_P(Caches, LightDoesNotGoThroughAPanel) {
   // A panel without thickness, lit from behind and seen from the front; a mirror shows its back.
   Scene scene;

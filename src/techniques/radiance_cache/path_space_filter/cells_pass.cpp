@@ -31,7 +31,8 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
-  const HashGridBounds bounds = bounds_for(frame.pixels(), depths_, physical_memory_bytes());
+  const HashGridBounds bounds =
+      bounds_for(frame.pixels(), depths_, physical_memory_bytes(), settings_.grid.undersampled_cells);
   if (!ready_)
     grid_ = HashGrid(frame.backend, settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
   ready_ = true;

@@ -112,6 +112,25 @@ TEST(PathSpaceFilter, KeepsTheMeanOfPathTracing) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(filtered[c] / plain[c], 1.0, 0.02);
 }
 
+TEST(PathSpaceFilter, ReplacementsOfUndersampledCellsKeepTheMean) {
+  const auto mean = [](CacheKind kind, UndersampledCells undersampled_cells) {
+    CachedFrameSettings settings = small(48);
+    settings.kind = kind;
+    settings.psf.grid.undersampled_cells = undersampled_cells;
+    settings.psf.grid.cell_size = 1;  // one to two samples per cell
+    settings.psf.grid.max_count = 4;  // cells stay undersampled
+    CachedFrames frames(build("cornell"), settings);
+    glm::dvec3 sum(0);
+    for (int i = 0; i < 24; ++i) sum += mean_of(frames.render()) / 24.0;
+    return sum;
+  };
+  const glm::dvec3 plain = mean(CacheKind::none, UndersampledCells::keep);
+  for (const UndersampledCells mode : {UndersampledCells::neighbours, UndersampledCells::neighbours_coarser}) {
+    const glm::dvec3 filtered = mean(CacheKind::psf, mode);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(filtered[c] / plain[c], 1.0, 0.02) << static_cast<int>(mode);
+  }
+}
+
 TEST(PathSpaceFilter, DoesNotFilterEmission) {
   // Emission seen directly has the same bits with and without a filter, so edges of emitters stay sharp.
   CachedFrameSettings settings = small(64);

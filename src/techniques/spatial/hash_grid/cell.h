@@ -125,9 +125,10 @@ struct AveragingRule {
 
 /// Treatment of undersampled cells, which have fewer samples than `min_count`.
 enum class UndersampledCells : int {
-  keep,       ///< the cell alone
-  coarser,    ///< pooled with cells of up to three coarser levels
-  neighbours  ///< pooled with the eight nearest cells
+  keep,               ///< the cell alone
+  coarser,            ///< pooled with cells of up to three coarser levels
+  neighbours,         ///< pooled with the eight nearest cells
+  neighbours_coarser  ///< the same, then with coarser cells that distinguish half as many normals
 };
 
 /// Windows in a row that must deviate to one side before a history is discarded. A single one may be an outlier.

@@ -15,11 +15,14 @@ namespace relume {
 /// The inputs of a key. Compact, so that a pass can store them and a later pass finds the same cell.
 struct CellPoint {
   Vec3 position{0};         ///< jittered position in world space, metres
-  uint32_t normal = 0;      ///< quantised normal
+  uint32_t normal = 0;      ///< quantised normal; from bit kNormalBits: in half as many steps, if keys use both
   uint32_t direction = 0;   ///< quantised direction to the viewer; 0: not distinguished
   uint16_t layer = 0;       ///< separates depths or lobes
   uint16_t coarsening = 0;  ///< levels above the level of detail of the position
 };
+
+/// Bits of a quantised normal or direction.
+inline constexpr int kNormalBits = 19;
 
 /// 2^exponent, for exponents of normal floating-point numbers.
 RELUME_HD inline float power_of_two(int exponent) {
@@ -55,6 +58,7 @@ struct CellKeys {
   int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not distinguished
   int direction_bins = 0;  ///< the same for directions of directional points
   bool jitter = true;
+  bool halved_normals = false;  ///< whether coarser substitutes distinguish half as many steps of normals
 
   /// Exponent of the cells' edge at `p`: edge = 2^level metres.
   RELUME_HD int level_of_detail(const Vec3& p) const {
@@ -83,18 +87,20 @@ struct CellKeys {
   /// within such cells.
   RELUME_HD CellPoint point(const SurfacePoint& sp, const Vec2& u, uint16_t layer, bool directional,
                             uint16_t coarsening = 0) const {
-    const uint32_t normal = coarsening == 0 ? bins(sp.frame.n, normal_bins) : bins(sp.ng, (normal_bins + 1) / 2);
+    uint32_t normal = coarsening == 0 ? bins(sp.frame.n, normal_bins) : bins(sp.ng, (normal_bins + 1) / 2);
+    if (halved_normals && coarsening == 0)
+      normal |= bins(sp.frame.n, (normal_bins + 1) / 2, kHalvedBase) << kNormalBits;
     return {jittered(sp.position, sp.ng, u, coarsening), normal, directional ? bins(sp.wo, direction_bins) : 0u, layer,
             coarsening};
   }
 
   /// Quantises components to steps of 1/count. Axis-aligned directions are in the middle of their bins. Components
   /// outside [-1, 1] and NaN have defined bins, too.
-  RELUME_HD static uint32_t bins(const Vec3& d, int count) {
+  RELUME_HD static uint32_t bins(const Vec3& d, int count, uint32_t base = 64) {
     if (count <= 0) return 0;
     const float steps = static_cast<float>(count);
     const auto bin = [&](float x) { return math::truncate_to_uint((x + 1.0f) * steps + 0.5f); };
-    return 1u + bin(d.x) + 64u * (bin(d.y) + 64u * bin(d.z));
+    return 1u + bin(d.x) + base * (bin(d.y) + base * bin(d.z));
   }
 
   /// Address of the cell that contains `p`, `coarser` levels above its own. Substitutes for undersampled cells are
@@ -135,7 +141,8 @@ struct CellKeys {
     const uint64_t place = place_of(v, cell_kind);
     // Coarsened cells are separate from the ordinary cells of the same level.
     const uint64_t coarsened = p.coarsening > 0 ? uint64_t{1} << 63 : 0;
-    const uint64_t facing = (coarsened | static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
+    const uint32_t normal = normal_in(p, coarser);
+    const uint64_t facing = (coarsened | static_cast<uint64_t>(p.direction) << 32 | normal) * 0xdb4f0b9175ae2165u;
     CellAddress result;
     const uint64_t region = mixed(place_of(v >> int64_t{kRegionLevels}, cell_kind));
     result.bucket_hash =
@@ -146,6 +153,14 @@ struct CellKeys {
   }
 
  private:
+  static constexpr uint32_t kHalvedBase = 17;  ///< values of a component in at most eight steps
+
+  /// The normal that the key of a cell `coarser` levels above that of `p` distinguishes.
+  RELUME_HD uint32_t normal_in(const CellPoint& p, int coarser) const {
+    if (!halved_normals || p.coarsening > 0) return p.normal;
+    return coarser > 0 ? p.normal >> kNormalBits : p.normal & ((1u << kNormalBits) - 1u);
+  }
+
   /// A sum with large odd factors. Two keys have the same sum only if they are millions of cells apart.
   RELUME_HD static uint64_t place_of(const glm::i64vec3& v, uint64_t cell_kind) {
     return static_cast<uint64_t>(v.x) * 0x9e3779b97f4a7c15u + static_cast<uint64_t>(v.y) * 0xd1b54a32d192ed03u +

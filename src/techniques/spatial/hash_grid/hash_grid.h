@@ -29,9 +29,11 @@ struct HashGridCounters {
   uint64_t skipped_vertices = 0;  ///< vertices of paths without a sample, behind too many waiting ones
 };
 
-/// Coarser levels with which an undersampled cell is pooled, and a sample's probability to be added one level higher.
+/// Most coarser levels with which an undersampled cell is pooled, and a sample's probability to be added one level
+/// higher. A level has eight cells of the finer one in a volume, four on a surface.
 inline constexpr int kCoarserLevels = 3;
 inline constexpr float kCoarserProbability = 0.125f;
+inline constexpr float kCoarserProbabilityWithNeighbours = 0.5f;
 
 struct HashGridView {
   View<uint64_t> fingerprints;   ///< 0: free
@@ -46,8 +48,10 @@ struct HashGridView {
   CellKeys keys;
   AveragingRule rule;
   UndersampledCells undersampled_cells = UndersampledCells::coarser;
-  float inherited_count = 0;  ///< maximum number of samples that a new cell inherits; 0: none
-  float clamp_factor = 0;     ///< multiple of the cell's mean to which samples are clamped; 0: no clamping
+  int coarser_levels = kCoarserLevels;              ///< coarser levels that receive samples and are pooled
+  float coarser_probability = kCoarserProbability;  ///< probability of a sample to be added one level higher
+  float inherited_count = 0;                        ///< maximum number of samples that a new cell inherits; 0: none
+  float clamp_factor = 0;  ///< multiple of the cell's mean to which samples are clamped; 0: no clamping
 
   RELUME_HD uint32_t slot_of(uint32_t bucket_hash) const {
     return static_cast<uint32_t>((static_cast<uint64_t>(bucket_hash) * fingerprints.size) >> 32);
@@ -133,9 +137,9 @@ struct HashGridView {
     if (slot == kNoCell) slot = find_or_insert(keys.address(p));
     value = bounded(value, own_moments(slot));
     add({p, value, weight, 0, alone}, slot);
-    if (alone || undersampled_cells != UndersampledCells::coarser) return slot;
-    float probability = kCoarserProbability;
-    for (int k = 1; k <= kCoarserLevels && u < probability; ++k, probability *= kCoarserProbability)
+    if (alone) return slot;
+    float probability = coarser_probability;
+    for (int k = 1; k <= coarser_levels && u < probability; ++k, probability *= coarser_probability)
       add({p, value, weight, k, alone}, find_or_insert(keys.address(p, k)));
     return slot;
   }
@@ -159,9 +163,8 @@ struct HashGridView {
   RELUME_HD CellMoments moments(const CellPoint& p, uint32_t slot) const {
     const CellMoments own = own_moments(slot);
     if (!undersampled(own) || undersampled_cells == UndersampledCells::keep) return own;
-    if (undersampled_cells == UndersampledCells::neighbours) return neighbourhood(p);
-    CellMoments sum = own;
-    for (int k = 1; k <= kCoarserLevels && undersampled(sum); ++k)
+    CellMoments sum = undersampled_cells == UndersampledCells::coarser ? own : neighbourhood(p);
+    for (int k = 1; k <= coarser_levels && undersampled(sum); ++k)
       sum = pooled(sum, own_moments(find(keys.address(p, k))), kInfinity);
     return sum;
   }

@@ -30,11 +30,13 @@ auto in_launches(Backend& backend) {
 
 }  // namespace
 
-HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
+HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes,
+                          UndersampledCells undersampled_cells) {
   const uint64_t in_memory = std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, uint64_t{kMostSlots});
   const uint64_t wanted = std::max(pixels * depths * kSlotsPerCell, uint64_t{1} << 20);
-  // One sample in eight is added to a coarser cell, too.
-  return {std::min(wanted, in_memory), in_memory, pixels * depths * 5 / 4 + kMinSlots};
+  // One sample in eight is added to a coarser cell, too; with neighbours, one in two.
+  const uint64_t quarters = undersampled_cells == UndersampledCells::neighbours_coarser ? 8 : 5;
+  return {std::min(wanted, in_memory), in_memory, pixels * depths * quarters / 4 + kMinSlots};
 }
 
 HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds,
@@ -113,6 +115,7 @@ void HashGrid::allocate(uint32_t count) {
 HashGridView HashGrid::view(const CameraView& camera) {
   keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  keys_.halved_normals = settings_.undersampled_cells == UndersampledCells::neighbours_coarser;
   counters_before_ = counters();
   if (tally_.read().overflow_count == 0 && overflow_.size() != samples_a_frame_) {
     overflow_.clear();
@@ -139,6 +142,12 @@ HashGridView HashGrid::view() {
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
             static_cast<float>(settings_.min_count)};
   v.undersampled_cells = settings_.undersampled_cells;
+  v.coarser_levels = 0;
+  if (settings_.undersampled_cells == UndersampledCells::coarser) v.coarser_levels = kCoarserLevels;
+  if (settings_.undersampled_cells == UndersampledCells::neighbours_coarser) {
+    v.coarser_levels = settings_.coarser_levels;
+    v.coarser_probability = kCoarserProbabilityWithNeighbours;
+  }
   v.inherited_count = static_cast<float>(settings_.inherited_count);
   v.clamp_factor = settings_.clamp;
   return v;

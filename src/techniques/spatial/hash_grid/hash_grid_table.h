@@ -48,8 +48,10 @@ struct HashGridBounds {
 };
 
 /// Bounds for an image whose paths have `depths` vertices with cells: four slots for each of them, within an eighth of
-/// `memory_bytes`. A frame has at most about one cell per vertex, and probing is short in half-full tables.
-HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes);
+/// `memory_bytes`. A frame has at most about one cell per vertex, and probing is short in half-full tables. The mode
+/// `undersampled_cells` determines how many coarser cells receive samples, too.
+HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes,
+                          UndersampledCells undersampled_cells = UndersampledCells::coarser);
 
 /// Numbers of a hash grid that kernels change.
 struct HashGridTally {

@@ -19,6 +19,7 @@ struct HashGridSettings {
   int min_count = 8;
   int inherited_count = 128;
   UndersampledCells undersampled_cells = UndersampledCells::coarser;
+  int coarser_levels = 1;  ///< levels of UndersampledCells::neighbours_coarser
   float clamp = 0;
   float change_detection = 4;
   int max_cells = 0;  ///< maximum number of slots kept from frame to frame; 0: from the sizes of image and memory
