@@ -10,6 +10,7 @@
 #include "experiments/measure/frame_averages.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
+#include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/references.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
@@ -28,6 +29,7 @@ RenderSettings settings_of(const ExperimentContext& context, const ExperimentSce
   set_size_and_device(context, settings);
   settings.cache = cache;
   settings.history = HistoryChoice::none;
+  settings.apg.feed = kThesisFeed;
   return settings;
 }
 
@@ -180,7 +182,8 @@ ExperimentResult run_apg_depth(const ExperimentContext& context) {
   result.blocks = {depth_chart(depths), arrival_chart(arrivals), images(arrivals, reference.image)};
   result.setup = {{"Scene", "corridor, 10 bounces"},
                   common_setup(context).front(),
-                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};
+                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))},
+                  {"Settings", "apg.feed 1, as in the thesis"}};
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "experiments/all.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/measure/scene_averages.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/named.h"
@@ -10,6 +11,7 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.1]";
+constexpr const char* kOurs = "[relume]";
 
 /// apg with the largest constant whose variance is at most half of path tracing's; nullptr if none. Both variances
 /// exclude lamp edges, where caches trace additional camera rays. The choice ignores the biases, since their noise
@@ -59,6 +61,28 @@ void claim_primary(const SceneAverages& scene, std::vector<Claim>& claims) {
                   named(scene.caches, "cache", "apsf"), named(scene.caches, "cache", "psf"), 1.05, "", claims);
 }
 
+constexpr const char* kOnePercent = "within 1 %";
+
+std::string light_text(const std::string& scene) { return scene + ": apsf shows as much light as psf."; }
+
+std::string interpolation_text(const std::string& scene) {
+  return scene + ": apsf that blends cells with paths (one-over-square) has less bias than psf.";
+}
+
+void claim_interpolation(const SceneAverages& scene, std::vector<Claim>& claims) {
+  claim_less_bias("interpolation-bias-" + scene.name, interpolation_text(scene.name),
+                  named(scene.caches, "cache", "apsf, one-over-square"), named(scene.caches, "cache", "psf"), 1, "",
+                  claims);
+}
+
+/// Where light is rare, culling paths by their cells could lose some of it.
+void claim_light(const SceneAverages& scene, std::vector<Claim>& claims) {
+  const Ratio ratio =
+      paired_error_ratio(named(scene.caches, "cache", "apsf").light, named(scene.caches, "cache", "psf").light);
+  claims.push_back(judged_within("primary-light-" + scene.name, kOurs, light_text(scene.name),
+                                 share_text(ratio) + " of psf's", kOnePercent, {ratio}, 0.99, 1.01));
+}
+
 ExperimentResult run_psf_bias(const ExperimentContext& context) {
   std::vector<SceneAverages> scenes;
   for (const ExperimentScene& scene : cache_scenes(context))
@@ -67,13 +91,17 @@ ExperimentResult run_psf_bias(const ExperimentContext& context) {
   for (const SceneAverages& scene : scenes) {
     claim_graph(scene, result.claims);
     claim_primary(scene, result.claims);
+    claim_interpolation(scene, result.claims);
+    claim_light(scene, result.claims);
   }
   claim_without_sponza(
       context, kPaper,
       {{"graph-bias-Sponza", "Sponza: apg has less bias than psf where its variance is at most half of path tracing's.",
         kBeyondNoise},
-       {"primary-bias-Sponza", "Sponza: apsf has no more bias than psf.", kBeyondNoise}},
+       {"primary-bias-Sponza", "Sponza: apsf has no more bias than psf.", kBeyondNoise},
+       {"interpolation-bias-Sponza", interpolation_text("Sponza"), kBeyondNoise}},
       result.claims);
+  claim_without_sponza(context, kOurs, {{"primary-light-Sponza", light_text("Sponza"), kOnePercent}}, result.claims);
   show_averages(context, scenes, result);
   return result;
 }

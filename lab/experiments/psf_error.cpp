@@ -9,6 +9,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/study.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "render/session.h"
 
@@ -18,12 +19,13 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 constexpr const char* kOurs = "[relume]";
 
-/// Caches display single frames filtered with their cells; "accumulated" is path tracing with a history.
+/// Caches display single frames filtered with their cells; "accumulated" is path tracing with a history. Every path
+/// feeds the cells of path graphs, as in the thesis.
 constexpr const char* kContenders =
     "path=cache:none,history:none,accumulated=cache:none,history:accumulate,psf=cache:psf,history:none,"
     "psf-no-edge-rays=cache:psf,history:none,psf.edge-rays:0,"
     "psf-accumulated=cache:psf,history:accumulate,apsf=cache:apsf,history:none,apg=cache:apg,history:none,"
-    "apg+apsf=cache:apsf+apg,history:none";
+    "apg.feed:1,apg+apsf=cache:apsf+apg,history:none,apg.feed:1";
 
 /// MSE per repetition after `frames` frames, without the reference's noise. The curves must have a point there.
 std::vector<double> errors_at(const Comparison& c, std::string_view name, uint32_t frames) {
@@ -110,7 +112,7 @@ FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene
 
 /// Separates the gain of the filter from that of the camera rays at lamp edges.
 void claim_filter_alone(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Claim>& claims) {
-  const Reference reference = make_reference(context, scene);
+  const Reference reference = make_reference(context, plainly_sampled(scene));
   const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> contenders = cache_contenders(context, scene);
   RenderSettings settings = contenders[1].settings;
@@ -183,8 +185,11 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
   ExperimentResult result;
   const int repetitions = context.choose(8, 3);
   for (const ExperimentScene& scene : cache_scenes(context)) {
-    const Comparison c =
-        study(context, scene, {.techniques = kContenders, .spp = context.choose(24, 16), .repetitions = repetitions});
+    const Comparison c = study(context, scene,
+                               {.techniques = kContenders,
+                                .reference = {{"lights", "light-tree"}},
+                                .spp = context.choose(24, 16),
+                                .repetitions = repetitions});
     claim_first_frame(c, result.claims);
     claim_filter_alone(context, scene, result.claims);
     claim_accumulation(c, result.claims);
@@ -205,7 +210,8 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
   result.setup = {common_setup(context).front(),
                   {"Samples", "1 per pixel and frame"},
                   {"Bounces", "6; corridor: 10"},
-                  {"Settings", "the defaults of each technique"},
+                  {"Settings", "the defaults of each technique; apg.feed 1, as in the thesis"},
+                  {"Light selection", "by power; in references by the light tree"},
                   {"Repetitions", fmt::format("{}; of the walk, 3", repetitions)}};
   return result;
 }

@@ -21,6 +21,13 @@ Image mean_image(const std::vector<glm::dvec3>& sums, int count, int width, int 
   return image;
 }
 
+double mean_light(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels)
+    sum += static_cast<double>(pixel.r) + static_cast<double>(pixel.g) + static_cast<double>(pixel.b);
+  return sum / (3.0 * static_cast<double>(image.pixels.size()));
+}
+
 double mean_termination(const Session& session) {
   if (render_settings(session).cache == CacheChoice::none) return 0;
   double sum = 0;
@@ -92,6 +99,7 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
       terminations.back() += mean_termination(session) / plan.count;
     }
     means.push_back(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
+    result.light.push_back(mean_light(means.back()));
     context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
   }
   result.bias2 = squared_bias(means, reference.image, reference.mse);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "compare/reference.h"
 #include "experiments/experiment.h"
@@ -38,6 +39,7 @@ struct FrameAverages {
   Estimate variance = {};          ///< variance of a frame over independent sessions
   Estimate surface_variance = {};  ///< same, over the pixels of `surfaces`
   Estimate termination = {};       ///< mean bounce at which cells terminate paths; 0 without cells
+  std::vector<double> light = {};  ///< per repetition: mean of its average over pixels and channels
   Image average = {};
 };
 

@@ -7,6 +7,7 @@
 #include "compare/comparison_page.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "report/images.h"
 
@@ -73,10 +74,14 @@ ViewerBlock images(const std::vector<SceneAverages>& scenes) {
 }  // namespace
 
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches) {
-  SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 16)), {}, {}, {}};
+  SceneAverages result{
+      scene.name, make_reference(context, plainly_sampled(scene), context.choose(kReferenceSpp, 16)), {}, {}, {}};
   const bool all = caches == CacheSet::techniques;
   const PixelMask surfaces = surfaces_of(context, scene);
-  const std::vector<NamedSettings> list = cache_contenders(context, scene);
+  std::vector<NamedSettings> list = cache_contenders(context, scene);
+  if (all) {
+    for (NamedSettings& contender : blend_contenders(context, scene)) list.push_back(std::move(contender));
+  }
   for (const NamedSettings& contender : list) {
     if (all || contender.name != "apg")  // part of the constants
       result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
@@ -85,6 +90,7 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
     if (all && !is_moderate(constant)) continue;
     NamedSettings contender{fmt::format("apg, constant {}", constant), list.front().settings};
     contender.settings.cache = CacheChoice::apg;
+    contender.settings.apg.feed = kThesisFeed;
     contender.settings.apg.variance_constant = constant;
     result.constants.push_back(constant);
     result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
@@ -101,7 +107,8 @@ void show_averages(const ExperimentContext& context, const std::vector<SceneAver
   result.setup = {common_setup(context).front(),
                   {"Frames", fmt::format("{} of one sample per pixel after {} others, {} times with other seeds",
                                          plan.count, plan.skip, plan.repetitions)},
-                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};
+                  {"Reference", fmt::format("{} samples with the light tree", context.choose(kReferenceSpp, 16))},
+                  {"Settings", "the defaults; apg.feed 1, as in the thesis"}};
 }
 
 }  // namespace relume

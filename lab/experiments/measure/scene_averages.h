@@ -16,7 +16,7 @@ inline constexpr const char* kBeyondNoise = "a difference beyond the noise (95 %
 
 /// Set of measured caches.
 enum class CacheSet {
-  techniques,  ///< all, with path graphs of moderate constants
+  techniques,  ///< all and blends of cells and paths, with path graphs of moderate constants
   constants,   ///< all, with path graphs of all constants
 };
 

@@ -19,6 +19,23 @@ std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, co
     set_size_and_device(context, contender.settings);
     contender.settings.cache = cache;
     contender.settings.history = HistoryChoice::none;
+    contender.settings.apg.feed = kThesisFeed;
+    contenders.push_back(std::move(contender));
+  }
+  return contenders;
+}
+
+std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  const std::pair<const char*, BlendFunction> list[] = {
+      {"apsf, step", BlendFunction::step}, {"apsf, one-over-square", BlendFunction::one_over_square}};
+  std::vector<NamedSettings> contenders;
+  for (const auto& [name, blend] : list) {
+    NamedSettings contender{name, scene.settings};
+    set_size_and_device(context, contender.settings);
+    contender.settings.cache = CacheChoice::apsf;
+    contender.settings.history = HistoryChoice::none;
+    contender.settings.apsf.survival = SurvivalFunction::one;
+    contender.settings.apsf.blend = blend;
     contenders.push_back(std::move(contender));
   }
   return contenders;
@@ -29,7 +46,10 @@ std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context) {
   scenes.push_back(built_in("cornell", 6));
   scenes.push_back(built_in("corridor", 10));
   if (std::optional<ExperimentScene> hall = sponza(context)) scenes.push_back(std::move(*hall));
-  if (!context.quick) scenes.push_back(built_in("mine", 6));
+  if (context.quick) return scenes;
+  scenes.push_back(built_in("mine", 6));
+  // Most of its cells are black in the first frames: sampling by power rarely chooses a lamp that lights them.
+  scenes.push_back(at_rest(built_in("warehouse", 6)));
   return scenes;
 }
 
