@@ -106,6 +106,7 @@ constexpr std::array kDetails = {
     Detail{"psf.edge-rays", {"0", "1", "16"}},
     Detail{"psf.min-roughness", {"0", "0.2", "1"}},
     Detail{"apg.feed", {"0", "0.25", "1"}},
+    Detail{"apg.guards", {"off", "on", "on"}},
     Detail{"apg.variance-constant", {"0", "0.1", "10"}},
     Detail{"apsf.survival-measure", {"variance", "standard-error", "standard-error"}},
     Detail{"apsf.survival-floor", {"0.01", "0.1", "1"}},

@@ -13,6 +13,12 @@ namespace relume {
 
 class PathGraph;
 
+/// Whether a path should pass a cell of this edge without reading it: the segment that leads there is shorter than the
+/// cell, or the path's ray cone is narrower. The blur of the cell would then be visible. All in metres.
+RELUME_HD inline bool guarded(float edge, float segment, float footprint) {
+  return segment < edge || footprint < edge;
+}
+
 /// Constants of all paths.
 struct PathGraphContext {
   using Policy = PathGraph;
@@ -24,6 +30,7 @@ struct PathGraphContext {
   float feed = 0.25f;  ///< share of paths that continue to feed cells after their contribution ended; raised where
                        ///< weights would exceed kCellWeightMax
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
+  bool guards = false;           ///< whether cells beyond the first vertex are read only where guarded() is false
 
   RELUME_HD PathGraph policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -44,6 +51,8 @@ class PathGraph : public NoPolicy {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     demodulation_ = {};
+    segment_ += glm::length(sp.position - path.ray.origin);
+    footprint_ = sp.footprint;
     if (path.dispersed) return true;  // as in FilterVertex
     demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
     if (!demodulation_.filtered) return true;
@@ -69,7 +78,9 @@ class PathGraph : public NoPolicy {
     // of frequently reached ones, and their own would be lost.
     const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
-    if (!grid().undersampled(cell)) {
+    const bool passes = !first && context_->guards && guarded(edge(), segment_, footprint_);
+    segment_ = 0.0f;
+    if (!passes && !grid().undersampled(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
       if (now_.share <= 0.0f && !is_followed(d)) return false;
@@ -150,6 +161,8 @@ class PathGraph : public NoPolicy {
   };
 
   RELUME_HD const HashGridView& grid() const { return context_->filter.grid; }
+  /// Edge of the cell of the current vertex.
+  RELUME_HD float edge() const { return power_of_two(grid().keys.level_of(point_)); }
 
   RELUME_HD bool begin(uint32_t slot, PathState& path) {
     const Demodulation& d = demodulation_;
@@ -260,6 +273,8 @@ class PathGraph : public NoPolicy {
   Demodulation demodulation_;
   CellPoint point_;
   CellAddress address_;
+  float segment_ = 0;    ///< length of the path since the last anchor, metres
+  float footprint_ = 0;  ///< width of the path's ray cone
   Rgb contribution_{0};
   Rgb beside_{0};    ///< part of it sampled before the path left the first anchor through a delta lobe
   Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo

@@ -14,6 +14,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   graph.variance_constant = settings_.variance_constant;
   graph.measure = settings_.variance;
   graph.feed = settings_.feed;
+  graph.guards = settings_.guards;
   graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
   return trace_into_cells(source_, frame, graph);
 }

@@ -21,6 +21,11 @@ SettingList describe(PathGraphSettings& s) {
        "Doublings of the cell size beyond a path's first vertex, where cells are not seen directly and small ones get "
        "too few samples",
        {.min = 0, .max = 4, .biases = true}},
+      {"guards",
+       &s.guards,
+       "Let paths pass cells beyond their first vertex that are larger than the segment that leads there, or than the "
+       "path's ray cone: less blur and leaking, more rays and noise",
+       {.biases = true}},
   };
 }
 

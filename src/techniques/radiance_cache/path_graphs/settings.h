@@ -11,6 +11,7 @@ struct PathGraphSettings {
   VarianceMeasure variance = VarianceMeasure::relative;
   float feed = 0.25f;
   int deep_coarsening = 1;
+  bool guards = false;
 };
 
 /// Names without the prefix "apg.".

@@ -70,7 +70,8 @@ void CachedFrames::trace() {
                                    settings_.apg.variance_constant,
                                    settings_.apg.variance,
                                    settings_.apg.feed,
-                                   static_cast<uint16_t>(settings_.apg.deep_coarsening)};
+                                   static_cast<uint16_t>(settings_.apg.deep_coarsening),
+                                   settings_.apg.guards};
       trace_cells(context, index, graph);
       break;
   }
