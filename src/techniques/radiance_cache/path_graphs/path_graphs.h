@@ -51,8 +51,10 @@ class PathGraph : public NoPolicy {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     demodulation_ = {};
-    segment_ += glm::length(sp.position - path.ray.origin);
-    footprint_ = sp.footprint;
+    if (context_->guards) {
+      segment_ += glm::length(sp.position - path.ray.origin);
+      footprint_ = sp.footprint;
+    }
     if (path.dispersed) return true;  // as in FilterVertex
     demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
     if (!demodulation_.filtered) return true;
