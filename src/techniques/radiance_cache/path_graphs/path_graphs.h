@@ -61,7 +61,7 @@ class PathGraph : public NoPolicy {
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);
     const bool first = !pixel_.filtered;
     point_ = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), demodulation_.glossy,
-                               first ? uint16_t{0} : context_->deep_coarsening);
+                               first ? uint16_t{0} : context_->deep_coarsening, demodulation_.roughness);
     address_ = grid().keys.address(point_);
     grid().prefetch_moments(address_);
     return true;

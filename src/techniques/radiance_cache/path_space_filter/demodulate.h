@@ -19,6 +19,7 @@ struct Demodulation {
   bool filtered = false;   ///< whether the vertex may be filtered: narrow lobes reflect at most half
   bool glossy = false;     ///< whether a lobe is glossy
   bool has_delta = false;  ///< whether delta lobes exist, which stay outside the cell
+  float roughness = 1;     ///< mean roughness of all lobes except delta ones, weighted by albedo; diffuse: 1
 
   /// Divisor of radiance: ρ', or 1 in channels where only delta lobes reflect.
   RELUME_HD Rgb divisor() const {
@@ -47,6 +48,7 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
   Demodulation d;
   float narrow = 0;
   float total = 0;
+  float rough = 0;
   const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta_o);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
@@ -59,9 +61,11 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
     d.has_delta = d.has_delta || delta;
     if (delta) continue;
     d.albedo += albedo;
+    rough += luminance(albedo) * (microfacets ? std::sqrt(relume::min(lobe.alpha, 1.0f)) : 1.0f);
     d.glossy = d.glossy || (microfacets && lobe.alpha < kGlossyAlpha);
     d.raised += microfacets ? albedo : raised_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
   }
+  if (const float filtered = luminance(d.albedo); filtered > 0.0f) d.roughness = rough / filtered;
   d.filtered = max_component(d.albedo) > 0.0f && narrow * 2.0f <= total;
   for (int i = 0; d.filtered && i < bsdf.lobe_count; ++i) {
     Lobe& lobe = bsdf.lobes[i];

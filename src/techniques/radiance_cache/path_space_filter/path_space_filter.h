@@ -43,7 +43,8 @@ class FilterVertex : public NoPolicy {
     pixel_.divided = d.has_delta;
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
-    pixel_.point = context_->grid.keys.point(sp, filter_random_2d(*index_, x_, y_, 0), 0, d.glossy);
+    const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
+    pixel_.point = context_->grid.keys.point(sp, jitter, 0, d.glossy, 0, d.roughness);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);

@@ -205,6 +205,38 @@ TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
   }
 }
 
+/// Mean luminance of the glossy left half of a plate over that of its matte right half, under a lamp at the side whose
+/// highlight the camera does not see.
+double glossy_over_matte(int roughness_bins) {
+  Material gloss = testing::matte(Rgb(0.5f));
+  gloss.metallic = 1;
+  gloss.roughness = 0.3f;
+  Scene scene = testing::plate_under_sky(gloss);
+  scene.environment = {};
+  Mesh right;
+  right.positions = {{0, 1e-4f, -5}, {0, 1e-4f, 5}, {5, 1e-4f, 5}, {5, 1e-4f, -5}};
+  right.triangles = {{0, 1, 2}, {0, 2, 3}};
+  testing::add_mesh(scene, testing::matte(Rgb(0.5f)), right);
+  Material lamp = testing::matte(Rgb(0));
+  lamp.emission = Rgb(10);
+  lamp.double_sided = true;
+  testing::add_mesh(scene, lamp, quad({4, 1, 1}, {0, 0, -2}, {0, 2, 0}));
+  CachedFrameSettings settings = small(16);
+  settings.psf.grid.cell_size = 64;  // larger than the image
+  settings.psf.grid.roughness_bins = roughness_bins;
+  CachedFrames frames(scene, settings);
+  for (int i = 0; i < 4; ++i) frames.render();
+  double halves[2] = {};
+  for (size_t i = 0; i < frames.radiance().size(); ++i)
+    halves[i % 16 >= 8 ? 1 : 0] += static_cast<double>(luminance(frames.radiance()[i]));
+  return halves[0] / halves[1];
+}
+
+TEST(PathSpaceFilter, RoughnessBinsSeparateGlossyFromMatteTexels) {
+  EXPECT_GT(glossy_over_matte(0), 0.7);
+  EXPECT_LT(glossy_over_matte(8), 0.4);
+}
+
 TEST(PathSpaceFilter, PixelsReadTheSlotsThatTheirPathsFound) {
   CachedFrameSettings settings = small(32);
   settings.psf.grid.undersampled_cells = UndersampledCells::keep;

@@ -16,7 +16,7 @@ namespace relume {
 struct CellPoint {
   Vec3 position{0};         ///< jittered position in world space, metres
   uint32_t normal = 0;      ///< quantised normal; from bit kNormalBits: in half as many steps, if keys use both
-  uint32_t direction = 0;   ///< quantised direction to the viewer; 0: not distinguished
+  uint32_t direction = 0;   ///< quantised direction to the viewer, or 0; from bit kNormalBits: roughness, or 0
   uint16_t layer = 0;       ///< separates depths or lobes
   uint16_t coarsening = 0;  ///< levels above the level of detail of the position
 };
@@ -58,6 +58,7 @@ struct CellKeys {
   int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not distinguished
   int direction_bins = 0;  ///< the same for directions of directional points
   bool jitter = true;
+  int roughness_bins = 0;  ///< steps of the roughness in [0, 1]; 0: roughness is not distinguished
   bool halved_normals = false;  ///< whether coarser substitutes distinguish half as many steps of normals
 
   /// Exponent of the cells' edge at `p`: edge = 2^level metres.
@@ -82,16 +83,22 @@ struct CellKeys {
     return p + ((u.x - 0.5f) * edge) * tangent.t + ((u.y - 0.5f) * edge) * tangent.b;
   }
 
-  /// The inputs of the key of `sp`. `u` in [0, 1)² is for the jitter. Keys distinguish the direction to the viewer if
-  /// `directional`. With `coarsening`, they use geometric normals in steps twice as large, because normal maps vary
-  /// within such cells.
+  /// The inputs of the key of `sp`. `u` in [0, 1)² is for the jitter, `roughness` in [0, 1] the mean of the lobes. Keys
+  /// distinguish the direction to the viewer if `directional`. With `coarsening`, they use geometric normals in steps
+  /// twice as large, because normal maps vary within such cells.
   RELUME_HD CellPoint point(const SurfacePoint& sp, const Vec2& u, uint16_t layer, bool directional,
-                            uint16_t coarsening = 0) const {
+                            uint16_t coarsening = 0, float roughness = 1) const {
     uint32_t normal = coarsening == 0 ? bins(sp.frame.n, normal_bins) : bins(sp.ng, (normal_bins + 1) / 2);
     if (halved_normals && coarsening == 0)
       normal |= bins(sp.frame.n, (normal_bins + 1) / 2, kHalvedBase) << kNormalBits;
-    return {jittered(sp.position, sp.ng, u, coarsening), normal, directional ? bins(sp.wo, direction_bins) : 0u, layer,
-            coarsening};
+    uint32_t direction = directional ? bins(sp.wo, direction_bins) : 0u;
+    if (roughness_bins > 0) direction |= roughness_bin(roughness) << kNormalBits;
+    return {jittered(sp.position, sp.ng, u, coarsening), normal, direction, layer, coarsening};
+  }
+
+  /// Quantises a roughness to steps of 1/roughness_bins, from 1.
+  RELUME_HD uint32_t roughness_bin(float roughness) const {
+    return 1u + math::truncate_to_uint(saturate(roughness) * static_cast<float>(roughness_bins) + 0.5f);
   }
 
   /// Quantises components to steps of 1/count. Axis-aligned directions are in the middle of their bins. Components

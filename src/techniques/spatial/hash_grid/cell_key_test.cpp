@@ -102,6 +102,29 @@ TEST(CellKey, DirectionsSeparateCellsOnRequest) {
   EXPECT_TRUE(same(address(without, a, true), address(without, b, true)));
 }
 
+TEST(CellKey, RoughnessSeparatesCellsOnRequest) {
+  CellKeys k = keys();
+  SurfacePoint sp{};
+  sp.position = Vec3(1, 0, 5);
+  sp.ng = sp.frame.n = sp.wo = Vec3(0, 1, 0);
+  const auto address = [&](float roughness, bool directional = false, uint16_t coarsening = 0) {
+    return k.address(k.point(sp, Vec2(0.5f), 0, directional, coarsening, roughness));
+  };
+  EXPECT_TRUE(same(address(0.2f), address(1)));
+  k.roughness_bins = 4;
+  EXPECT_TRUE(same(address(0.9f), address(1)));  // both are nearer to 1 than to 3/4
+  EXPECT_NE(address(0.2f).fingerprint, address(1).fingerprint);
+  EXPECT_NE(address(0).fingerprint, address(0.2f).fingerprint);
+  EXPECT_EQ(address(0.2f).bucket_hash, address(1).bucket_hash);
+  EXPECT_NE(address(0.2f, false, 1).fingerprint, address(1, false, 1).fingerprint);
+  // The largest numbers of steps neither overlap with each other nor with the flag of coarsened cells.
+  k.roughness_bins = 16;
+  k.direction_bins = 16;
+  EXPECT_NE(address(0, true).fingerprint, address(1, true).fingerprint);
+  EXPECT_NE(address(1, true).fingerprint, address(1, true, 1).fingerprint);
+  EXPECT_EQ(k.point(sp, Vec2(0.5f), 0, true, 0, 1).direction >> kNormalBits, 17u);
+}
+
 TEST(CellKey, WallsAtRoundCoordinatesAreNotTorn) {
   const CellKeys k = keys();
   for (const float height : {0.0f, 1.0f, 2.0f, -4.0f, 0.5f}) {

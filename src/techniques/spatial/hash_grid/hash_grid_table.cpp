@@ -115,6 +115,7 @@ void HashGrid::allocate(uint32_t count) {
 HashGridView HashGrid::view(const CameraView& camera) {
   keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  keys_.roughness_bins = settings_.roughness_bins;
   keys_.halved_normals = settings_.undersampled_cells == UndersampledCells::neighbours_coarser;
   counters_before_ = counters();
   if (tally_.read().overflow_count == 0 && overflow_.size() != samples_a_frame_) {

@@ -71,6 +71,11 @@ SettingList describe(HashGridSettings& s) {
        "Number of steps from 0 to 1 in each component of the direction to the viewer, at glossy surfaces; 0: cells mix "
        "all directions",
        {.min = 0, .max = 16, .biases = true}},
+      {"roughness-bins",
+       &s.roughness_bins,
+       "Number of steps from 0 to 1 in the roughness, averaged over a surface's lobes; every step has cells of its own; "
+       "0: cells mix glossy and matte texels",
+       {.min = 0, .max = 16, .biases = true}},
       {"max-samples",
        &s.max_count,
        "Maximum number of samples in a cell's history; more gives less noise and a slower response to changes",

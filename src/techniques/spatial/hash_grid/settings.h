@@ -14,6 +14,7 @@ struct HashGridSettings {
   bool jitter = true;
   int normal_bins = 2;
   int direction_bins = 0;
+  int roughness_bins = 0;
   int max_count = 1024;
   int max_age = 32;
   int min_count = 8;
