@@ -46,12 +46,23 @@ struct AdaptivePsf {
     if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
     // The cell's own moments: all pixels with the same key must have the same probability.
     const CellMoments cell = grid.own_moments(pixel.slot);
-    const float v = variance(grid, cell);
+    float v = variance(grid, cell);
     pixel.survival = pixel.divided ? 1.0f : survival_in(grid, pixel.slot, cell, v);
+    if (pixel.split) consider_specular(grid, pixel, v);
     pixel.blend = blend(blend_function, blend_thresholds, v);
     pixel.culled = u >= pixel.survival;
     if (pixel.culled) pixel.blend = 1.0f;
     return !pixel.culled;
+  }
+
+ private:
+  /// Raises survival and the variance `v` to those of the specular cell. Sets its slot.
+  RELUME_HD void consider_specular(const HashGridView& grid, FilteredPixel& pixel, float& v) const {
+    pixel.specular_slot = grid.find(grid.keys.address(pixel.specular_point()));
+    const CellMoments cell = grid.own_moments(pixel.specular_slot);
+    const float specular = variance(grid, cell);
+    pixel.survival = relume::max(pixel.survival, survival_in(grid, pixel.specular_slot, cell, specular));
+    v = relume::max(v, specular);
   }
 };
 
@@ -81,6 +92,9 @@ class AdaptiveVertex : public NoPolicy {
     vertex_.arrived(sp, path);
     if (before || !vertex_.reached()) return true;
     return context_->adaptive.decide(context_->filter.grid, vertex_.pixel(), u_survival_);
+  }
+  RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
+    vertex_.connected(sp, path, c, visible);
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
     vertex_.scattered(sp, s, path);

@@ -43,7 +43,9 @@ struct CellEdges {
     if (!p.filtered) return p.seen;
     // The path may have missed a cell that another thread inserted later, so kNoCell is looked up again.
     const uint32_t slot = grid.find(p.point, p.slot);
-    return p.seen + p.factor * grid.own_moments(slot).mean;
+    const Rgb shown = p.seen + p.factor * grid.own_moments(slot).mean;
+    if (!p.split) return shown;
+    return shown + p.specular_factor * grid.own_moments(grid.find(p.specular_point(), p.specular_slot)).mean;
   }
 };
 

@@ -31,10 +31,11 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
+  const uint32_t depths = settings_.split ? 2 * depths_ : depths_;
   const HashGridBounds bounds =
-      bounds_for(frame.pixels(), depths_, physical_memory_bytes(), settings_.grid.undersampled_cells);
+      bounds_for(frame.pixels(), depths, physical_memory_bytes(), settings_.grid.undersampled_cells);
   if (!ready_)
-    grid_ = HashGrid(frame.backend, settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
+    grid_ = HashGrid(frame.backend, settings_.grid, expected_cells(settings_, frame.pixels(), depths), bounds);
   ready_ = true;
   grid_.configure(settings_.grid, bounds);
   if (includes(frame.changes, Change::settings)) grid_.clear(frame.backend);
@@ -42,7 +43,7 @@ bool CellsPass::run(const FrameContext& frame) {
   watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
-  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
+  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness), settings_.split};
   return true;
 }
 

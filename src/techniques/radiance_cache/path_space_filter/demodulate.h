@@ -12,6 +12,11 @@ inline constexpr float kSmallestDiffuseColor = 1e-3f;
 /// α below which lobes are glossy: keys may distinguish the direction to the viewer.
 inline constexpr float kGlossyAlpha = 0.25f;
 
+/// The components that are positive; 1 in place of the others. A divisor.
+RELUME_HD inline Rgb positive_or_one(const Rgb& x) {
+  return {x.r > 0.0f ? x.r : 1.0f, x.g > 0.0f ? x.g : 1.0f, x.b > 0.0f ? x.b : 1.0f};
+}
+
 /// Albedos of a vertex. Delta lobes are excluded, because their light is never filtered.
 struct Demodulation {
   Rgb albedo{0};           ///< ρ: directional albedo of all lobes except delta ones
@@ -20,12 +25,10 @@ struct Demodulation {
   bool glossy = false;     ///< whether a lobe is glossy
   bool has_delta = false;  ///< whether delta lobes exist, which stay outside the cell
   float roughness = 1;     ///< mean roughness of all lobes except delta ones, weighted by albedo; diffuse: 1
+  Rgb specular{0};         ///< part of `albedo` and of `raised` from specular lobes
 
   /// Divisor of radiance: ρ', or 1 in channels where only delta lobes reflect.
-  RELUME_HD Rgb divisor() const {
-    const auto positive = [](float x) { return x > 0.0f ? x : 1.0f; };
-    return {positive(raised.r), positive(raised.g), positive(raised.b)};
-  }
+  RELUME_HD Rgb divisor() const { return positive_or_one(raised); }
 };
 
 /// Colour of a diffuse lobe, raised so that radiance can be divided by it.
@@ -61,6 +64,7 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
     d.has_delta = d.has_delta || delta;
     if (delta) continue;
     d.albedo += albedo;
+    if (microfacets) d.specular += albedo;
     rough += luminance(albedo) * (microfacets ? std::sqrt(relume::min(lobe.alpha, 1.0f)) : 1.0f);
     d.glossy = d.glossy || (microfacets && lobe.alpha < kGlossyAlpha);
     d.raised += microfacets ? albedo : raised_albedo(lobe, *bsdf.tables, cos_theta_o) * share;

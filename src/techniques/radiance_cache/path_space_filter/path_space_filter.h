@@ -6,10 +6,14 @@
 #include "techniques/radiance_cache/path_space_filter/cell_edges.h"
 #include "techniques/radiance_cache/path_space_filter/cell_paths.h"
 #include "techniques/radiance_cache/path_space_filter/demodulate.h"
+#include "techniques/transport/path/specular_part.h"
 
 namespace relume {
 
 class FilterVertex;
+
+/// Share of the albedo below which diffuse or specular lobes get no cell of their own.
+inline constexpr float kSmallestPart = 0.01f;
 
 /// Parameters shared by all paths.
 struct FilterContext {
@@ -17,6 +21,7 @@ struct FilterContext {
 
   HashGridView grid;
   float narrow_alpha = 0.04f;  ///< α below which lobes are not filtered
+  bool split = false;          ///< whether diffuse and specular lobes have cells of their own ([Binder19] §3.1.2)
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -45,7 +50,9 @@ class FilterVertex : public NoPolicy {
     pixel_.factor = path.throughput * d.albedo;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
     pixel_.point = context_->grid.keys.point(sp, jitter, 0, d.glossy, 0, d.roughness);
+    if (context_->split) split(d, path.throughput);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
+    if (pixel_.split) context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.specular_point()));
     anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);
     path.throughput = 1.0f / d.divisor();
@@ -55,10 +62,19 @@ class FilterVertex : public NoPolicy {
     return true;
   }
 
-  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
+  RELUME_HD void connected(const SurfacePoint& sp, const PathState&, const Connection& c, bool visible) {
+    if (visible && pixel_.split && !left_) specular_ += c.contribution * specular_share(sp, c.ray.direction);
+  }
+
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
     if (!reached() || left_) return;
     left_ = true;
-    if (!path.delta) return;
+    if (!path.delta) {
+      if (!pixel_.split) return;
+      share_ = specular_share(sp, s.wi);
+      before_ = path.radiance;
+      return;
+    }
     apart_ = true;
     sample_ = path.radiance;
     path.radiance = Rgb(0);
@@ -77,11 +93,42 @@ class FilterVertex : public NoPolicy {
     if (apart_) pixel_.unfiltered += path.radiance;
     if (pixel_.culled) return;
     const float u = filter_random(*index_, x_, y_, 0);
+    if (pixel_.split) return insert_parts(path, u);
     pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u, pixel_.slot);
     if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
   }
 
  private:
+  /// Gives diffuse and specular lobes a cell each, unless one of them reflects hardly anything.
+  RELUME_HD void split(const Demodulation& d, const Rgb& throughput) {
+    const float specular = luminance(d.specular);
+    const float all = luminance(d.albedo);
+    pixel_.split = relume::min(specular, all - specular) > kSmallestPart * all;
+    if (!pixel_.split) {
+      if (specular > 0.5f * all) pixel_.point.layer = kSpecularLayer;
+      return;
+    }
+    pixel_.factor = throughput * glm::max(d.albedo - d.specular, Rgb(0));
+    pixel_.specular_factor = throughput * d.specular;
+    pixel_.specular_direction = pixel_.point.direction;
+    pixel_.point.direction = 0;
+    to_diffuse_ = d.divisor() / positive_or_one(d.raised - d.specular);
+    to_specular_ = d.divisor() / positive_or_one(d.specular);
+  }
+
+  /// Adds the diffuse and the specular part of the path's sample to their cells.
+  RELUME_HD void insert_parts(const PathState& path, float u) {
+    if (left_ && !apart_) specular_ += (path.radiance - before_) * share_;
+    const Rgb diffuse = glm::max(sample_ - specular_, Rgb(0)) * to_diffuse_;
+    const Rgb specular = specular_ * to_specular_;
+    const float weight = 1.0f / pixel_.survival;
+    const HashGridView& grid = context_->grid;
+    pixel_.slot = grid.insert(pixel_.point, diffuse, weight, u, pixel_.slot);
+    pixel_.specular_slot = grid.insert(pixel_.specular_point(), specular, weight, u, pixel_.specular_slot);
+    if (is_finite(diffuse) && is_finite(specular))
+      pixel_.traced = pixel_.factor * diffuse + pixel_.specular_factor * specular;
+  }
+
   const FilterContext* context_ = nullptr;
   const SampleIndex* index_ = nullptr;
   uint32_t x_ = 0;
@@ -89,6 +136,12 @@ class FilterVertex : public NoPolicy {
   FilteredPixel pixel_;
   Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
+  // Only with split cells:
+  Rgb specular_{0};     ///< part of the sample from specular lobes
+  Rgb share_{0};        ///< share of specular lobes in the BSDF along the sampled direction
+  Rgb before_{0};       ///< radiance before the path left the vertex
+  Rgb to_diffuse_{1};   ///< ratio of the demodulations of diffuse and of all lobes
+  Rgb to_specular_{1};  ///< the same for specular lobes
   bool scatters_ = false;  ///< whether the path has hit a surface
   bool left_ = false;
   bool apart_ = false;  ///< whether the path left through a delta lobe
@@ -132,8 +185,7 @@ struct ResolveCellsKernel {
     if (p.filtered) {
       const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
-      const Rgb shown = cell.count > 0.0f ? p.factor * cell.mean : p.traced;
-      value += p.blend * shown;
+      value += p.blend * shown(p, cell);
       if (p.blend < 1.0f) value += (1.0f - p.blend) * p.traced;
       write_cell(i, p, slot);
     } else {
@@ -152,6 +204,16 @@ struct ResolveCellsKernel {
   }
 
  private:
+  /// Reflected radiance by the cells; `cell`: the (diffuse) one. The path's own where a cell has no samples.
+  RELUME_HD Rgb shown(const FilteredPixel& p, const CellMoments& cell) const {
+    if (!(cell.count > 0.0f)) return p.traced;
+    const Rgb diffuse = p.factor * cell.mean;
+    if (!p.split) return diffuse;
+    const CellPoint point = p.specular_point();
+    const CellMoments specular = grid.moments(point, grid.find(point, p.specular_slot));
+    return specular.count > 0.0f ? diffuse + p.specular_factor * specular.mean : p.traced;
+  }
+
   template <typename T>
   RELUME_HD static void write(const View<T>& view, uint32_t i, T value) {
     if (!view.empty()) view[i] = value;

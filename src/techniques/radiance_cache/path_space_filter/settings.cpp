@@ -16,6 +16,11 @@ SettingList describe(PathSpaceFilterSettings& s) {
                   "Camera rays per pixel at the edges of bright emitters, to measure their coverage; 0: only the "
                   "sample's own ray. With a denoiser, features.edge-rays applies instead",
                   {.min = 0, .max = 256}});
+  list.push_back({"split",
+                  &s.split,
+                  "Filter light from diffuse and from specular lobes in cells of their own, with psf and apsf; diffuse "
+                  "cells then ignore direction-bins and roughness-bins",
+                  {.biases = true}});
   return list;
 }
 

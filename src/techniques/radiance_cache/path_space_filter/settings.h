@@ -9,6 +9,7 @@ struct PathSpaceFilterSettings {
   HashGridSettings grid;
   float min_roughness = 0.2f;  ///< roughness below which lobes count as specular
   int edge_rays = 16;
+  bool split = false;
 };
 
 /// Names without the prefix "psf.".
