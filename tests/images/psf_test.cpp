@@ -133,6 +133,32 @@ TEST_P(Caches, NeighboursAndACoarserLevelLeakOneCellFurther) {
   EXPECT_LT(third, 0.0005 * lit);
 }
 
+/// Mean squared error within `reach` pixels of the middle.
+double error_at_wall(const Image& image, const Image& truth, int reach) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = image.width / 2 - reach; x < image.width / 2 + reach; ++x)
+      sum += static_cast<double>(length_squared(image.at(x, y) - truth.at(x, y)));
+  }
+  return sum / (2.0 * reach * image.height);
+}
+
+TEST(RefinedCells, BlurTheEdgeOfAShadowLess) {
+  const auto rendered = [](CacheChoice cache, float refine) {
+    RenderSettings s = settings_of(cache, HistoryChoice::none, 128, 128);
+    s.psf.grid.cell_size = 16;
+    s.psf.refine = refine;
+    Session session(divided_floor(), s);
+    for (int frame = 0; frame < 16; ++frame) session.render_frame();
+    return session.image();
+  };
+  const Image truth = rendered(CacheChoice::none, 0);  // hardly any noise: one point light
+  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
+    const double refined = error_at_wall(rendered(cache, 2), truth, 32);
+    EXPECT_LT(refined, 0.8 * error_at_wall(rendered(cache, 0), truth, 32)) << static_cast<int>(cache);
+  }
+}
+
 TEST_P(Caches, LightDoesNotGoThroughAPanel) {
   // A panel without thickness, lit from behind and seen from the front; a mirror shows its back.
   Scene scene;

@@ -31,7 +31,8 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
-  const uint32_t depths = settings_.split ? 2 * depths_ : depths_;
+  const uint32_t parts = (settings_.split ? 2u : 1u) + (settings_.refine > 0.0f ? 1u : 0u);
+  const uint32_t depths = parts * depths_;
   const HashGridBounds bounds =
       bounds_for(frame.pixels(), depths, physical_memory_bytes(), settings_.grid.undersampled_cells);
   if (!ready_)
@@ -43,7 +44,7 @@ bool CellsPass::run(const FrameContext& frame) {
   watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
-  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness), settings_.split};
+  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness), settings_.split, settings_.refine > 0.0f};
   return true;
 }
 
@@ -177,6 +178,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
                    frame.write(kCellBlend),    frame.write(kCellTermination), frame.write(kCellOccupancy)};
   kernel.width = frame.width();
   kernel.rays = frame.write(kRays);
+  kernel.refine = cells_.refine();
   kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
                   sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
   frame.launch("resolve", kernel);

@@ -43,6 +43,7 @@ class CellsPass final : public Pass {
   /// Valid after the first run().
   const FilterContext& filter() const { return filter_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
+  float refine() const { return settings_.refine; }
   /// Call after all samples of the frame. Moments that filter() reads then include them.
   void advance(const FrameContext& frame);
   /// Call when no slot is in use.

@@ -1,6 +1,7 @@
 // Results of paths for the pass that computes pixels from cells.
 #pragma once
 
+#include "techniques/radiance_cache/path_space_filter/finer_cell.h"
 #include "techniques/spatial/hash_grid/hash_grid.h"
 #include "techniques/transport/path/path.h"
 
@@ -20,6 +21,7 @@ struct FilteredPixel {
   uint32_t slot = kNoCell;   ///< slot of the (diffuse) cell, if known
   uint32_t specular_slot = kNoCell;
   uint32_t specular_direction = 0;  ///< direction and roughness in the key of the specular cell
+  uint32_t finer = 0;               ///< finer_offset() of the finer cell; 0: none
   float blend = 1;           ///< share of the cell; the rest is `traced`
   float survival = 1;        ///< probability of following the path
   uint16_t termination = 0;  ///< bounce, from 1, at which the path's contribution ended; 0: not recorded
@@ -36,6 +38,6 @@ struct FilteredPixel {
     return p;
   }
 };
-static_assert(sizeof(FilteredPixel) == 112, "README.md states the bytes per pixel");
+static_assert(sizeof(FilteredPixel) == 116, "README.md states the bytes per pixel");
 
 }  // namespace relume

@@ -22,6 +22,7 @@ struct FilterContext {
   HashGridView grid;
   float narrow_alpha = 0.04f;  ///< α below which lobes are not filtered
   bool split = false;          ///< whether diffuse and specular lobes have cells of their own ([Binder19] §3.1.2)
+  bool refine = false;         ///< whether finer cells receive samples, too
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -51,6 +52,7 @@ class FilterVertex : public NoPolicy {
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
     pixel_.point = context_->grid.keys.point(sp, jitter, 0, d.glossy, 0, d.roughness);
     if (context_->split) split(d, path.throughput);
+    if (context_->refine) pixel_.finer = finer_offset(context_->grid.keys, pixel_.point, sp.position);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
     if (pixel_.split) context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.specular_point()));
     anchor_ = path.throughput * d.divisor();
@@ -95,6 +97,7 @@ class FilterVertex : public NoPolicy {
     const float u = filter_random(*index_, x_, y_, 0);
     if (pixel_.split) return insert_parts(path, u);
     pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u, pixel_.slot);
+    insert_finer(sample_);
     if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
   }
 
@@ -116,6 +119,12 @@ class FilterVertex : public NoPolicy {
     to_specular_ = d.divisor() / positive_or_one(d.specular);
   }
 
+  RELUME_HD void insert_finer(const Rgb& sample) const {
+    if (pixel_.finer == 0) return;
+    const HashGridView& grid = context_->grid;
+    grid.insert_finer(finer_point(grid.keys, pixel_.point, pixel_.finer), sample, 1.0f / pixel_.survival);
+  }
+
   /// Adds the diffuse and the specular part of the path's sample to their cells.
   RELUME_HD void insert_parts(const PathState& path, float u) {
     if (left_ && !apart_) specular_ += (path.radiance - before_) * share_;
@@ -124,6 +133,7 @@ class FilterVertex : public NoPolicy {
     const float weight = 1.0f / pixel_.survival;
     const HashGridView& grid = context_->grid;
     pixel_.slot = grid.insert(pixel_.point, diffuse, weight, u, pixel_.slot);
+    insert_finer(diffuse);
     pixel_.specular_slot = grid.insert(pixel_.specular_point(), specular, weight, u, pixel_.specular_slot);
     if (is_finite(diffuse) && is_finite(specular))
       pixel_.traced = pixel_.factor * diffuse + pixel_.specular_factor * specular;
@@ -176,6 +186,7 @@ struct ResolveCellsKernel {
   uint32_t width = 0;
   CellEdges edges;
   View<uint32_t> rays;  ///< rays of this sample, to which edge rays are added
+  float refine = 0;     ///< standard errors by which a finer cell must differ to be shown; 0: never
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
@@ -207,11 +218,23 @@ struct ResolveCellsKernel {
   /// Reflected radiance by the cells; `cell`: the (diffuse) one. The path's own where a cell has no samples.
   RELUME_HD Rgb shown(const FilteredPixel& p, const CellMoments& cell) const {
     if (!(cell.count > 0.0f)) return p.traced;
-    const Rgb diffuse = p.factor * cell.mean;
+    const Rgb diffuse = p.factor * refined(p, cell);
     if (!p.split) return diffuse;
     const CellPoint point = p.specular_point();
     const CellMoments specular = grid.moments(point, grid.find(point, p.specular_slot));
     return specular.count > 0.0f ? diffuse + p.specular_factor * specular.mean : p.traced;
+  }
+
+  /// Mean of the (diffuse) cell `cell`, moved to that of the finer cell by the share of their squared difference that
+  /// exceeds the noise of the latter.
+  RELUME_HD Rgb refined(const FilteredPixel& p, const CellMoments& cell) const {
+    if (!(refine > 0.0f) || p.finer == 0) return cell.mean;
+    const CellPoint point = finer_point(grid.keys, p.point, p.finer);
+    const CellMoments finer = grid.own_moments(grid.find(grid.keys.address(point, -1)));
+    if (grid.undersampled(finer)) return cell.mean;
+    const float difference = sqr(luminance(finer.mean) - luminance(cell.mean));
+    const float noise = sqr(refine) * finer.variance() / finer.count;
+    return difference > noise ? finer.mean + (cell.mean - finer.mean) * (noise / difference) : cell.mean;
   }
 
   template <typename T>

@@ -21,6 +21,11 @@ SettingList describe(PathSpaceFilterSettings& s) {
                   "Filter light from diffuse and from specular lobes in cells of their own, with psf and apsf; diffuse "
                   "cells then ignore direction-bins and roughness-bins",
                   {.biases = true}});
+  list.push_back({"refine",
+                  &s.refine,
+                  "Show cells of half the edge where they differ from the ordinary cell by more than this number of "
+                  "standard errors (2 is a good value), with psf and apsf: sharper shadows; 0: never",
+                  {.min = 0, .max = 100, .biases = true}});
   return list;
 }
 

@@ -10,6 +10,7 @@ struct PathSpaceFilterSettings {
   float min_roughness = 0.2f;  ///< roughness below which lobes count as specular
   int edge_rays = 16;
   bool split = false;
+  float refine = 0;  ///< standard errors; 0: no finer cells
 };
 
 /// Names without the prefix "psf.".

@@ -111,9 +111,10 @@ struct CellKeys {
   }
 
   /// Address of the cell that contains `p`, `coarser` levels above its own. Substitutes for undersampled cells are
-  /// separate from the ordinary cells of their level, because their samples have another probability.
+  /// separate from the ordinary cells of their level, because their samples have another probability. With −1, the cell
+  /// is finer; its layer should differ from that of ordinary cells.
   RELUME_HD CellAddress address(const CellPoint& p, int coarser = 0) const {
-    return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser);
+    return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, relume::max(coarser, 0));
   }
 
   /// Address of the cell at `position` with the other inputs of `p`. Cell indices are

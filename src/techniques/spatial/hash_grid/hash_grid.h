@@ -144,6 +144,13 @@ struct HashGridView {
     return slot;
   }
 
+  /// Adds a finite sample to the cell one level below that of `p`, which is never pooled and inherits nothing.
+  RELUME_HD void insert_finer(const CellPoint& p, const Rgb& value, float weight) const {
+    if (!is_finite(value)) return;
+    const uint32_t slot = find_or_insert(keys.address(p, -1));
+    add({p, bounded(value, own_moments(slot)), weight, -1, true}, slot);
+  }
+
   /// Adds a sample to the cell in `slot`, or to the waiting list for kNoCell.
   RELUME_HD void add(const WaitingSample& sample, uint32_t slot) const {
     if (slot == kNoCell) {

@@ -13,7 +13,7 @@ struct WaitingSample {
   CellPoint point;
   Rgb value{0};
   float weight = 0;
-  int coarser = 0;  ///< levels of the target above the cell of `point`
+  int coarser = 0;  ///< levels of the target above the cell of `point`; −1: below
   bool alone = false;
 };
 

@@ -56,7 +56,8 @@ void CachedFrames::trace() {
   context.selector.power = {{view_of(power_)}};
   context.max_bounces = settings_.max_bounces;
   context.russian_roulette = settings_.russian_roulette;
-  FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness), settings_.psf.split};
+  FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness), settings_.psf.split,
+                       settings_.psf.refine > 0.0f};
   const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
   AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
   switch (settings_.kind) {
@@ -82,7 +83,8 @@ void CachedFrames::resolve() {
   grid_.advance(backend_);
   run("resolve",
       ResolveCellsKernel{
-          grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}});
+          grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {},
+          settings_.psf.refine});
 }
 
 }  // namespace relume::testing
