@@ -116,8 +116,8 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
   return result;
 }
 
-/// Path tracing, psf, apsf, and apg with equal and with coarser cells beyond the first vertex. Path graphs have relume's
-/// own feed.
+/// Path tracing, psf, apsf, and apg with equal and with coarser cells beyond the first vertex. Path graphs have
+/// relume's own feed.
 std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
   std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (NamedSettings& contender : list) contender.settings.apg.feed = PathGraphSettings().feed;

@@ -15,8 +15,8 @@ inline constexpr float kThesisFeed = 1;
 /// per pixel, filtered with the cells. Path graphs have the feed kThesisFeed.
 std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// Interpolation between cell and path [Schipek22 §4.1.2, figure 4.3 d and e]: "apsf, step" and "apsf, one-over-square",
-/// which follow every path.
+/// Interpolation between cell and path [Schipek22 §4.1.2, figure 4.3 d and e]: "apsf, step" and
+/// "apsf, one-over-square", which follow every path.
 std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// Scenes of the cache experiments: the box, the corridor, the mine, the warehouse, and Sponza if available.

@@ -47,7 +47,8 @@ TEST_P(GuardedGraphs, KeepTheEnergy) {
       for (int i = 0; i < kFrames; ++i) {
         for (const Rgb& p : frames.render()) mean += static_cast<double>(luminance(p)) / (24 * 24 * kFrames);
       }
-      // Five standard errors of 0.8 % in total, and the bias of the first frames. Lost light would be several times that.
+      // Five standard errors of 0.8 % in total, and the bias of the first frames. Lost light would be several times
+      // that.
       EXPECT_NEAR(mean / testing::closed_furnace_radiance(0.5, kBounces), 1.0, 0.025)
           << "constant " << constant << ", cell size " << cell_size;
     }

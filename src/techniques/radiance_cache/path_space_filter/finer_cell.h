@@ -19,7 +19,7 @@ RELUME_HD inline uint32_t finer_offset(const CellKeys& keys, const CellPoint& p,
 /// Inputs of the key of the finer cell, which is one level below that of the result.
 RELUME_HD inline CellPoint finer_point(const CellKeys& keys, const CellPoint& p, uint32_t offset) {
   const float edge = power_of_two(keys.level_of(p));
-  const auto component = [&](int shift) { return static_cast<float>(offset >> shift & 1023u) / 1023.0f - 0.5f; };
+  const auto component = [&](int shift) { return static_cast<float>((offset >> shift) & 1023u) / 1023.0f - 0.5f; };
   CellPoint finer = p;
   finer.position += edge * Vec3(component(20), component(10), component(0));
   finer.layer = static_cast<uint16_t>(p.layer | kFinerLayer);

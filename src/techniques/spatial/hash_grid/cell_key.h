@@ -114,7 +114,7 @@ struct CellKeys {
   /// separate from the ordinary cells of their level, because their samples have another probability. With −1, the cell
   /// is finer; its layer should differ from that of ordinary cells.
   RELUME_HD CellAddress address(const CellPoint& p, int coarser = 0) const {
-    return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, relume::max(coarser, 0));
+    return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser > 0 ? coarser : 0);
   }
 
   /// Address of the cell at `position` with the other inputs of `p`. Cell indices are

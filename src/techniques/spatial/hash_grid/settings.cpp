@@ -73,8 +73,8 @@ SettingList describe(HashGridSettings& s) {
        {.min = 0, .max = 16, .biases = true}},
       {"roughness-bins",
        &s.roughness_bins,
-       "Number of steps from 0 to 1 in the roughness, averaged over a surface's lobes; every step has cells of its own; "
-       "0: cells mix glossy and matte texels",
+       "Number of steps from 0 to 1 in the roughness, averaged over a surface's lobes; every step has cells of its "
+       "own; 0: cells mix glossy and matte texels",
        {.min = 0, .max = 16, .biases = true}},
       {"max-samples",
        &s.max_count,
