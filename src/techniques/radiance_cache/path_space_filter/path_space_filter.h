@@ -107,14 +107,15 @@ class FilterVertex : public NoPolicy {
     const float specular = luminance(d.specular);
     const float all = luminance(d.albedo);
     pixel_.split = relume::min(specular, all - specular) > kSmallestPart * all;
-    if (!pixel_.split) {
-      if (specular > 0.5f * all) pixel_.point.layer = kSpecularLayer;
+    if (!pixel_.split && specular > 0.5f * all) {
+      pixel_.point.layer = kSpecularLayer;
       return;
     }
-    pixel_.factor = throughput * glm::max(d.albedo - d.specular, Rgb(0));
-    pixel_.specular_factor = throughput * d.specular;
     pixel_.specular_direction = pixel_.point.direction;
     pixel_.point.direction = 0;
+    if (!pixel_.split) return;
+    pixel_.factor = throughput * glm::max(d.albedo - d.specular, Rgb(0));
+    pixel_.specular_factor = throughput * d.specular;
     to_diffuse_ = d.divisor() / positive_or_one(d.raised - d.specular);
     to_specular_ = d.divisor() / positive_or_one(d.specular);
   }
