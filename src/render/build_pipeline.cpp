@@ -9,6 +9,7 @@
 #include "frame/cuda/device_choice.h"
 #include "relume/error.h"
 #include "render/pipeline_builder.h"
+#include "techniques/denoise/asvgf/asvgf_pass.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
 #include "techniques/denoise/oidn/oidn_filter.h"
@@ -131,9 +132,7 @@ bool needs_splat_image(const RenderSettings& settings) {
 bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
-bool denoiser_splits(const RenderSettings& settings) {
-  return can_split(settings) && (settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr);
-}
+bool denoiser_splits(const RenderSettings& settings) { return can_split(settings) && denoiser_fills(settings); }
 bool history_splits(const RenderSettings& settings) {
   return can_split(settings) && settings.history == HistoryChoice::reproject &&
          settings.reproject.method == ReprojectionMethod::backward;
@@ -221,7 +220,8 @@ void join(const Pipeline& pipeline, const RenderSettings& settings, PathPass* pa
   paths->hand_surfaces_to(features->from_paths());
 }
 
-void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings) {
+/// `gradients`: changes of light for A-SVGF; nullptr: the paths cannot be traced again.
+void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings, const GradientPass* gradients) {
   if (settings.denoise == DenoiseChoice::none) return;
   const bool mirrors = shows_mirrors(settings);
   const bool split = denoiser_splits(settings);
@@ -231,6 +231,7 @@ void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings) {
     case DenoiseChoice::none: break;
     case DenoiseChoice::bmfr: builder.add<BmfrPass, &RenderSettings::bmfr>(split); break;
     case DenoiseChoice::svgf: builder.add<SvgfPass, &RenderSettings::svgf>(split); break;
+    case DenoiseChoice::asvgf: builder.add<AsvgfPass, &RenderSettings::asvgf>(split, gradients); break;
     case DenoiseChoice::oidn: builder.add<OidnPass>(); break;
   }
 }
@@ -277,7 +278,8 @@ bool learns(const RenderSettings& settings) {
 }
 
 bool denoiser_fills(const RenderSettings& settings) {
-  return settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
+  return settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::asvgf ||
+         settings.denoise == DenoiseChoice::bmfr;
 }
 
 Change ends_sequences(const RenderSettings& settings) {
@@ -345,6 +347,9 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
   PathPass* const paths = add_paths(builder, settings, source, octree);
+  // A path can be traced again if nothing has learned in between.
+  const bool repeats = paths && !octree && settings.denoise == DenoiseChoice::asvgf;
+  const GradientPass* const gradients = repeats ? &builder.add_tracing<GradientPass>(source) : nullptr;
   if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();
   if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
   add_history(builder, settings);
@@ -352,7 +357,7 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   if (upscales(settings) && !denoiser_fills(settings)) builder.add<FillUnsampledPass, &RenderSettings::upscaling>();
   if (settings.auxiliary) builder.add<AuxiliaryPass>();
   FeaturesPass* const features = add_features(builder, settings);
-  add_denoiser(builder, settings);
+  add_denoiser(builder, settings, gradients);
   join(builder.pipeline(), settings, paths, features);
   if (reads_surface(builder.pipeline())) builder.add<SurfacePass>();
   builder.add<PrimaryHitsPass>(only_samples_read_hits(builder.pipeline()));

@@ -79,9 +79,9 @@ SettingList describe_slots(RenderSettings& s) {
        "surfaces",
        {.biases = true}},
       {"denoise",
-       choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}),
-       "Denoiser: none, blockwise regression on surface features (BMFR), variance-guided filtering (SVGF), or Open "
-       "Image Denoise",
+       choice(s.denoise, {"none", "bmfr", "svgf", "asvgf", "oidn"}),
+       "Denoiser: none, blockwise regression on surface features (BMFR), variance-guided filtering (SVGF), the same "
+       "with histories that end where paths traced again find other light (A-SVGF), or Open Image Denoise",
        {.biases = true}},
   };
 }
@@ -119,6 +119,7 @@ SettingList describe_denoisers(RenderSettings& s) {
   SettingList list = with_prefix("features", describe(s.features));
   append(list, with_prefix("bmfr", describe(s.bmfr)));
   append(list, with_prefix("svgf", describe(s.svgf)));
+  append(list, with_prefix("asvgf", describe(s.asvgf)));
   return list;
 }
 

@@ -8,6 +8,7 @@
 #include "relume/image.h"
 #include "relume/settings.h"
 #include "settings/setting.h"
+#include "techniques/denoise/asvgf/settings.h"
 #include "techniques/denoise/bmfr/settings.h"
 #include "techniques/denoise/firefly_clamp/settings.h"
 #include "techniques/denoise/svgf/settings.h"
@@ -39,7 +40,7 @@ enum class GuideChoice : int { bsdf, cdq };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
-enum class DenoiseChoice : int { none, bmfr, svgf, oidn };
+enum class DenoiseChoice : int { none, bmfr, svgf, asvgf, oidn };
 
 struct RenderSettings {
   int width = 1280;
@@ -87,6 +88,7 @@ struct RenderSettings {
   FeatureSettings features;
   BmfrSettings bmfr;
   SvgfSettings svgf;
+  AsvgfSettings asvgf;
 
   /// Converts to the public interface's settings; all other settings there have their defaults.
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings

@@ -101,7 +101,7 @@ std::vector<SettingGroup> setting_groups(AllSettings& s) {
       {"Radiance caches", "`psf` applies to the cells of every cache; `apsf` and `apg` apply to these two caches only.",
        describe_caches(s.render)},
       {"Frames", "The firefly clamp, adaptive sampling and reprojection.", describe_frames(s.render)},
-      {"Denoisers", "Surface features and the denoisers BMFR and SVGF.", describe_denoisers(s.render)},
+      {"Denoisers", "Surface features and the denoisers BMFR, SVGF and A-SVGF.", describe_denoisers(s.render)},
       {"Slots", "One technique per slot; docs/combinations.md shows which combine.", describe_slots(s.render),
        SettingGroupRole::slots},
       {"Display", "For 8-bit files and displays; EXR and HDR files store linear radiance.", describe(s.output)},

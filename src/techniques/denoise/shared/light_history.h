@@ -72,6 +72,14 @@ RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChan
 
 inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< larger counts are not exact as floats
 
+/// Number of samples for which a history of `age` samples counts if the next one has the weight (1 − λ) α + λ in the
+/// mean, instead of α = 1 / (age + 1) ([Schied18]). Rounded. `lambda`: λ, in [0, 1].
+RELUME_HD inline uint32_t adapted_age(uint32_t age, float lambda) {
+  if (!(lambda > 0.0f)) return age;
+  const auto samples = static_cast<float>(age);
+  return static_cast<uint32_t>((1.0f - lambda) * samples / (1.0f + lambda * samples) + 0.5f);
+}
+
 /// A pixel's history and its sample of this frame, for averages of any property of its samples.
 struct PixelHistory {
   BackwardTaps taps;
@@ -139,6 +147,8 @@ struct LightHistory {
   /// Per block with changed light, 1 / maximum sample count of the history (light_change.h); 0: no change. Empty: no
   /// change anywhere.
   View<const float> discounts;
+  /// Per pixel, λ of adapted_age(); empty: 0 everywhere.
+  View<const float> lambdas = {};
 
   RELUME_HD uint32_t pixel(uint32_t x, uint32_t y) const { return y * reprojection.width + x; }
 
@@ -146,6 +156,12 @@ struct LightHistory {
     if (discounts.empty()) return max_samples;
     const float discount = discount_at(x, y);
     return discount * static_cast<float>(max_samples) > 1.0f ? static_cast<uint32_t>(1.0f / discount) : max_samples;
+  }
+
+  /// Sample count of the history of pixel (x, y) if it has `past` samples.
+  RELUME_HD uint32_t age_at(uint32_t x, uint32_t y, uint32_t past) const {
+    const uint32_t age = relume::min(past, limit_at(x, y));
+    return lambdas.empty() ? age : adapted_age(age, lambdas[pixel(x, y)]);
   }
 
   /// Interpolates between the centres of blocks.
@@ -173,7 +189,7 @@ struct LightHistory {
     PixelHistory history;
     history.sample = samples.at(i);
     if (reprojection.surface[i] != kNoSurface) history.taps = reprojection.taps_or_nearest(x, y, count_before);
-    history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
+    history.age = age_at(x, y, history.taps.least(count_before));
     history.least_share = least_share;
     light[i] = history.mean(light_before, history.sample.light);
     count[i] = history.count();
@@ -189,7 +205,7 @@ struct LightHistory {
     row.taps.least(count_before, past);
     for (uint32_t i = 0; i < kLanes; ++i) {
       const bool background = reprojection.surface[first + i] == kNoSurface;
-      row.age[i] = background ? 0u : relume::min(past[i], limit_at(x + i, y));
+      row.age[i] = background ? 0u : age_at(x + i, y, past[i]);
       const uint32_t samples_now = row.age[i] + (row.sampled.b[i] != 0 ? 1u : 0u);
       count[first + i] = samples_now;
       row.share.v[i] = relume::max(1.0f / static_cast<float>(samples_now), least_share);

@@ -76,6 +76,7 @@ PassDeclaration SvgfPass::declaration() const {
 bool SvgfPass::run(const FrameContext& frame) {
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
   if (split_) reflecting_.begin_frame(frame, scratch_);
+  if (!find_changes(frame)) return false;
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) {
     if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i]) || !filter(frame, light_[i])) return false;
@@ -95,10 +96,14 @@ bool SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   SvgfAccumulateKernel kernel;
   kernel.history = light_history(frame, {buffers.light, buffers.samples}, settings_.history, part);
-  kernel.history.discounts = change_[place_of(part)].discounts(frame, kernel.history);
+  limit_history(frame, part, kernel.history);
   kernel.moments_before = frame.previous(buffers.moments);
   kernel.moments = frame.write(buffers.moments);
   return frame.launch_or_stop("svgf-accumulate", kernel);
+}
+
+void SvgfPass::limit_history(const FrameContext& frame, LightPart part, LightHistory& history) {
+  history.discounts = change_[place_of(part)].discounts(frame, history);
 }
 
 bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {

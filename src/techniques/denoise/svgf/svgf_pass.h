@@ -9,7 +9,7 @@
 
 namespace relume {
 
-class SvgfPass final : public Pass {
+class SvgfPass : public Pass {
  public:
   /// `split`: keeps diffuse and specular light apart.
   SvgfPass(const SvgfSettings& settings, bool split, Memory& memory)
@@ -30,6 +30,12 @@ class SvgfPass final : public Pass {
     return features_.memory_bytes() + light_[0].memory_bytes() + light_[1].memory_bytes() + filtered_.memory_bytes() +
            change_[0].memory_bytes() + change_[1].memory_bytes() + scratch_.memory_bytes();
   }
+
+ protected:
+  /// Prepares limit_history(). Returns false if a stop was requested first.
+  virtual bool find_changes(const FrameContext& /*frame*/) { return true; }
+  /// Shortens the history of pixels whose light has changed, here by the changes of blocks (light_change.h).
+  virtual void limit_history(const FrameContext& frame, LightPart part, LightHistory& history);
 
  private:
   // These return false if a stop was requested first.
