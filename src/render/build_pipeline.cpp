@@ -347,9 +347,9 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
   PathPass* const paths = add_paths(builder, settings, source, octree);
-  // A path can be traced again if nothing has learned in between.
   const bool repeats = paths && !octree && settings.denoise == DenoiseChoice::asvgf;
-  const GradientPass* const gradients = repeats ? &builder.add_tracing<GradientPass>(source) : nullptr;
+  const GradientPass* const gradients =
+      repeats ? &builder.add_tracing<GradientPass, &RenderSettings::asvgf>(source) : nullptr;
   if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();
   if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
   add_history(builder, settings);

@@ -52,7 +52,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "shared": "features path primary_hits reprojection",  # by denoisers
     "bmfr": "features shared",
     "svgf": "shared",
-    "asvgf": "path primary_hits reprojection shared svgf",
+    "asvgf": "path reprojection shared svgf",
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",

@@ -75,9 +75,9 @@ struct LambdaKernel {
   RELUME_HD float lambda_at(uint32_t x, uint32_t y) const {
     const float change = std::fabs(*filtered.at(kGradientPlane, x, y));
     const float largest = *filtered.at(kLargestPlane, x, y);
+    if (!(largest > 0.0f)) return 0.0f;  // no gradient, or black in both frames
     const float lambda = antilag * change / largest;
-    if (!(lambda > 0.0f)) return 0.0f;  // NaN too: both are black
-    return relume::min(lambda, 1.0f);
+    return lambda > 0.0f ? relume::min(lambda, 1.0f) : 0.0f;  // 0 for NaN
   }
 };
 

@@ -30,8 +30,7 @@ bool GradientPass::run(const FrameContext& frame) {
   const size_t count = size_t{strata(frame.width())} * strata(frame.height());
   const Recording& before = recorded_[current_];
   Recording& now = recorded_[current_ ^ 1u];
-  traced_ = frame.number > 0 && frame.changes != Change::none && !includes(frame.changes, kEndsDenoiserHistory) &&
-            before.numbers.valid != 0 && before.samples.size() == count;
+  traced_ = may_differ(frame) && before.numbers.valid != 0 && before.samples.size() == count;
   if (traced_ && !trace(frame, before)) return false;
   now.samples.reset(count, kUninitialized);
   if (!record(frame, now)) return false;
@@ -44,6 +43,12 @@ bool GradientPass::run(const FrameContext& frame) {
   current_ ^= 1u;
   exchanged_ = true;
   return true;
+}
+
+bool GradientPass::may_differ(const FrameContext& frame) const {
+  if (frame.number == 0 || includes(frame.changes, kEndsDenoiserHistory)) return false;
+  const Change view = settings_.view_changes ? Change::camera : Change::none;
+  return includes(frame.changes, Change::geometry | Change::lights | view);
 }
 
 void GradientPass::abandon() {
@@ -74,11 +79,13 @@ bool GradientPass::trace(const FrameContext& frame, const Recording& before) {
                   .tile = frame.index.tile};
   kernel.context = make_path_context(source_, frame);
   kernel.context.indirect = indirect_rate(source_.settings.indirect_rate, kernel.index, frame.blue_noise);
+  kernel.camera = frame.scene.camera;
+  kernel.same_view = !settings_.view_changes || same_view(frame.scene.camera, frame.scene.previous_camera);
+  if (!settings_.view_changes) kernel.context.scene.camera = frame.scene.previous_camera;
   kernel.samples = before.samples.view();
   kernel.votes = votes_.view();
   kernel.gradients = gradients_.mutable_view();
   kernel.rays = frame.write(kRays);
-  kernel.same_view = same_view(frame.scene.camera, frame.scene.previous_camera);
   kernel.columns = columns;
   kernel.width = frame.width();
   kernel.height = frame.height();

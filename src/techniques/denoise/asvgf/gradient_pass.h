@@ -4,18 +4,20 @@
 #include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/denoise/asvgf/gradients.h"
+#include "techniques/denoise/asvgf/settings.h"
 #include "techniques/transport/path/path_pass.h"
 
 namespace relume {
 
-/// Records samples of each frame, and traces those of the previous frame again while something changes. Its paths never
-/// enter the image, which therefore stays that of the frame's own samples. Requires paths whose random numbers and
+/// Records samples of each frame, and traces those of the previous frame again while light may change. Its paths do not
+/// enter the image, whose samples are those of the frame. Requires paths whose random numbers and
 /// structures can be repeated: those of PathPass without learning techniques.
 class GradientPass final : public Pass {
  public:
-  GradientPass(const PathSource& source, Memory& memory)
-      : source_(source), recorded_{Recording(memory), Recording(memory)}, votes_(memory), gradients_(memory) {}
+  GradientPass(const AsvgfSettings& settings, const PathSource& source, Memory& memory)
+      : settings_(settings), source_(source), recorded_{Recording(memory), Recording(memory)}, votes_(memory), gradients_(memory) {}
 
+  void configure(const AsvgfSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -24,7 +26,7 @@ class GradientPass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Whether this frame has gradients. Without, nothing has changed, or histories end.
+  /// Whether this frame has gradients. Without, no light has changed, or histories end.
   bool traced() const { return traced_; }
   /// TraceGradientsKernel::gradients by stratum. Requires traced().
   View<const Vec2> gradients() const { return gradients_.view(); }
@@ -47,10 +49,13 @@ class GradientPass final : public Pass {
     Array<GradientSample> samples;
   };
 
+  /// Whether light may have changed since the previous frame.
+  bool may_differ(const FrameContext& frame) const;
   // These return false if a stop was requested first.
   bool trace(const FrameContext& frame, const Recording& before);
   bool record(const FrameContext& frame, Recording& now) const;
 
+  AsvgfSettings settings_;
   PathSource source_;
   Recording recorded_[2];
   uint32_t current_ = 0;    ///< the recording of the last complete frame

@@ -113,10 +113,10 @@ struct ProjectSamplesKernel {
 /// Tests the first vertex of a path that is traced again.
 struct GradientPolicy : NoPolicy {
   const SceneView* scene = nullptr;
-  Ray view;             ///< from the camera to the first vertex; t_max: their distance
-  uint32_t ray_id = 0;  ///< of the camera ray
-  bool same_direction = false;  ///< whether the previous frame saw the point along the same ray
-  bool usable = false;          ///< the first vertex is visible, and its shading can be compared
+  Ray view;                     ///< from this frame's camera to the first vertex; t_max: their distance
+  uint32_t ray_id = 0;          ///< of the camera ray
+  bool same_direction = false;  ///< whether the path begins along the same ray as in the previous frame
+  bool usable = false;          ///< whether the first vertex is visible and its shading can be compared
   Rgb emission{0};              ///< of the first surface
 
   RELUME_HD void emitted(const PathState& path, bool /*covered_by_nee*/) {
@@ -134,13 +134,14 @@ struct GradientPolicy : NoPolicy {
 /// Traces the projected samples with their own random numbers in this frame's scene, and compares. Grid: strata of this
 /// frame.
 struct TraceGradientsKernel {
-  PathContext context;
-  SampleIndex index;                   ///< of the previous frame; each sample stores its element
+  PathContext context;  ///< its camera is the one from which samples are shaded
+  CameraView camera;    ///< of this frame
+  SampleIndex index;    ///< of the previous frame; each sample stores its element
   View<const GradientSample> samples;  ///< of the previous frame
   View<const uint64_t> votes;
-  View<Vec2> gradients;  ///< δ = luminance now − before, Δ = the larger of both; 0 without a sample
-  View<uint32_t> rays;   ///< per pixel of this frame; the middle pixel of the stratum counts the rays
-  bool same_view = false;  ///< the camera rests
+  View<Vec2> gradients;    ///< δ = luminance now − before, Δ = the larger of both; 0 without a sample
+  View<uint32_t> rays;     ///< per pixel of this frame; the middle pixel of the stratum counts the rays
+  bool same_view = false;  ///< whether the camera of the context is that of the previous frame
   uint32_t columns = 0;
   uint32_t width = 0;
   uint32_t height = 0;
@@ -159,12 +160,13 @@ struct TraceGradientsKernel {
     const SurfacePosition p = surface_position(context.scene, sample.hit);
     GradientPolicy policy;
     policy.scene = &context.scene;
-    policy.view = view_of_point(path.ray.origin, p.now);
+    policy.view = ray_to(camera, camera.position, p.now);
     policy.ray_id = sampler.camera_ray_id();
     policy.same_direction = same_view && p.now == p.before;
-    if (!(policy.view.t_max > 0.0f && is_finite(policy.view.direction))) return;
-    // At rest, the ray of the sample itself, whose direction rounds differently.
-    if (!policy.same_direction) path.ray = {policy.view.origin, policy.view.direction, kInfinity};
+    // Where nothing moved, the camera ray keeps its bits. Elsewhere it passes the same point of the lens.
+    if (!policy.same_direction) path.ray = ray_to(context.scene.camera, path.ray.origin, p.now);
+    path.ray.t_max = kInfinity;
+    if (!(policy.view.t_max > 0.0f) || !is_finite(path.ray.direction)) return;
     SurfacePoint sp;
     sp.position = path.ray.origin;
     sp.bsdf.lobe_count = 0;  // the camera
@@ -179,12 +181,12 @@ struct TraceGradientsKernel {
   }
 
  private:
-  /// Ray from the camera to `p`. `origin`: the sample's point of the lens.
-  RELUME_HD Ray view_of_point(const Vec3& origin, const Vec3& p) const {
-    const CameraView& camera = context.scene.camera;
-    if (camera.projection == Projection::orthographic) {
-      const float depth = -glm::dot(p - camera.position, camera.axes.n);
-      return {p + camera.axes.n * depth, -camera.axes.n, depth};
+  /// Ray from `origin`, a point of the camera's lens, to `p`; t_max is their distance. Rays of an orthographic camera
+  /// begin on its plane.
+  RELUME_HD static Ray ray_to(const CameraView& from, const Vec3& origin, const Vec3& p) {
+    if (from.projection == Projection::orthographic) {
+      const float depth = -glm::dot(p - from.position, from.axes.n);
+      return {p + from.axes.n * depth, -from.axes.n, depth};
     }
     const Vec3 d = p - origin;
     const float distance = glm::length(d);

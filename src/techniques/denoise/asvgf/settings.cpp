@@ -16,6 +16,11 @@ SettingList describe(AsvgfSettings& s) {
        "Factor of the relative change of light that shortens the history; 1: a change to half the light weighs the "
        "newest frame by at least one half; 0: changes of light are ignored",
        {.min = 0, .max = 100, .biases = true}},
+      {"view-changes",
+       &s.view_changes,
+       "Also shorten histories where only the camera's motion changes the shading, as highlights; off: samples are "
+       "compared from the previous view",
+       {.biases = true}},
       {"gradient-levels",
        &s.gradient_levels,
        "Filter passes over the changes of light, each twice as wide as the one before",

@@ -8,6 +8,7 @@ namespace relume {
 struct AsvgfSettings {
   float alpha = 0.1f;
   float antilag = 1;
+  bool view_changes = false;
   int gradient_levels = 5;
   int levels = SvgfSettings{}.levels;
   float light_tolerance = SvgfSettings{}.light_tolerance;
