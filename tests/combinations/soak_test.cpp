@@ -124,6 +124,9 @@ constexpr std::array kDetails = {
     Detail{"svgf.plane-tolerance", {"0.001", "1", "1000"}},
     Detail{"svgf.max-history-changed", {"1", "8", "1024"}},
     Detail{"svgf.newest", {"0.01", "0.2", "1"}},
+    Detail{"asvgf.alpha", {"0.01", "0.1", "1"}},
+    Detail{"asvgf.antilag", {"0", "1", "100"}},
+    Detail{"asvgf.gradient-levels", {"0", "3", "5"}},
 };
 
 /// Changes a slot's choice, a setting, and sometimes the image size. Throws Error if the slots do not combine.

@@ -29,6 +29,7 @@ RenderSettings settings_of(DenoiseChoice denoise, int threads) {
   RenderSettings s = small_settings(85, 47);  // not a multiple of tiles, blocks or lanes
   s.threads = threads;
   s.denoise = denoise;
+  s.asvgf.view_changes = true;  // traces gradients while the camera moves
   return s;
 }
 
@@ -160,10 +161,12 @@ TEST(Denoise, ErrorWithoutOidnNamesTheRemedy) {
 }
 
 std::string denoiser_name(const ::testing::TestParamInfo<DenoiseChoice>& instance) {
+  if (instance.param == DenoiseChoice::asvgf) return "asvgf";
   return instance.param == DenoiseChoice::bmfr ? "bmfr" : "svgf";
 }
 
-INSTANTIATE_TEST_SUITE_P(Denoisers, DenoiseSession, ::testing::Values(DenoiseChoice::bmfr, DenoiseChoice::svgf),
+INSTANTIATE_TEST_SUITE_P(Denoisers, DenoiseSession,
+                         ::testing::Values(DenoiseChoice::bmfr, DenoiseChoice::svgf, DenoiseChoice::asvgf),
                          denoiser_name);
 
 }  // namespace

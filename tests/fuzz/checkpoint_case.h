@@ -57,7 +57,7 @@ inline Scene turning_triangle() {
 }
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
-inline constexpr int kCheckpointCases = 9;
+inline constexpr int kCheckpointCases = 10;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -89,6 +89,7 @@ inline RenderSettings checkpoint_settings(int which) {
     case 6: s.denoise = DenoiseChoice::bmfr; break;
     case 7: s.denoise = DenoiseChoice::svgf; break;
     case 8: s.allocation = AllocationChoice::adaptive; break;
+    case 9: s.denoise = DenoiseChoice::asvgf; break;
     default: break;  // accumulates
   }
   return s;

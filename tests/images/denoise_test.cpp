@@ -94,13 +94,13 @@ struct SessionImages {
   Image mean;
 };
 
-/// Each test runs both denoisers, since references are rendered once per process.
+/// Each test runs all denoisers, since references are rendered once per process.
 class DenoisedImage : public ::testing::Test {
  protected:
   template <typename Check>
   static void for_each_denoiser(const Check& check) {
-    for (const DenoiseChoice denoise : {DenoiseChoice::bmfr, DenoiseChoice::svgf}) {
-      SCOPED_TRACE(denoise == DenoiseChoice::bmfr ? "bmfr" : "svgf");
+    for (const DenoiseChoice denoise : {DenoiseChoice::bmfr, DenoiseChoice::svgf, DenoiseChoice::asvgf}) {
+      SCOPED_TRACE(denoise == DenoiseChoice::bmfr ? "bmfr" : denoise == DenoiseChoice::svgf ? "svgf" : "asvgf");
       check(denoise);
     }
   }

@@ -198,7 +198,8 @@ struct MovingWall {
         .light = mutable_view_of(light),
         .count = mutable_view_of(count),
         .max_samples = 7,
-        .discounts = {}};
+        .discounts = {},
+        .lambdas = view_of(lambdas)};
     kernel.moments_before = view_of(moments_before);
     kernel.moments = mutable_view_of(moments);
     return kernel;
@@ -213,6 +214,7 @@ struct MovingWall {
   std::vector<uint32_t> surface = std::vector<uint32_t>(kPixels, 2);
   std::vector<uint32_t> surface_before = surface;
   std::vector<uint32_t> allocation;
+  std::vector<float> lambdas;
   std::vector<Rgb> scattered = std::vector<Rgb>(kPixels);
   std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
   std::vector<Rgb> light_before = scattered;
@@ -228,7 +230,10 @@ TEST(Svgf, AccumulatesLanesLikeSinglePixels) {
     for (const bool sparse : {false, true}) {
       SCOPED_TRACE(::testing::Message() << motion.x << " " << motion.y << (sparse ? ", half of the pixels" : ""));
       MovingWall single(motion);
-      for (uint32_t i = 0; sparse && i < kPixels; ++i) single.allocation.push_back(i % 2);
+      for (uint32_t i = 0; sparse && i < kPixels; ++i) {
+        single.allocation.push_back(i % 2);
+        single.lambdas.push_back(0.25f * static_cast<float>(i % 5));
+      }
       MovingWall tiles = single;
       const SvgfAccumulateKernel one = single.kernel();
       const SvgfAccumulateKernel many = tiles.kernel();

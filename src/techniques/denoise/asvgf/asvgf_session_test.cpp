@@ -1,0 +1,189 @@
+// Tests A-SVGF in whole frames: false alarms, histories that end, and the lag behind changes of light.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+#include <stop_token>
+#include <string>
+#include <utility>
+
+#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/shapes.h"
+#include "files/testing/temp_folder.h"
+#include "render/session.h"
+#include "scene/testing/media.h"
+#include "techniques/denoise/asvgf/asvgf_pass.h"
+
+namespace relume {
+namespace {
+
+RenderSettings settings_of(DenoiseChoice denoise, int width, int height) {
+  RenderSettings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.threads = 1;
+  settings.denoise = denoise;
+  return settings;
+}
+
+void shift_camera(Session& session, float distance) {
+  CameraPose camera = session.camera();
+  camera.to_world[3] += distance * camera.to_world[0];
+  session.set_camera(camera);
+}
+
+/// Fraction of the pixels whose history was shortened in the last frame.
+double shortened(const Session& session) {
+  const View<const float> lambdas = buffer_table(session).read(kAsvgfLambda);
+  EXPECT_GT(lambdas.size, 0u);
+  size_t count = 0;
+  for (const float lambda : lambdas) count += lambda > 0.0f ? 1 : 0;
+  return static_cast<double>(count) / static_cast<double>(lambdas.size);
+}
+
+TEST(AsvgfSession, ChangesElsewhereCauseNoFalseAlarms) {
+  // A plate moves outside the closed room, while the camera moves inside.
+  Scene scene = find_builtin_scene("cornell-closed")->build();
+  const auto node = static_cast<Index>(scene.nodes.size());
+  testing::add_mesh(scene, testing::matte(Rgb(0.5f)), box({-1, 19, -1}, {1, 20, 1}));
+  Session session(std::move(scene), settings_of(DenoiseChoice::asvgf, 72, 72), {node});
+  double worst = 0;
+  for (int frame = 0; frame < 8; ++frame) {
+    if (frame > 0) {
+      Transform transform;
+      transform.translation = Vec3(0.1f * static_cast<float>(frame), 0, 0);
+      session.set_transform(NodeHandle(node), transform);
+      shift_camera(session, 0.02f);
+    }
+    session.render_frame();
+    if (frame > 0) worst = std::max(worst, shortened(session));
+  }
+  EXPECT_LT(worst, 0.01);
+}
+
+TEST(AsvgfSession, CamerasThatMoveAloneTraceNoGradients) {
+  for (const bool view_changes : {false, true}) {
+    RenderSettings settings = settings_of(DenoiseChoice::asvgf, 48, 48);
+    settings.asvgf.view_changes = view_changes;
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    Session plain(find_builtin_scene("cornell")->build(), settings_of(DenoiseChoice::svgf, 48, 48));
+    for (Session* s : {&session, &plain}) {
+      s->render_frame();
+      shift_camera(*s, 0.05f);
+      s->render_frame();
+    }
+    EXPECT_EQ(session.statistics().rays > plain.statistics().rays, view_changes);
+    EXPECT_EQ(shortened(session) > 0, view_changes);
+  }
+}
+
+TEST(AsvgfSession, DimmedLightShortensEveryHistory) {
+  Scene scene = testing::plate(testing::matte(Rgb(0.5f)), 5, 1);
+  scene.environment.kind = EnvironmentKind::constant;
+  scene.environment.color = Rgb(1);
+  Session session(std::move(scene), settings_of(DenoiseChoice::asvgf, 32, 32));
+  for (int frame = 0; frame < 6; ++frame) session.render_frame();
+  Environment dim;
+  dim.kind = EnvironmentKind::constant;
+  dim.color = Rgb(0.25f);
+  session.set_environment(dim);
+  session.render_frame();
+  const View<const float> lambdas = buffer_table(session).read(kAsvgfLambda);
+  for (const float lambda : lambdas) ASSERT_NEAR(lambda, 0.75f, 1e-4f);
+}
+
+TEST(AsvgfSession, StoppedAndResumedFramesHaveTheSameBits) {
+  const TempFolder folder;
+  const Scene scene = find_builtin_scene("turntable")->build();
+  RenderSettings settings = settings_of(DenoiseChoice::asvgf, 53, 37);  // not a multiple of tiles or strata
+  Session whole(scene, settings);
+  settings.threads = 5;
+  Session stopped(scene, settings);
+  Session resumed(scene, settings);
+  const auto render = [](Session& session, int frame) {
+    session.set_time(0.1f * static_cast<float>(frame));
+    session.render_frame();
+  };
+  constexpr int kStop = 3;
+  for (int frame = 1; frame <= 6; ++frame) {
+    if (frame == kStop) {
+      std::stop_source stop;
+      stopped.set_time(0.1f * kStop);
+      stopped.on_pass([&stop](const std::string& pass) {
+        if (pass == "asvgf-gradients") stop.request_stop();
+      });
+      EXPECT_FALSE(stopped.render_frame(stop.get_token()));
+      stopped.on_pass(nullptr);
+      whole.save_checkpoint(folder / "frames.ckpt");
+      resumed.load_checkpoint(folder / "frames.ckpt");
+    }
+    for (Session* session : {&whole, &stopped}) render(*session, frame);
+    if (frame >= kStop) render(resumed, frame);
+  }
+  EXPECT_GT(shortened(whole), 0.0);
+  const Image image = whole.image();
+  for (const Rgb& pixel : image.pixels) ASSERT_TRUE(is_finite(pixel));
+  EXPECT_EQ(stopped.image().pixels, image.pixels);
+  EXPECT_EQ(resumed.image().pixels, image.pixels);
+}
+
+double shown_mse(const Image& a, const Image& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i)
+    sum += static_cast<double>(length_squared(glm::min(a.pixels[i], Rgb(1)) - glm::min(b.pixels[i], Rgb(1)))) / 3.0;
+  return sum / static_cast<double>(a.pixels.size());
+}
+
+constexpr int kWidth = 96;
+constexpr int kHeight = 54;
+constexpr float kFrameTime = 1.0f / 24;
+constexpr int kMoving = 24;  ///< frames with moving lamps
+
+/// Mean squared error after a second in which lamps move, and some frames after they have stopped.
+struct Lag {
+  double moving = 0;
+  double stopped = 0;
+};
+
+Lag lag_of(DenoiseChoice denoise, const Scene& scene, const Image& truth) {
+  constexpr int kSeeds = 4;
+  constexpr int kStopped = 4;
+  Lag lag;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    RenderSettings settings = settings_of(denoise, kWidth, kHeight);
+    settings.seed = seed;
+    Session session(scene, settings);
+    for (int frame = 1; frame <= kMoving; ++frame) {
+      session.set_time(kFrameTime * static_cast<float>(frame));
+      session.render_frame();
+    }
+    lag.moving += shown_mse(session.image(), truth) / kSeeds;
+    for (int frame = 0; frame < kStopped; ++frame) session.render_frame();
+    lag.stopped += shown_mse(session.image(), truth) / kSeeds;
+  }
+  return lag;
+}
+
+class AsvgfLag : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
+  const Scene scene = find_builtin_scene(GetParam())->build();
+  RenderSettings settings = settings_of(DenoiseChoice::none, kWidth, kHeight);
+  settings.seed = 1001;
+  settings.time_s = kFrameTime * kMoving;
+  Session reference(scene, settings);
+  for (int i = 0; i < 512; ++i) reference.render_frame();
+  const Image truth = reference.image();
+  const Lag blocks = lag_of(DenoiseChoice::svgf, scene, truth);
+  const Lag gradients = lag_of(DenoiseChoice::asvgf, scene, truth);
+  std::cerr << GetParam() << ": MSE while lamps move " << blocks.moving << " (svgf), " << gradients.moving
+            << " (asvgf); four frames later " << blocks.stopped << ", " << gradients.stopped << "\n";
+  EXPECT_LT(gradients.moving, blocks.moving);
+  EXPECT_LT(gradients.stopped, blocks.stopped);
+}
+
+INSTANTIATE_TEST_SUITE_P(Slow, AsvgfLag, ::testing::Values("turntable", "slit"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+}  // namespace
+}  // namespace relume
