@@ -100,7 +100,7 @@ void draw_buffers_panel(State& state) {
   changed |= ImGui::SliderFloat("target", &state.resolution_policy.target_hz, 1, 60, "%.0f frames/s",
                                 ImGuiSliderFlags_AlwaysClamp);
   changed |= ImGui::Checkbox("Upscale first", &state.resolution_policy.upscale);
-  tooltip("Before lowering the resolution, traces paths in a quarter of the pixels per frame (svgf, bmfr)");
+  tooltip("Before lowering the resolution, traces paths in a quarter of the pixels per frame (svgf, asvgf, bmfr)");
   changed |= ImGui::Checkbox("Full size at rest", &state.resolution_policy.full_at_rest);
   tooltip("Full resolution once nothing changes; every change of size discards histories");
   ImGui::EndDisabled();
