@@ -28,8 +28,8 @@ PathContext context_of(const CompiledScene& scene) {
 }
 
 /// A frame of one sample per pixel.
-struct Frame {
-  Frame(const CompiledScene& scene, const SampleIndex& numbers) : index(numbers), context(context_of(scene)) {
+struct TracedFrame {
+  TracedFrame(const CompiledScene& scene, const SampleIndex& numbers) : index(numbers), context(context_of(scene)) {
     const PrimaryHitsKernel primary{scene.view(), index, mutable_view_of(hits), {}, kWidth};
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) {
@@ -66,7 +66,7 @@ struct Frame {
 };
 
 /// Gradients of a frame's samples in a scene, from the view of its previous camera.
-std::vector<Vec2> trace(const CompiledScene& scene, const Frame& frame, const std::vector<GradientSample>& samples) {
+std::vector<Vec2> trace(const CompiledScene& scene, const TracedFrame& frame, const std::vector<GradientSample>& samples) {
   std::vector<uint64_t> votes(samples.size(), kNoVote);
   const ProjectSamplesKernel project{scene.view(), view_of(samples), mutable_view_of(votes), kColumns, kWidth, kHeight};
   std::vector<Vec2> gradients(samples.size(), Vec2(-7));
@@ -117,7 +117,7 @@ TEST(Gradients, AreZeroToTheBitWhereNothingChanges) {
     for (const float distance : {0.0f, 0.21f}) {
       SCOPED_TRACE(::testing::Message() << name << ", camera moved by " << distance);
       CompiledScene scene(named(name), options());
-      const Frame frame(scene, {.seed = 7, .sample = 3});
+      const TracedFrame frame(scene, {.seed = 7, .sample = 3});
       const std::vector<GradientSample> samples = frame.record();
       shift_camera(scene, distance);
       const std::vector<Vec2> gradients = trace(scene, frame, samples);
@@ -137,7 +137,7 @@ TEST(Gradients, RepeatTheNumbersOfEverySequence) {
   };
   for (const SampleIndex& index : indices) {
     CompiledScene scene(named("cornell"), options());
-    const Frame frame(scene, index);
+    const TracedFrame frame(scene, index);
     const std::vector<GradientSample> samples = frame.record();
     shift_camera(scene, 0.1f);
     const std::vector<Vec2> gradients = trace(scene, frame, samples);
@@ -149,7 +149,7 @@ TEST(Gradients, RepeatTheNumbersOfEverySequence) {
 TEST(Gradients, LampsThatGoOutTakeAllLight) {
   Scene source = named("cornell");
   CompiledScene scene(source, options());
-  const Frame frame(scene, {.seed = 7, .sample = 3});
+  const TracedFrame frame(scene, {.seed = 7, .sample = 3});
   for (Material& material : source.materials) material.emission = Rgb(0);
   source.environment = Environment{};
   const CompiledScene dark(std::move(source), options());
@@ -162,7 +162,7 @@ TEST(Gradients, LampsThatGoOutTakeAllLight) {
 TEST(Gradients, BrighterLampsAddTheirShare) {
   Scene source = named("cornell");
   CompiledScene scene(source, options());
-  const Frame frame(scene, {.seed = 7, .sample = 3});
+  const TracedFrame frame(scene, {.seed = 7, .sample = 3});
   for (Material& material : source.materials) material.emission *= 2.0f;  // exact in floats
   const CompiledScene bright(std::move(source), options());
   for (const Vec2& g : trace(bright, frame, frame.record())) ASSERT_NEAR(g.x, 0.5f * g.y, 1e-5f * g.y);
@@ -170,7 +170,7 @@ TEST(Gradients, BrighterLampsAddTheirShare) {
 
 TEST(Gradients, OnlySampledPixelsAreRecorded) {
   CompiledScene scene(named("cornell-closed"), options());
-  Frame frame(scene, {.seed = 7, .sample = 3});
+  TracedFrame frame(scene, {.seed = 7, .sample = 3});
   for (uint32_t i = 0; i < kPixels; ++i) frame.allocation.push_back(i % kWidth == i / kWidth / kStratum * kStratum ? 1u : 0u);
   size_t valid = 0;
   for (const GradientSample& sample : frame.record()) {
@@ -183,7 +183,7 @@ TEST(Gradients, OnlySampledPixelsAreRecorded) {
 
 TEST(Gradients, PixelsOfAStratumAreRecordedEquallyOften) {
   CompiledScene scene(named("cornell-closed"), options());
-  Frame frame(scene, {.seed = 7, .sample = 3});
+  TracedFrame frame(scene, {.seed = 7, .sample = 3});
   constexpr uint32_t kFrames = 16;
   constexpr uint32_t kCells = kStratum * kStratum;
   uint32_t counts[kCells] = {};
@@ -208,7 +208,7 @@ TEST(Gradients, PixelsOfAStratumAreRecordedEquallyOften) {
 
 TEST(Gradients, NearestSampleOfAStratumWins) {
   CompiledScene scene(named("cornell-closed"), options());
-  const Frame frame(scene, {.seed = 7, .sample = 3});
+  const TracedFrame frame(scene, {.seed = 7, .sample = 3});
   std::vector<GradientSample> samples = frame.record();
   std::vector<uint64_t> votes(samples.size(), kNoVote);
   // The last sample has no surface, as in a damaged checkpoint.
