@@ -134,8 +134,8 @@ double shown_mse(const Image& a, const Image& b) {
   return sum / static_cast<double>(a.pixels.size());
 }
 
-constexpr int kWidth = 96;
-constexpr int kHeight = 54;
+constexpr int kWidth = 320;
+constexpr int kHeight = 180;
 constexpr float kFrameTime = 1.0f / 24;
 constexpr int kMoving = 24;  ///< frames with moving lamps
 
@@ -146,7 +146,7 @@ struct Lag {
 };
 
 Lag lag_of(DenoiseChoice denoise, const Scene& scene, const Image& truth) {
-  constexpr int kSeeds = 4;
+  constexpr int kSeeds = 2;
   constexpr int kStopped = 4;
   Lag lag;
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -172,7 +172,7 @@ TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
   settings.seed = 1001;
   settings.time_s = kFrameTime * kMoving;
   Session reference(scene, settings);
-  for (int i = 0; i < 512; ++i) reference.render_frame();
+  for (int i = 0; i < 128; ++i) reference.render_frame();
   const Image truth = reference.image();
   const Lag blocks = lag_of(DenoiseChoice::svgf, scene, truth);
   const Lag gradients = lag_of(DenoiseChoice::asvgf, scene, truth);
