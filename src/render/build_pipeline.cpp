@@ -35,6 +35,7 @@
 #include "techniques/temporal/upscaling/upscaling_pass.h"
 #include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/path/path_pass.h"
+#include "techniques/transport/vcm/vcm_pass.h"
 
 namespace relume {
 namespace {
@@ -143,6 +144,11 @@ bool splits_light(const RenderSettings& settings) { return denoiser_splits(setti
 /// nullptr. Returns the pass of path tracing without a cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                     const OctreePass* octree) {
+  if (settings.estimator == EstimatorChoice::vcm) {
+    builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
+        settings.history != HistoryChoice::none, source, needs_splat_image(settings));
+    return nullptr;
+  }
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
@@ -308,13 +314,13 @@ void check_combination(const RenderSettings& settings) {
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
   if (from_both_ends && settings.cache != CacheChoice::none) {
     throw Error(
-        "estimators 'bdpt' and 'light' do not combine with a radiance cache: light paths add radiance to pixels, not "
-        "to cells; use estimator 'path' or cache 'none'");
+        "estimators 'bdpt', 'light' and 'vcm' do not combine with a radiance cache: light paths add radiance to "
+        "pixels, not to cells; use estimator 'path' or cache 'none'");
   }
   if (from_both_ends && needs_first_vertices(settings)) {
     throw Error(
-        "estimators 'bdpt' and 'light' do not combine with history 'reproject' by reproject.method 'forward', which "
-        "verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
+        "estimators 'bdpt', 'light' and 'vcm' do not combine with history 'reproject' by reproject.method 'forward', "
+        "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
   }
   if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
     throw Error(

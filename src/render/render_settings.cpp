@@ -54,9 +54,10 @@ SettingList describe_image(RenderSettings& s) {
 SettingList describe_slots(RenderSettings& s) {
   return {
       {"estimator",
-       choice(s.estimator, {"path", "bdpt", "light"}),
+       choice(s.estimator, {"path", "bdpt", "light", "vcm"}),
        "Light transport. path: camera paths with next event estimation; bdpt: bidirectional path tracing; light: light "
-       "tracing only, which misses surfaces seen in mirrors and through smooth glass",
+       "tracing only, which misses surfaces seen in mirrors and through smooth glass; vcm: vertex connection and "
+       "merging, which adds photon mapping to bdpt and blurs the light that it merges",
        {.biases = true}},
       {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc"}),
        "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, or from a cache of "
@@ -92,6 +93,7 @@ SettingList describe_transport(RenderSettings& s) {
     if (setting.name == "path.max-bounces") setting.name = "max-bounces";
   }
   append(list, with_prefix("bdpt", describe(s.bdpt)));
+  append(list, with_prefix("vcm", describe(s.vcm)));
   append(list, with_prefix("nee", describe(s.light_selection)));
   append(list, with_prefix("static-lists", describe(s.static_lists)));
   append(list, with_prefix("octree", describe(s.octree)));

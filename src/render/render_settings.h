@@ -26,6 +26,7 @@
 #include "techniques/temporal/upscaling/settings.h"
 #include "techniques/transport/bdpt/settings.h"
 #include "techniques/transport/path/settings.h"
+#include "techniques/transport/vcm/settings.h"
 
 namespace relume {
 
@@ -34,7 +35,7 @@ inline constexpr float kLatestTime = 1e6f;  ///< latest animation time, seconds
 inline constexpr int kMostSeed = 900'000'000;
 
 // The slots (docs/architecture.md): each enum lists the available choices.
-enum class EstimatorChoice : int { path, bdpt, light };
+enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
@@ -84,6 +85,7 @@ struct RenderSettings {
   UpscalingSettings upscaling;
   ReprojectionSettings reproject;
   BdptSettings bdpt;
+  VcmSettings vcm;
   FireflySettings firefly;
   FeatureSettings features;
   BmfrSettings bmfr;

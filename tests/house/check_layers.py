@@ -45,6 +45,7 @@ MAY_INCLUDE = {
 TECHNIQUE_MAY_INCLUDE = {
     "path": "octree primary_hits",
     "bdpt": "path",
+    "vcm": "bdpt path",
     "directional_quadtree": "octree",
     "direction_view": "directional_quadtree octree path",
     "visibility_light_cache": "octree",

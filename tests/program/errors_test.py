@@ -187,9 +187,9 @@ class Combinations(RefusalTest):
             (FAILED, "--cache apg --lights vlc", "lights 'vlc' and guide 'cdq' .* without a radiance cache; use .* 'light-tree'"),
             (FAILED, "--estimator bdpt --lights vlc", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use estimator 'path'"),
             (FAILED, "--estimator light --guide cdq", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use .* guide 'bsdf'"),
-            (FAILED, "--estimator bdpt --cache psf", "estimators 'bdpt' and 'light' .* radiance cache.*; use estimator 'path' or cache 'none'"),
-            (FAILED, "--estimator light --cache apsf", "estimators 'bdpt' and 'light' .* radiance cache"),
-            (FAILED, "--estimator bdpt --history reproject", "estimators 'bdpt' and 'light' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
+            (FAILED, "--estimator bdpt --cache psf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache.*; use estimator 'path' or cache 'none'"),
+            (FAILED, "--estimator light --cache apsf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache"),
+            (FAILED, "--estimator bdpt --history reproject", "estimators 'bdpt', 'light' and 'vcm' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--cache apsf+apg --history reproject", "a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.

@@ -17,6 +17,9 @@ struct BdptContext {
   uint32_t max_light_vertices = 16;  ///< at most kMaxLightVertices
   float connection_roulette = 0;     ///< strength of ConnectionRoulette; 0: tests every connection
   bool light_only = false;           ///< true for light tracing: light subpaths alone, connected to the camera
+  float light_paths = 1;             ///< light subpaths per pixel, as assumed by the weights
+  float merging = 0;                 ///< η² of vertex merging (partial_weights.h); 0: none
+  float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every sample has its own
 
   RELUME_HD const SceneView& scene() const { return path.scene; }
 
@@ -42,6 +45,11 @@ struct BdptContext {
 RELUME_HD inline float weighting_pmf(const BdptContext& c, LightId light) {
   const LightSelector& selector = c.path.selector;
   return selector.kind == LightSelectorKind::uniform ? selector.uniform.pmf(light) : c.connection.pmf(light);
+}
+
+/// Wavelength of a subpath, nanometres.
+RELUME_HD inline float subpath_wavelength(const BdptContext& c, const Sampler& sampler) {
+  return c.wavelength_nm != kNoWavelength ? c.wavelength_nm : path_wavelength(c.scene(), sampler);
 }
 
 /// First dimension of light subpaths (pairs of random numbers), beyond those of the longest camera path. Order:

@@ -48,8 +48,8 @@ void BdptPass::prepare_lights(const FrameContext& frame) {
   launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }
 
-void BdptPass::prepare_light_vertices(const FrameContext& frame, BdptKernel& kernel) {
-  if (!frame.backend.has_device() && frame.backend.form() == KernelForm::host) return;
+uint64_t BdptPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel) {
+  if (!frame.backend.has_device() && frame.backend.form() == KernelForm::host) return samples;
   const uint64_t row = uint64_t{kernel.context.max_kept_vertices()} * frame.width();
   const uint64_t rows =
       kLightVertexBytes / std::max<uint64_t>(row * (sizeof(PathVertex) + sizeof(CameraConnection)), 1);
@@ -59,10 +59,10 @@ void BdptPass::prepare_light_vertices(const FrameContext& frame, BdptKernel& ker
   to_camera_.reset(elements, kUninitialized);
   kernel.vertices = vertices_.mutable_view();
   kernel.to_camera = to_camera_.mutable_view();
+  return samples;
 }
 
-/// Returns false if a stop was requested.
-bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) const {
+bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
   if (kernel.kept_rows == 0) return frame.launch_or_stop("trace", kernel);
   Tile band = frame.rendered();
   for (const uint32_t end = band.y1; band.y0 < end; band.y0 = band.y1) {
@@ -98,11 +98,10 @@ bool BdptPass::run(const FrameContext& frame) {
 
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
   if (separate_splats_) add.brought = frame.write(kLightRadiance);
-  if (!kernel.allocation.empty()) {
-    const uint64_t traced = sum({frame.backend, "splats", scratch_}, kernel.allocation);
-    add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
-  }
-  prepare_light_vertices(frame, kernel);
+  uint64_t samples = frame.pixels();
+  if (!kernel.allocation.empty()) samples = sum({frame.backend, "splats", scratch_}, kernel.allocation);
+  const uint64_t light_paths = prepare_subpaths(frame, samples, kernel);
+  add.scale = light_paths > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(light_paths) : 0.0f;
   if (has_splats_) fill(frame.backend, "splats", c.splats, FixedPointRgb{});
   has_splats_ = true;
   if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;

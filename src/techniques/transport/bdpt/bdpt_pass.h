@@ -25,7 +25,7 @@ struct SplatFaults {
 };
 
 /// Traces one light and one camera subpath for each pixel that receives a sample.
-class BdptPass final : public Pass {
+class BdptPass : public Pass {
  public:
   /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
@@ -57,10 +57,15 @@ class BdptPass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
+ protected:
+  /// Completes the kernel for this frame. `samples`: pixels that receive a sample. Returns the number of light subpaths.
+  virtual uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel);
+  /// Traces all subpaths. Returns false if a stop was requested.
+  virtual bool trace(const FrameContext& frame, const BdptKernel& kernel);
+  bool separates_splats() const { return separate_splats_; }
+
  private:
   void prepare_lights(const FrameContext& frame);
-  void prepare_light_vertices(const FrameContext& frame, BdptKernel& kernel);
-  bool trace(const FrameContext& frame, const BdptKernel& kernel) const;
 
   BdptSettings settings_;
   LightSelectionSettings selection_;

@@ -21,13 +21,13 @@ RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uin
   e.path.cone_width = camera.cone_width();
   e.path.cone_spread = camera.cone_spread();
   e.path.medium = c.scene().camera_medium;
-  e.path.wavelength_nm = path_wavelength(c.scene(), sampler);
+  e.path.wavelength_nm = subpath_wavelength(c, sampler);
   const CameraPdf pdf = pdf_of_generated(camera, e.path.ray);
   const bool parallel = camera.projection == Projection::orthographic;
   const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;
   const float cosine = can_be_hit ? -glm::dot(e.path.ray.direction, camera.axes.n) : 1.0f;
-  e.weights = SubpathWeights::start(parallel ? pdf.pdf_a : pdf.pdf_w, can_be_hit ? 1.0f / pdf.pdf_a : 0.0f, cosine,
-                                    1.0f, parallel);
+  e.weights = SubpathWeights::start(parallel ? pdf.pdf_a : pdf.pdf_w, can_be_hit ? c.light_paths / pdf.pdf_a : 0.0f,
+                                    cosine, c.light_paths, parallel, c.merging);
 }
 
 /// Densities with which light sampling finds a point on a light, per area (at infinity: per solid angle).
@@ -101,7 +101,7 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
   if (e.count() + 1 > c.max_bidirectional_vertices()) return weight_from(met, 0.0f);
   const float onwards = infinite ? pdf.pdf_a : pdf.pdf_w / sqr(light.distance);
   const float found = c.emission.pmf(pick.id) / pmf * onwards * std::fabs(glm::dot(sp.ng, light.wi));
-  return weight_from(met, e.weights.at().sum(found, bsdf.pdf_reverse));
+  return weight_from(met, e.weights.sum(found, bsdf.pdf_reverse));
 }
 
 /// s = 1: connects to a point on a light chosen by the selector.
@@ -128,8 +128,8 @@ RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const
                                                    float distance_squared) {
   const float found_light = bsdf.pdf_forward * std::fabs(glm::dot(v.ng, w)) / distance_squared;
   const float found_camera = adjoint.pdf_light * std::fabs(glm::dot(sp.ng, w)) / distance_squared;
-  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera),
-                     e.weights.at().sum(found_camera, bsdf.pdf_reverse));
+  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera, e.weights.merging()),
+                     e.weights.sum(found_camera, bsdf.pdf_reverse));
 }
 
 /// dispersion_weight() of a connection along `w` to a light vertex, whose throughput excludes that factor.
@@ -200,11 +200,17 @@ RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const Surfac
   return true;
 }
 
+/// Merges no vertices.
+struct NoMerging {
+  RELUME_HD void add(const BdptContext&, const SurfacePoint&, CameraSubpath&) const {}
+};
+
 /// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
-/// camera.
+/// camera. `merging`: adds light vertices close to each vertex.
+template <typename Merging = NoMerging>
 RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
                                           View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
-                                          BdptCounters& counters) {
+                                          BdptCounters& counters, const Merging& merging = {}) {
   CameraSubpath e;
   start_camera_subpath(c, x, y, sampler, e);
   ++counters.rays;
@@ -225,7 +231,10 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
-    if (has_non_delta(sp.bsdf)) connect(c, sp, kept, e, sampler, roulette, counters);
+    if (has_non_delta(sp.bsdf)) {
+      connect(c, sp, kept, e, sampler, roulette, counters);
+      merging.add(c, sp, e);
+    }
     if (!continue_camera_subpath(c, sp, e, sampler)) break;
     hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
     ++counters.rays;

@@ -26,7 +26,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
   l.path.ray = emitted_ray(e);
   l.path.cone_spread = 0.0f;
-  l.path.wavelength_nm = path_wavelength(c.scene(), sampler);
+  l.path.wavelength_nm = subpath_wavelength(c, sampler);
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
   l.count = 1;
   l.from_infinity = e.infinite;
@@ -35,15 +35,16 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
   const float direct_ratio = weighting_pmf(c, selection.light) / selection.pmf;
   l.weights = SubpathWeights::start(e.infinite ? e.pdf_a : e.pdf_w, can_be_hit ? inverse_density : 0.0f, e.cos_theta,
-                                    direct_ratio, e.infinite);
+                                    direct_ratio, e.infinite, c.merging);
   return true;
 }
 
-/// Weight of a connection to the camera, which finds the last vertex with density `pdf_a` per area.
+/// Weight of a connection to the camera, which finds the last vertex with density `pdf_a` per area. `light_paths`: per
+/// pixel.
 RELUME_HD inline float weight_of_camera_connection(const LightSubpath& l, const CameraSample& s, const AdjointEval& e,
-                                                   float pdf_a) {
+                                                   float pdf_a, float light_paths = 1.0f) {
   const float lens_met = s.delta ? 0.0f : sqr(e.pdf_light / s.pdf_w);
-  return weight_from(l.weights.at().sum(pdf_a, e.pdf_camera), lens_met);
+  return weight_from(l.weights.sum(pdf_a / light_paths, e.pdf_camera), lens_met);
 }
 
 /// A connection to the camera, and the raster position of its light.
@@ -75,7 +76,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
   if (is_black(e.f) || hidden_from_camera(c.scene(), sp, s.wi)) return {};
   // Density of this point under camera sampling, per area. Importance is normalised: it is also the measured share.
   const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
-  const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a);
+  const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a, c.light_paths);
   const Rgb medium = medium_along(c.scene(), sp, s.wi, l.path.medium);
   CameraConnection connection;
   connection.contribution = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
@@ -99,7 +100,7 @@ RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnectio
 /// Vertices and camera connections kept until the camera subpath is traced.
 struct LightVertices {
   View<PathVertex> vertices;         ///< excludes the vertex on the light; BdptContext::max_kept_vertices() elements
-  View<CameraConnection> to_camera;  ///< as many
+  View<CameraConnection> to_camera;  ///< as many; empty: connections to the camera are tested immediately
   uint32_t count = 0;                ///< of the vertices
   uint32_t connections = 0;          ///< of those to the camera
 
@@ -149,16 +150,20 @@ RELUME_HD inline LensHit meet_lens(const CameraView& c, const Ray& ray) {
   return hit;
 }
 
-RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightSubpath& l, const LensHit& hit) {
+/// `light_paths`: per pixel.
+RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightSubpath& l, const LensHit& hit,
+                                          float light_paths = 1.0f) {
   SubpathWeights weights = l.weights;
   const PartialWeights at_lens = weights.arrive(hit.cosine, sqr(hit.distance));
-  return weight_from(at_lens.sum(1.0f / camera.lens_area(), hit.importance * camera.lens_area() * hit.cosine), 0.0f);
+  // Connections to the camera come from as many light subpaths; all other strategies have one sample per pixel.
+  const float onwards = hit.importance * camera.lens_area() * hit.cosine / light_paths;
+  return weight_from(at_lens.sum(1.0f / camera.lens_area(), onwards), 0.0f);
 }
 
 /// t = 0: adds the radiance of a ray that met the lens.
 RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, const LightSubpath& l,
                                    BdptCounters& counters) {
-  const float weight = weight_of_lens_hit(c.scene().camera, l, hit);
+  const float weight = weight_of_lens_hit(c.scene().camera, l, hit, c.light_paths);
   Rgb light = l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight);
   if (l.path.dispersed) light *= wavelength_weight(l.path.wavelength_nm);
   splat(c, hit.raster, light, counters);
@@ -210,13 +215,14 @@ RELUME_HD inline Dispersion dispersion_behind(const BdptContext& c, const Surfac
 }
 
 /// Traces a whole light subpath. Stores vertex i ≥ 1 (0 is the light) in kept.vertices[i - 1], with its connection to
-/// the camera. Light tracing stores none and adds its connections immediately.
+/// the camera. Light tracing stores none. It adds its connections immediately, as without memory for them.
 RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler, LightVertices& kept,
                                           BdptCounters& counters) {
   const uint32_t max_count = c.max_bidirectional_vertices() - 1;
   LightSubpath l;
   if (max_count < 2 || !start_light_subpath(c, sampler, l)) return;
   const bool lens = !c.light_only && c.scene().camera.lens_radius > 0.0f;
+  const bool at_once = c.light_only || kept.to_camera.empty();
   for (;;) {
     const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
     if (l.count == max_count) {  // only the lens may follow
@@ -235,8 +241,8 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
     sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);
     if (has_non_delta(sp.bsdf)) {
       const CameraConnection connection = connect_to_camera(c, sp, l, sampler);
-      if (connection.valid() && c.light_only) add_if_visible(c, connection, connection.contribution, counters);
-      if (connection.valid() && !c.light_only) kept.to_camera[kept.connections++] = connection;
+      if (connection.valid() && at_once) add_if_visible(c, connection, connection.contribution, counters);
+      if (connection.valid() && !at_once) kept.to_camera[kept.connections++] = connection;
     }
     if (!c.light_only)
       kept.vertices[kept.count++] =

@@ -20,6 +20,10 @@
 // At a delta scattering, the densities of both directions are the same Dirac pulse, up to the probability of the lobe
 // and the Jacobian of refraction. A_i vanishes on both sides of the vertex, and this factor replaces ←σ in B.
 //
+// Vertex merging ([Georgiev12]) adds a strategy per surface vertex xi without delta scattering: subpaths from both sides
+// find it, and n light subpaths within a radius r count. Its density is that of the cut behind xi times ←p_i η, with
+// η = π r² n. It adds η² beside A_i, at the end of the subpath and in B. See techniques/transport/vcm.
+//
 // Lights at infinity (and orthographic cameras) have directions instead of positions. Their x0 is measured per solid
 // angle. x1 then has a density per area facing that direction, without a distance.
 #pragma once
@@ -36,8 +40,11 @@ struct PartialWeights {
   float a;
   float b;
 
-  /// Sum over all strategies with a shorter subpath. `p` = ←p, per area; `sigma` = ←σ, per solid angle.
-  RELUME_HD float sum(float p, float sigma) const { return zero_or(sqr(p), a + zero_or(sqr(sigma), b)); }
+  /// Sum over all strategies with a shorter subpath. `p` = ←p, per area; `sigma` = ←σ, per solid angle; `merging` = η²
+  /// if subpaths of the other side may merge at this vertex.
+  RELUME_HD float sum(float p, float sigma, float merging = 0.0f) const {
+    return zero_or(sqr(p), a + merging + zero_or(sqr(sigma), b));
+  }
   /// The same sum for paths too long to be sampled from both sides: only the last cut is possible.
   RELUME_HD float last(float p) const { return zero_or(sqr(p), a); }
 };
@@ -53,10 +60,11 @@ class SubpathWeights {
   /// State at the first vertex. `pdf`: of the direction, per solid angle (for `parallel` rays: of the position across
   /// them, per area). `inverse_hit_density`: inverse of the density with which the subpath chose the first vertex; 0 if
   /// the other side cannot hit it. `cosine`: at the first vertex; 1 for parallel rays. `direct_ratio`: density of the
-  /// first vertex in connections over that in the subpath.
+  /// first vertex in connections over that in the subpath. `merging`: η² of vertex merging; 0: none.
   RELUME_HD static SubpathWeights start(float pdf, float inverse_hit_density, float cosine, float direct_ratio,
-                                        bool parallel) {
+                                        bool parallel, float merging = 0.0f) {
     SubpathWeights w;
+    w.merging_ = merging;
     w.pdf_ = pdf;
     w.connectable_ = sqr(direct_ratio);
     w.carried_ = sqr(cosine * inverse_hit_density);
@@ -75,12 +83,16 @@ class SubpathWeights {
   }
 
   RELUME_HD const PartialWeights& at() const { return at_; }
+  /// η²
+  RELUME_HD float merging() const { return merging_; }
+  /// Sum over all strategies with a shorter subpath, if the last vertex is connected.
+  RELUME_HD float sum(float p, float sigma) const { return at_.sum(p, sigma, merging_); }
 
   /// Continues in a direction of density `pdf`; `reverse` is ←σ.
   RELUME_HD void leave(float cosine, float pdf, float reverse) {
     pdf_ = pdf;
     connectable_ = 1.0f;
-    carried_ = sqr(cosine) * (at_.a + zero_or(sqr(reverse), at_.b));
+    carried_ = sqr(cosine) * (at_.a + merging_ + zero_or(sqr(reverse), at_.b));
     parallel_ = false;
   }
 
@@ -97,6 +109,7 @@ class SubpathWeights {
   float pdf_ = 1;
   float connectable_ = 1;
   float carried_ = 0;
+  float merging_ = 0;
   bool parallel_ = false;
 };
 

@@ -1,0 +1,77 @@
+// Kernels of vertex connection and merging. Light subpaths come first, because any camera vertex may merge with any of
+// them.
+#pragma once
+
+#include "techniques/transport/bdpt/light_subpath.h"
+#include "techniques/transport/vcm/merging.h"
+
+namespace relume {
+
+/// Traces light subpaths, keeps their vertices, and adds their splats. Runs on a grid as wide as the image, with enough
+/// rows.
+struct LightSubpathKernel {
+  BdptContext context;
+  SampleIndex index;  ///< of light subpaths: without View `taken`, because they reach all pixels
+  View<PathVertex> vertices;
+  View<uint32_t> counts;  ///< vertices by light subpath
+  View<uint32_t> rays;    ///< by light subpath
+  View<uint64_t> saturated;
+  View<uint64_t> nonfinite;
+  uint32_t stride = 1;  ///< slots of a light subpath
+  uint32_t paths = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t path = y * context.width + x;
+    if (path >= paths) return;
+    LightVertices kept{{vertices.data + size_t{path} * stride, stride}, {}};
+    BdptCounters counters;
+    Sampler sampler = index.sampler(x, y);
+    trace_light_subpath(context, sampler, kept, counters);
+    counts[path] = kept.count;
+    rays[path] = counters.rays;
+    if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});
+    if (counters.nonfinite > 0) atomic_add(&nonfinite[0], uint64_t{counters.nonfinite});
+  }
+};
+
+/// Traces a camera subpath per pixel. It connects to one light subpath and merges with all.
+struct VcmKernel {
+  BdptContext context;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
+  View<Rgb> radiance;               ///< of this sample, without splats; may be not finite
+  View<uint32_t> rays;              ///< of this sample, and of the light subpath with the number of the pixel
+  View<const PathVertex> vertices;
+  View<const uint32_t> counts;  ///< vertices by light subpath; empty: no light subpaths
+  View<const uint32_t> light_rays;
+  uint32_t stride = 1;  ///< slots of a light subpath
+  uint32_t pixels = 0;
+  VertexMerging merging;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * context.width + x;
+    const uint32_t rays_of_light = pixel < counts.size ? light_rays[pixel] : 0;
+    if (!allocation.empty() && allocation[pixel] == 0) {
+      radiance[pixel] = Rgb(0);
+      rays[pixel] = rays_of_light;
+      return;
+    }
+    BdptCounters counters;
+    Sampler sampler = index.sampler(x, y);
+    ConnectionRoulette roulette;
+    radiance[pixel] = trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters,
+                                           merging);
+    rays[pixel] = counters.rays + rays_of_light;
+  }
+
+ private:
+  /// Vertices of the light subpath to which the pixel connects.
+  RELUME_HD View<const PathVertex> connected(uint32_t pixel) const {
+    if (counts.empty()) return {};
+    const auto path = static_cast<uint32_t>(uint64_t{pixel} * counts.size / pixels);
+    return {vertices.data + size_t{path} * stride, counts[path]};
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,140 @@
+#include "techniques/transport/vcm/vcm_pass.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/hash.h"
+#include "core/math.h"
+
+namespace relume {
+namespace {
+
+/// Upper bounds of the memory for light vertices, bytes: the vertex, its elements of the grid and of the order by
+/// bucket, which is copied while it grows, and its share of the counts of group_by_key().
+constexpr uint64_t kBytesPerVertex = sizeof(PathVertex) + sizeof(GridVertex) + 2 * sizeof(uint32_t) + 8;
+/// For each light subpath: counts of vertices and rays, and the beginnings of at most two buckets.
+constexpr uint64_t kBytesPerPath = 32;
+/// The same for each frame.
+constexpr uint64_t kFixedBytes = 64 << 10;
+
+/// Limits of η, which keep its square within the range of floats. Any positive η gives weights that sum to one.
+constexpr float kMinEta = 1e-18f;
+constexpr float kMaxEta = 1e18f;
+/// Square of the least merging radius, m². Below it, the density of merging could overflow.
+constexpr float kMinRadiusSquared = 1e-24f;
+
+/// One wavelength for all paths of a frame: paths of different wavelengths could not merge. The wavelengths of
+/// successive frames are evenly distributed.
+float frame_wavelength(const SampleIndex& index) {
+  constexpr double kGoldenRatio = 0.6180339887498949;
+  const double start = static_cast<double>(to_unit_float(hash(index.seed, index.sequence)));
+  const double u = start + kGoldenRatio * index.sample;
+  return sample_wavelength(static_cast<float>(u - std::floor(u)));
+}
+
+/// Sets the size. Frees the old block before it allocates a larger one.
+template <typename T>
+void reset_without_copy(Array<T>& array, size_t size) {
+  if (size > array.capacity()) array = Array<T>(array.memory());
+  array.reset(size, kUninitialized);
+}
+
+}  // namespace
+
+uint64_t light_paths_of(const VcmSettings& settings, uint64_t pixels, uint32_t kept) {
+  const uint64_t bytes = (static_cast<uint64_t>(settings.memory_mib) << 20) - kFixedBytes;
+  const uint64_t fitting = bytes / (kept * kBytesPerVertex + kBytesPerPath);
+  const uint64_t wanted = pixels / static_cast<uint64_t>(settings.pixels_per_path);
+  return std::max<uint64_t>(std::min(wanted, fitting), 1);
+}
+
+float merging_radius(const VcmSettings& settings, float scene_radius, uint32_t number) {
+  const float shrunk = math::pow(static_cast<float>(number) + 1.0f, 0.5f * (settings.alpha - 1.0f));
+  return settings.radius * scene_radius * shrunk;
+}
+
+uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel) {
+  BdptContext& c = kernel.context;
+  stride_ = c.max_kept_vertices();
+  const uint64_t pixels = frame.pixels();
+  const uint64_t most = stride_ > 0 ? light_paths_of(vcm_, pixels, stride_) : 0;
+  // With fewer samples, as many light paths are traced per sample.
+  paths_ = static_cast<uint32_t>(samples > 0 && most > 0 ? std::max<uint64_t>(most * samples / pixels, 1) : 0);
+  reset_without_copy(light_vertices_, size_t{paths_} * stride_);
+  counts_.reset(paths_, kUninitialized);
+  rays_.reset(paths_, kUninitialized);
+  if (frame.scene.disperses) c.wavelength_nm = frame_wavelength(frame.index);
+  radius_ = 0;
+  if (most == 0) return samples;
+  const float scene_radius = frame.scene.lights.bounds.radius;
+  radius_ = merging_radius(vcm_, scene_radius, accumulates_ ? frame.since_change : 0);
+  if (sqr(radius_) < kMinRadiusSquared) radius_ = 0;
+  // The splats of all frames, and the samples of those frames in which a pixel has one, only add up to the image if the
+  // weights are the same in all frames.
+  const float weighted = separates_splats() ? merging_radius(vcm_, scene_radius, 0) : radius_;
+  c.light_paths = static_cast<float>(most) / static_cast<float>(pixels);
+  if (radius_ > 0.0f) c.merging = sqr(clamp(kPi * sqr(weighted) * static_cast<float>(most), kMinEta, kMaxEta));
+  return paths_;
+}
+
+bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel) {
+  LightSubpathKernel light;
+  light.context = kernel.context;
+  light.index = kernel.index;
+  light.index.taken = {};
+  light.vertices = light_vertices_.mutable_view();
+  light.counts = counts_.mutable_view();
+  light.rays = rays_.mutable_view();
+  light.saturated = kernel.saturated;
+  light.nonfinite = kernel.nonfinite;
+  light.stride = stride_;
+  light.paths = paths_;
+  const uint32_t rows = (paths_ - 1) / frame.width() + 1;
+  return frame.launch_or_stop("light-paths", light, {frame.width(), rows});
+}
+
+bool VcmPass::sort_vertices(const FrameContext& frame, VertexMerging& merging) {
+  constexpr uint32_t kVerticesPerTile = 1024;
+  merging.vertices = light_vertices_.view();
+  merging.stride = stride_;
+  merging.radius_squared = sqr(radius_);
+  merging.density = 1.0f / (kPi * sqr(radius_) * static_cast<float>(paths_));
+  merging.grid = {frame.scene.lights.bounds.center, 0.5f / radius_, std::bit_ceil(paths_)};
+  const VertexBuckets buckets{merging.vertices, counts_.view(), stride_, merging.grid};
+  const PrimitiveLaunch at{frame.backend, "merging", grid_scratch_};
+  if (!group_by_key(at, buckets, merging.vertices.size, merging.grid.buckets, groups_, frame.stop)) return false;
+  reset_without_copy(sorted_, groups_.order.size());
+  const SortVerticesKernel sort{merging.vertices, groups_.order.view(), sorted_.mutable_view()};
+  merging.sorted = sorted_.view();
+  merging.begins = groups_.begins.view();
+  return sorted_.empty() || frame.launch_or_stop("merging", sort, {sort.sorted.size, 1, kVerticesPerTile});
+}
+
+bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
+  VcmKernel camera;
+  if (paths_ > 0) {
+    if (!trace_light_subpaths(frame, kernel)) return false;
+    if (radius_ > 0.0f && !sort_vertices(frame, camera.merging)) return false;
+  }
+  camera.context = kernel.context;
+  camera.index = kernel.index;
+  camera.hits = kernel.hits;
+  camera.allocation = kernel.allocation;
+  camera.radiance = kernel.radiance;
+  camera.rays = kernel.rays;
+  camera.vertices = light_vertices_.view();
+  camera.counts = counts_.view();
+  camera.light_rays = rays_.view();
+  camera.stride = stride_;
+  camera.pixels = frame.pixels();
+  return frame.launch_or_stop("trace", camera);
+}
+
+std::vector<PassStatistic> VcmPass::statistics() const {
+  return {{"light-paths", static_cast<double>(paths_)},
+          {"merging-vertices", static_cast<double>(sorted_.size())},
+          {"merging-radius", static_cast<double>(radius_)}};
+}
+
+}  // namespace relume
