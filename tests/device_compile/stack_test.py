@@ -26,7 +26,7 @@ LIMIT = 4096
 # their vertices.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
-    (r"BdptKernel", 2300),
+    (r"BdptKernel|LightSubpathKernel|VcmKernel", 2300),
     (r"PathKernel<CellsOutput<PathGraphContext>", 2300),  # vertices of the path
     (r"PathKernel<RadianceOutput> ", 1450),
     (r"PathKernel<", 1700),

@@ -115,10 +115,18 @@ TEST_P(AbandonedFrame, DoesNotCountForWarnings) {
   EXPECT_FALSE(once.empty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Bdpt, AbandonedFrame, ::testing::Values(EstimatorChoice::bdpt, EstimatorChoice::light),
-                         [](const auto& instance) {
-                           return std::string(instance.param == EstimatorChoice::bdpt ? "bdpt" : "light");
-                         });
+std::string estimator_name(const ::testing::TestParamInfo<EstimatorChoice>& info) {
+  switch (info.param) {
+    case EstimatorChoice::path: break;
+    case EstimatorChoice::bdpt: return "bdpt";
+    case EstimatorChoice::light: return "light";
+    case EstimatorChoice::vcm: return "vcm";
+  }
+  return "path";
+}
+INSTANTIATE_TEST_SUITE_P(Bdpt, AbandonedFrame,
+                         ::testing::Values(EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm),
+                         estimator_name);
 
 }  // namespace
 }  // namespace relume

@@ -331,7 +331,7 @@ TEST(Bdpt, CountsSplatsThatAreTooBrightForTheirSums) {
   RenderSettings settings;
   settings.width = settings.height = 8;
   settings.threads = 1;
-  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm}) {
     settings.estimator = estimator;
     Session plain(lit(1), settings);
     plain.render_frame();
@@ -351,7 +351,7 @@ TEST(Bdpt, CountsSplatsThatAreTooBrightForTheirSums) {
 TEST(Bdpt, DoesNotCombineWithStoredFirstVertices) {
   RenderSettings settings;
   settings.history = HistoryChoice::reproject;
-  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm}) {
     settings.estimator = estimator;
     settings.reproject.method = ReprojectionMethod::forward;
     EXPECT_THROW(check_combination(settings), Error);

@@ -27,7 +27,7 @@ RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uin
   const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;
   const float cosine = can_be_hit ? -glm::dot(e.path.ray.direction, camera.axes.n) : 1.0f;
   e.weights = SubpathWeights::start(parallel ? pdf.pdf_a : pdf.pdf_w, can_be_hit ? c.light_paths / pdf.pdf_a : 0.0f,
-                                    cosine, c.light_paths, parallel, c.merging);
+                                    cosine, c.light_paths, parallel, c.merging, c.connected);
 }
 
 /// Densities with which light sampling finds a point on a light, per area (at infinity: per solid angle).
@@ -44,7 +44,7 @@ RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id
 /// previous vertex, as for SubpathWeights.
 RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
                                            const LightDensities& densities, float onwards) {
-  float denominator = at.last(densities.connected);
+  float denominator = at.last(densities.connected) / c.connected;  // one connection to the light
   if (e.count() <= c.max_bidirectional_vertices()) denominator += sqr(densities.emitted * onwards) * at.b;
   return weight_from(denominator, 0.0f);
 }
@@ -123,13 +123,13 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
 }
 
 /// Weight of a connection along `w`, √distance_squared metres long, to a vertex of the light subpath.
-RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const CameraSubpath& e, const BsdfEval& bsdf,
-                                                   const PathVertex& v, const AdjointEval& adjoint, const Vec3& w,
-                                                   float distance_squared) {
+RELUME_HD inline float weight_of_vertex_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                                   const BsdfEval& bsdf, const PathVertex& v,
+                                                   const AdjointEval& adjoint, const Vec3& w, float distance_squared) {
   const float found_light = bsdf.pdf_forward * std::fabs(glm::dot(v.ng, w)) / distance_squared;
   const float found_camera = adjoint.pdf_light * std::fabs(glm::dot(sp.ng, w)) / distance_squared;
-  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera, e.weights.merging()),
-                     e.weights.sum(found_camera, bsdf.pdf_reverse));
+  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera, c.merging) / c.connected,
+                     e.weights.sum(found_camera, bsdf.pdf_reverse) / c.connected);
 }
 
 /// dispersion_weight() of a connection along `w` to a light vertex, whose throughput excludes that factor.
@@ -151,7 +151,7 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   if (is_black(bsdf.f)) return {};
   const AdjointEval adjoint = eval_vertex(c.scene(), v, -w, e.path.wavelength_nm);
   if (is_black(adjoint.f)) return {};
-  const float weight = weight_of_vertex_connection(sp, e, bsdf, v, adjoint, w, distance_squared);
+  const float weight = weight_of_vertex_connection(c, sp, e, bsdf, v, adjoint, w, distance_squared);
   Connection connection;
   connection.ray = shadow_ray(sp, w, distance);
   connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
@@ -200,17 +200,18 @@ RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const Surfac
   return true;
 }
 
-/// Merges no vertices.
-struct NoMerging {
-  RELUME_HD void add(const BdptContext&, const SurfacePoint&, CameraSubpath&) const {}
+/// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
+struct OneLightSubpath {
+  RELUME_HD void add(const BdptContext&, const SurfacePoint&, uint32_t, CameraSubpath&, ConnectionRoulette&,
+                     BdptCounters&) const {}
 };
 
 /// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
-/// camera. `merging`: adds light vertices close to each vertex.
-template <typename Merging = NoMerging>
+/// camera. `others`: adds light of other light subpaths at each vertex that does not only scatter specularly.
+template <typename Others = OneLightSubpath>
 RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
                                           View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
-                                          BdptCounters& counters, const Merging& merging = {}) {
+                                          BdptCounters& counters, const Others& others = {}) {
   CameraSubpath e;
   start_camera_subpath(c, x, y, sampler, e);
   ++counters.rays;
@@ -233,7 +234,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) {
       connect(c, sp, kept, e, sampler, roulette, counters);
-      merging.add(c, sp, e);
+      others.add(c, sp, sampler.ray_id(), e, roulette, counters);
     }
     if (!continue_camera_subpath(c, sp, e, sampler)) break;
     hit = intersect(c.scene(), e.path.ray, sampler.ray_id());

@@ -35,7 +35,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
   const float direct_ratio = weighting_pmf(c, selection.light) / selection.pmf;
   l.weights = SubpathWeights::start(e.infinite ? e.pdf_a : e.pdf_w, can_be_hit ? inverse_density : 0.0f, e.cos_theta,
-                                    direct_ratio, e.infinite, c.merging);
+                                    direct_ratio, e.infinite, c.merging, c.connected);
   return true;
 }
 
@@ -150,20 +150,20 @@ RELUME_HD inline LensHit meet_lens(const CameraView& c, const Ray& ray) {
   return hit;
 }
 
-/// `light_paths`: per pixel.
-RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightSubpath& l, const LensHit& hit,
-                                          float light_paths = 1.0f) {
+RELUME_HD inline float weight_of_lens_hit(const BdptContext& c, const LightSubpath& l, const LensHit& hit) {
+  const CameraView& camera = c.scene().camera;
   SubpathWeights weights = l.weights;
-  const PartialWeights at_lens = weights.arrive(hit.cosine, sqr(hit.distance));
-  // Connections to the camera come from as many light subpaths; all other strategies have one sample per pixel.
-  const float onwards = hit.importance * camera.lens_area() * hit.cosine / light_paths;
+  PartialWeights at_lens = weights.arrive(hit.cosine, sqr(hit.distance));
+  // Only connections to the camera come from as many light subpaths.
+  at_lens.a /= c.connected;
+  const float onwards = hit.importance * camera.lens_area() * hit.cosine / c.light_paths;
   return weight_from(at_lens.sum(1.0f / camera.lens_area(), onwards), 0.0f);
 }
 
 /// t = 0: adds the radiance of a ray that met the lens.
 RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, const LightSubpath& l,
                                    BdptCounters& counters) {
-  const float weight = weight_of_lens_hit(c.scene().camera, l, hit, c.light_paths);
+  const float weight = weight_of_lens_hit(c, l, hit);
   Rgb light = l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight);
   if (l.path.dispersed) light *= wavelength_weight(l.path.wavelength_nm);
   splat(c, hit.raster, light, counters);

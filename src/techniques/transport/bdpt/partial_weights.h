@@ -60,11 +60,13 @@ class SubpathWeights {
   /// State at the first vertex. `pdf`: of the direction, per solid angle (for `parallel` rays: of the position across
   /// them, per area). `inverse_hit_density`: inverse of the density with which the subpath chose the first vertex; 0 if
   /// the other side cannot hit it. `cosine`: at the first vertex; 1 for parallel rays. `direct_ratio`: density of the
-  /// first vertex in connections over that in the subpath. `merging`: η² of vertex merging; 0: none.
+  /// first vertex in connections over that in the subpath. `merging`: η² of vertex merging; 0: none. `connected`: square
+  /// of the number of connections between surfaces per strategy.
   RELUME_HD static SubpathWeights start(float pdf, float inverse_hit_density, float cosine, float direct_ratio,
-                                        bool parallel, float merging = 0.0f) {
+                                        bool parallel, float merging = 0.0f, float connected = 1.0f) {
     SubpathWeights w;
     w.merging_ = merging;
+    w.connected_ = connected;
     w.pdf_ = pdf;
     w.connectable_ = sqr(direct_ratio);
     w.carried_ = sqr(cosine * inverse_hit_density);
@@ -91,7 +93,7 @@ class SubpathWeights {
   /// Continues in a direction of density `pdf`; `reverse` is ←σ.
   RELUME_HD void leave(float cosine, float pdf, float reverse) {
     pdf_ = pdf;
-    connectable_ = 1.0f;
+    connectable_ = connected_;
     carried_ = sqr(cosine) * (at_.a + merging_ + zero_or(sqr(reverse), at_.b));
     parallel_ = false;
   }
@@ -110,6 +112,7 @@ class SubpathWeights {
   float connectable_ = 1;
   float carried_ = 0;
   float merging_ = 0;
+  float connected_ = 1;
   bool parallel_ = false;
 };
 

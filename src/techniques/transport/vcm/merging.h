@@ -97,19 +97,43 @@ RELUME_HD inline Rgb merged_radiance(const BdptContext& c, const SurfacePoint& s
 /// Vertices on surfaces with normals further apart (as cosine, regardless of the side) do not merge.
 inline constexpr float kMinMergingCosine = 0.7f;
 
-/// Adds the light vertices around the vertices of camera subpaths, in the order of the grid.
-struct VertexMerging {
+/// All light vertices of a frame. Camera vertices merge with those around them, in the order of the grid, and may be
+/// connected to random ones: a light vertex cache ([Davidovic14]).
+struct LightVertexGrid {
   View<const PathVertex> vertices;
-  View<const GridVertex> sorted;  ///< empty: no merging
+  View<const GridVertex> sorted;  ///< empty: no vertices
   View<const uint32_t> begins;    ///< first element of `sorted` by bucket, then their number
   MergeGrid grid;
-  uint32_t stride = 1;  ///< slots of a light subpath
-  float radius_squared = 0;
-  float density = 0;  ///< 1 / (π r² n), n: number of light subpaths
+  uint32_t stride = 1;       ///< slots of a light subpath
+  float radius_squared = 0;  ///< m²; 0: no merging
+  float density = 0;         ///< 1 / (π r² n), n: number of light subpaths
+  uint32_t connections = 0;  ///< random connections per camera vertex
+  float scale = 0;           ///< of a connection: mean number of vertices of a light subpath over `connections`
 
-  RELUME_HD void add(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) const {
+  /// Adds the light of both to the camera subpath. `ray_id`: identity of the random choices at its last vertex.
+  RELUME_HD void add(const BdptContext& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
+                     ConnectionRoulette& roulette, BdptCounters& counters) const {
+    if (sorted.empty()) return;
+    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters);
+    if (radius_squared > 0.0f) merge(c, sp, e);
+  }
+
+ private:
+  /// Connects to a random vertex, number `i` at this camera vertex.
+  RELUME_HD void connect(uint32_t i, const BdptContext& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
+                         ConnectionRoulette& roulette, BdptCounters& counters) const {
+    constexpr uint32_t kSalt = 0x5c000000u;  // connections to one light subpath have small numbers
+    const uint32_t id = hash(ray_id, kSalt + i);
+    const uint32_t vertex = sorted[static_cast<uint32_t>(uint64_t{hash(id)} * sorted.size >> 32)].vertex;
+    if (e.count() + vertex % stride + 2 > c.max_bidirectional_vertices()) return;
+    Connection connection = connect_to_vertex(c, sp, e, vertices[vertex]);
+    connection.contribution *= scale;
+    try_connection(c, connection, id, e, roulette, counters);
+  }
+
+  RELUME_HD void merge(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) const {
     const uint32_t longest = c.max_bidirectional_vertices();
-    if (sorted.empty() || e.count() >= longest) return;
+    if (e.count() >= longest) return;
     const GridCell first = grid.cell_at(sp.position, 0.5f);
     Rgb sum(0);
     for (int32_t i = 0; i < 8; ++i) {
@@ -119,7 +143,6 @@ struct VertexMerging {
     e.path.radiance += e.path.throughput * sum * density;
   }
 
- private:
   /// `most`: number of vertices of a light subpath, from its start, with which paths are short enough.
   RELUME_HD Rgb sum_over(const GridCell& cell, const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                          uint32_t most) const {

@@ -15,6 +15,11 @@ SettingList describe(VcmSettings& s) {
        "first times n^(alpha - 1). Below 1, the bias of merging vanishes; 1: constant radius",
        {.min = 0.1, .max = 1, .biases = true}},
       {"pixels-per-path", &s.pixels_per_path, "Number of pixels per light subpath", {.min = 1, .max = 1024}},
+      {"connections",
+       &s.connections,
+       "Number of connections of a camera vertex to random light vertices of the frame. 0: to all vertices of one light "
+       "subpath",
+       {.min = 0, .max = 64}},
       {"memory",
        &s.memory_mib,
        "Limit of the memory for light vertices. Where they would exceed it, a frame traces fewer light subpaths",

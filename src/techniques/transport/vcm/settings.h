@@ -9,6 +9,7 @@ struct VcmSettings {
   float radius = 0.003f;
   float alpha = 0.75f;
   int pixels_per_path = 1;
+  int connections = 0;
   int memory_mib = 1024;
 };
 

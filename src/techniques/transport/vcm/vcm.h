@@ -34,7 +34,7 @@ struct LightSubpathKernel {
   }
 };
 
-/// Traces a camera subpath per pixel. It connects to one light subpath and merges with all.
+/// Traces a camera subpath per pixel. It connects to one light subpath or to random vertices, and merges with all.
 struct VcmKernel {
   BdptContext context;
   SampleIndex index;
@@ -47,7 +47,7 @@ struct VcmKernel {
   View<const uint32_t> light_rays;
   uint32_t stride = 1;  ///< slots of a light subpath
   uint32_t pixels = 0;
-  VertexMerging merging;
+  LightVertexGrid grid;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
@@ -60,15 +60,15 @@ struct VcmKernel {
     BdptCounters counters;
     Sampler sampler = index.sampler(x, y);
     ConnectionRoulette roulette;
-    radiance[pixel] = trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters,
-                                           merging);
+    radiance[pixel] =
+        trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters, grid);
     rays[pixel] = counters.rays + rays_of_light;
   }
 
  private:
-  /// Vertices of the light subpath to which the pixel connects.
+  /// Vertices of the light subpath to which the pixel connects; none if it connects to random vertices.
   RELUME_HD View<const PathVertex> connected(uint32_t pixel) const {
-    if (counts.empty()) return {};
+    if (counts.empty() || grid.connections > 0) return {};
     const auto path = static_cast<uint32_t>(uint64_t{pixel} * counts.size / pixels);
     return {vertices.data + size_t{path} * stride, counts[path]};
   }

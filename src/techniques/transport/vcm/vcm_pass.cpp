@@ -21,6 +21,9 @@ constexpr uint64_t kFixedBytes = 64 << 10;
 /// Limits of η, which keep its square within the range of floats. Any positive η gives weights that sum to one.
 constexpr float kMinEta = 1e-18f;
 constexpr float kMaxEta = 1e18f;
+/// Number of vertices per light subpath that the weights of random connections assume. Any positive number gives weights
+/// that sum to one.
+constexpr float kTypicalVertices = 3;
 /// Square of the least merging radius, m². Below it, the density of merging could overflow.
 constexpr float kMinRadiusSquared = 1e-24f;
 
@@ -74,6 +77,7 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   // weights are the same in all frames.
   const float weighted = separates_splats() ? merging_radius(vcm_, scene_radius, 0) : radius_;
   c.light_paths = static_cast<float>(most) / static_cast<float>(pixels);
+  if (vcm_.connections > 0) c.connected = sqr(static_cast<float>(vcm_.connections) / kTypicalVertices);
   if (radius_ > 0.0f) c.merging = sqr(clamp(kPi * sqr(weighted) * static_cast<float>(most), kMinEta, kMaxEta));
   return paths_;
 }
@@ -94,20 +98,27 @@ bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& 
   return frame.launch_or_stop("light-paths", light, {frame.width(), rows});
 }
 
-bool VcmPass::sort_vertices(const FrameContext& frame, VertexMerging& merging) {
+bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   constexpr uint32_t kVerticesPerTile = 1024;
-  merging.vertices = light_vertices_.view();
-  merging.stride = stride_;
-  merging.radius_squared = sqr(radius_);
-  merging.density = 1.0f / (kPi * sqr(radius_) * static_cast<float>(paths_));
-  merging.grid = {frame.scene.lights.bounds.center, 0.5f / radius_, std::bit_ceil(paths_)};
-  const VertexBuckets buckets{merging.vertices, counts_.view(), stride_, merging.grid};
+  grid.vertices = light_vertices_.view();
+  grid.stride = stride_;
+  grid.grid = {frame.scene.lights.bounds.center, 0.0f, std::bit_ceil(paths_)};
+  if (radius_ > 0.0f) {
+    grid.grid.inverse_edge = 0.5f / radius_;
+    grid.radius_squared = sqr(radius_);
+    grid.density = 1.0f / (kPi * sqr(radius_) * static_cast<float>(paths_));
+  }
+  const VertexBuckets buckets{grid.vertices, counts_.view(), stride_, grid.grid};
   const PrimitiveLaunch at{frame.backend, "merging", grid_scratch_};
-  if (!group_by_key(at, buckets, merging.vertices.size, merging.grid.buckets, groups_, frame.stop)) return false;
+  if (!group_by_key(at, buckets, grid.vertices.size, grid.grid.buckets, groups_, frame.stop)) return false;
   reset_without_copy(sorted_, groups_.order.size());
-  const SortVerticesKernel sort{merging.vertices, groups_.order.view(), sorted_.mutable_view()};
-  merging.sorted = sorted_.view();
-  merging.begins = groups_.begins.view();
+  const SortVerticesKernel sort{grid.vertices, groups_.order.view(), sorted_.mutable_view()};
+  grid.sorted = sorted_.view();
+  grid.begins = groups_.begins.view();
+  grid.connections = static_cast<uint32_t>(vcm_.connections);
+  if (grid.connections > 0) {
+    grid.scale = static_cast<float>(sorted_.size()) / (static_cast<float>(paths_) * static_cast<float>(grid.connections));
+  }
   return sorted_.empty() || frame.launch_or_stop("merging", sort, {sort.sorted.size, 1, kVerticesPerTile});
 }
 
@@ -115,7 +126,7 @@ bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
   VcmKernel camera;
   if (paths_ > 0) {
     if (!trace_light_subpaths(frame, kernel)) return false;
-    if (radius_ > 0.0f && !sort_vertices(frame, camera.merging)) return false;
+    if ((radius_ > 0.0f || vcm_.connections > 0) && !sort_vertices(frame, camera.grid)) return false;
   }
   camera.context = kernel.context;
   camera.index = kernel.index;

@@ -52,7 +52,7 @@ class VcmPass final : public BdptPass {
 
  private:
   bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel);
-  bool sort_vertices(const FrameContext& frame, VertexMerging& merging);
+  bool sort_vertices(const FrameContext& frame, LightVertexGrid& grid);
 
   VcmSettings vcm_;
   bool accumulates_;

@@ -1,0 +1,61 @@
+// Compares the incremental weights of the subpaths with weights from all strategies' densities of the whole path.
+#pragma once
+
+#include <string>
+
+#include "techniques/transport/bdpt/testing/whole_path.h"
+
+namespace relume::testing {
+
+enum Strategy : int { kVertexConnection, kCameraConnection, kLightConnection, kLightMet, kLensMet, kMerging, kKinds };
+
+/// Numbers of samples that the weights assume.
+struct AssumedNumbers {
+  float eta = 0;          ///< π r² n of vertex merging, m²; 0: no merging
+  float light_paths = 1;  ///< per pixel
+  float connections = 1;  ///< between surfaces, per strategy
+};
+
+/// Compares the weights of all strategies on random paths of one scene.
+class WeightCheck {
+ public:
+  WeightCheck(ZooLight light, ZooCamera camera, LightSelectorKind selector, const AssumedNumbers& numbers = {});
+  virtual ~WeightCheck() = default;
+
+  void run(uint32_t samples);
+  /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, which has another
+  /// density.
+  void expect_few_wrong() const;
+
+  int compared[kKinds] = {};
+  int wrong[kKinds] = {};
+  std::string example;  ///< last wrong weight
+
+ protected:
+  /// Compares the weights of other strategies on paths that contain both subpaths up to vertices s and t.
+  virtual void more(const TracedLight& /*light*/, size_t /*s*/, const TracedCamera& /*camera*/, size_t /*t*/) {}
+
+  const BdptContext& context() const { return c_; }
+  /// The path from `places` vertices of the light subpath and `camera_places` of the camera subpath, of which the last
+  /// two do not scatter by delta lobes.
+  WholePath joined(const TracedLight& light, size_t places, const TracedCamera& camera, size_t camera_places) const;
+  Densities densities(const WholePath& path) const { return {c_, path, static_cast<double>(numbers_.eta)}; }
+  void compare(float weight, double expected, const WholePath& path, size_t s, Strategy kind);
+
+ private:
+  WholePath from(const TracedLight& t, size_t places) const;
+  Vec2 barycentric(const TracedLight& t) const;
+  void set_camera(WholePath& path, const Vec3& position) const;
+  void to_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t);
+  void to_camera(const TracedLight& light, size_t s, Sampler& sampler);
+  void to_light(const TracedCamera& camera, size_t t, Sampler& sampler);
+  void light_met(const TracedCamera& camera, size_t t);
+  WholePath path_to_light(const TracedCamera& camera, size_t places, LightId id, const EmitterPoint& on_light,
+                          const Vec3& from_light) const;
+
+  AssumedNumbers numbers_;
+  BdptFrame frame_;
+  BdptContext c_;
+};
+
+}  // namespace relume::testing
