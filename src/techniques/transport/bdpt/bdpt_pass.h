@@ -58,7 +58,8 @@ class BdptPass : public Pass {
   void load(std::istream& in) override;
 
  protected:
-  /// Completes the kernel for this frame. `samples`: pixels that receive a sample. Returns the number of light subpaths.
+  /// Completes the kernel for this frame. `samples`: pixels that receive a sample. Returns the number of light
+  /// subpaths.
   virtual uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel);
   /// Traces all subpaths. Returns false if a stop was requested.
   virtual bool trace(const FrameContext& frame, const BdptKernel& kernel);

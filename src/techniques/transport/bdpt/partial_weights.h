@@ -20,9 +20,9 @@
 // At a delta scattering, the densities of both directions are the same Dirac pulse, up to the probability of the lobe
 // and the Jacobian of refraction. A_i vanishes on both sides of the vertex, and this factor replaces ←σ in B.
 //
-// Vertex merging ([Georgiev12]) adds a strategy per surface vertex xi without delta scattering: subpaths from both sides
-// find it, and n light subpaths within a radius r count. Its density is that of the cut behind xi times ←p_i η, with
-// η = π r² n. It adds η² beside A_i, at the end of the subpath and in B. See techniques/transport/vcm.
+// Vertex merging ([Georgiev12]) adds a strategy per surface vertex xi without delta scattering: subpaths from both
+// sides find it, and n light subpaths within a radius r count. Its density is that of the cut behind xi times ←p_i η,
+// with η = π r² n. It adds η² beside A_i, at the end of the subpath and in B. See techniques/transport/vcm.
 //
 // Lights at infinity (and orthographic cameras) have directions instead of positions. Their x0 is measured per solid
 // angle. x1 then has a density per area facing that direction, without a distance.
@@ -60,8 +60,8 @@ class SubpathWeights {
   /// State at the first vertex. `pdf`: of the direction, per solid angle (for `parallel` rays: of the position across
   /// them, per area). `inverse_hit_density`: inverse of the density with which the subpath chose the first vertex; 0 if
   /// the other side cannot hit it. `cosine`: at the first vertex; 1 for parallel rays. `direct_ratio`: density of the
-  /// first vertex in connections over that in the subpath. `merging`: η² of vertex merging; 0: none. `connected`: square
-  /// of the number of connections between surfaces per strategy.
+  /// first vertex in connections over that in the subpath. `merging`: η² of vertex merging; 0: none. `connected`:
+  /// square of the number of connections between surfaces per strategy.
   RELUME_HD static SubpathWeights start(float pdf, float inverse_hit_density, float cosine, float direct_ratio,
                                         bool parallel, float merging = 0.0f, float connected = 1.0f) {
     SubpathWeights w;

@@ -17,8 +17,8 @@ SettingList describe(VcmSettings& s) {
       {"pixels-per-path", &s.pixels_per_path, "Number of pixels per light subpath", {.min = 1, .max = 1024}},
       {"connections",
        &s.connections,
-       "Number of connections of a camera vertex to random light vertices of the frame. 0: to all vertices of one light "
-       "subpath",
+       "Number of connections of a camera vertex to random light vertices of the frame. 0: to all vertices of one "
+       "light subpath",
        {.min = 0, .max = 64}},
       {"memory",
        &s.memory_mib,

@@ -21,8 +21,8 @@ constexpr uint64_t kFixedBytes = 64 << 10;
 /// Limits of η, which keep its square within the range of floats. Any positive η gives weights that sum to one.
 constexpr float kMinEta = 1e-18f;
 constexpr float kMaxEta = 1e18f;
-/// Number of vertices per light subpath that the weights of random connections assume. Any positive number gives weights
-/// that sum to one.
+/// Number of vertices per light subpath that the weights of random connections assume. Any positive number gives
+/// weights that sum to one.
 constexpr float kTypicalVertices = 3;
 /// Square of the least merging radius, m². Below it, the density of merging could overflow.
 constexpr float kMinRadiusSquared = 1e-24f;
@@ -116,9 +116,8 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   grid.sorted = sorted_.view();
   grid.begins = groups_.begins.view();
   grid.connections = static_cast<uint32_t>(vcm_.connections);
-  if (grid.connections > 0) {
-    grid.scale = static_cast<float>(sorted_.size()) / (static_cast<float>(paths_) * static_cast<float>(grid.connections));
-  }
+  const float tried = static_cast<float>(paths_) * static_cast<float>(vcm_.connections);
+  if (tried > 0.0f) grid.scale = static_cast<float>(sorted_.size()) / tried;
   return sorted_.empty() || frame.launch_or_stop("merging", sort, {sort.sorted.size, 1, kVerticesPerTile});
 }
 

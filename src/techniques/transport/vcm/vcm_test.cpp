@@ -94,8 +94,8 @@ Scene pool_under_lamp() {
   return b.take();
 }
 
-/// Radiance of the floor below the spotlight, from flux in small cones. The rays of a cone of angle θ reach the radius θ
-/// (H + h / n) on the floor. Fresnel transmits T at normal incidence, and radiance that leaves the glass falls by n².
+/// Radiance of the floor below the spotlight, from flux in small cones. The rays of a cone of angle θ reach the radius
+/// θ (H + h / n) on the floor. Fresnel transmits T at normal incidence. Radiance that leaves the glass falls by n².
 float expected_pool_radiance() {
   const float reflectance = sqr((kPoolIor - 1) / (kPoolIor + 1));
   const float irradiance = kPoolIntensity * (1 - reflectance) / sqr(kPoolHeight + kPoolDepth / kPoolIor);
