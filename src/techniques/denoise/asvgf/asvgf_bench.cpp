@@ -8,7 +8,8 @@
 namespace relume {
 namespace {
 
-/// Time of the gradients in frames of 1280 × 720 pixels on all threads. Argument: whether lamps move, which traces them.
+/// Time of the gradients in frames of 1280 × 720 pixels on all threads. Argument: whether lamps move, which traces
+/// them.
 void bm_asvgf(benchmark::State& state) {
   const bool moving = state.range(0) != 0;
   RenderSettings settings;

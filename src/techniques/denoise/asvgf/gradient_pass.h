@@ -15,7 +15,11 @@ namespace relume {
 class GradientPass final : public Pass {
  public:
   GradientPass(const AsvgfSettings& settings, const PathSource& source, Memory& memory)
-      : settings_(settings), source_(source), recorded_{Recording(memory), Recording(memory)}, votes_(memory), gradients_(memory) {}
+      : settings_(settings),
+        source_(source),
+        recorded_{Recording(memory), Recording(memory)},
+        votes_(memory),
+        gradients_(memory) {}
 
   void configure(const AsvgfSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }

@@ -134,9 +134,9 @@ struct GradientPolicy : NoPolicy {
 /// Traces the projected samples with their own random numbers in this frame's scene, and compares. Grid: strata of this
 /// frame.
 struct TraceGradientsKernel {
-  PathContext context;  ///< its camera is the one from which samples are shaded
-  CameraView camera;    ///< of this frame
-  SampleIndex index;    ///< of the previous frame; each sample stores its element
+  PathContext context;                 ///< its camera is the one from which samples are shaded
+  CameraView camera;                   ///< of this frame
+  SampleIndex index;                   ///< of the previous frame; each sample stores its element
   View<const GradientSample> samples;  ///< of the previous frame
   View<const uint64_t> votes;
   View<Vec2> gradients;    ///< δ = luminance now − before, Δ = the larger of both; 0 without a sample

@@ -66,7 +66,8 @@ struct TracedFrame {
 };
 
 /// Gradients of a frame's samples in a scene, from the view of its previous camera.
-std::vector<Vec2> trace(const CompiledScene& scene, const TracedFrame& frame, const std::vector<GradientSample>& samples) {
+std::vector<Vec2> trace(const CompiledScene& scene, const TracedFrame& frame,
+                        const std::vector<GradientSample>& samples) {
   std::vector<uint64_t> votes(samples.size(), kNoVote);
   const ProjectSamplesKernel project{scene.view(), view_of(samples), mutable_view_of(votes), kColumns, kWidth, kHeight};
   std::vector<Vec2> gradients(samples.size(), Vec2(-7));
@@ -171,7 +172,8 @@ TEST(Gradients, BrighterLampsAddTheirShare) {
 TEST(Gradients, OnlySampledPixelsAreRecorded) {
   CompiledScene scene(named("cornell-closed"), options());
   TracedFrame frame(scene, {.seed = 7, .sample = 3});
-  for (uint32_t i = 0; i < kPixels; ++i) frame.allocation.push_back(i % kWidth == i / kWidth / kStratum * kStratum ? 1u : 0u);
+  for (uint32_t i = 0; i < kPixels; ++i)
+    frame.allocation.push_back(i % kWidth == i / kWidth / kStratum * kStratum ? 1u : 0u);
   size_t valid = 0;
   for (const GradientSample& sample : frame.record()) {
     if (!sample.hit.valid()) continue;
