@@ -38,7 +38,7 @@ def draw():
     scene(d, 406, 104, "the same numbers now", "green")
     d.text(279, 194, "luminance before", role="blue", anchor="middle")
     d.text(481, 194, "luminance now", role="green", anchor="middle")
-    d.box(24, 222, 250, 40, "δ = now − before, per stratum", fill=("ink", 0.06))
+    d.box(24, 222, 250, 40, "δ = now − before", fill=("ink", 0.06))
     d.arrow((274, 242), (320, 242), width=2)
     d.box(324, 222, 284, 40, "à-trous filter of δ and Δ, apart", fill=("ink", 0.06))
     d.arrow((466, 262), (466, 280), width=2)
