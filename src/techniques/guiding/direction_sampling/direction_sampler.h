@@ -25,7 +25,7 @@ struct HashedNumbers {
 
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
-  QuadtreeArray quadtrees;     ///< quadtrees by region
+  QuadtreeArray quadtrees;      ///< quadtrees by region
   float bsdf_fraction = 0.5f;   ///< probability of the BSDF at guided vertices
   bool stratified = false;      ///< whether quadtrees are sampled by sample_stratified()
   View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none

@@ -59,9 +59,9 @@ struct AdaptQuadtreesKernel {
   SampleGroupsView samples;
   QuadtreeArray trees;
   QuadtreeAdaption options;
-  float guided_fraction = 0;         ///< share of directions from trees of an earlier frame; 0: samples are from `trees`
-  View<QuadtreeWeights> weights;     ///< weights of the last frame by region; empty: no memory
-  View<uint64_t> moved;              ///< number of migrations, one element
+  float guided_fraction = 0;      ///< share of directions from trees of an earlier frame; 0: samples are from `trees`
+  View<QuadtreeWeights> weights;  ///< weights of the last frame by region; empty: no memory
+  View<uint64_t> moved;           ///< number of migrations, one element
   View<const float> fractions = {};  ///< learned probability of the BSDF by region; empty: none
   QuadtreePool pool = {};
 

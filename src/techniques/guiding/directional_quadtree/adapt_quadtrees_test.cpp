@@ -132,9 +132,7 @@ class Pool : public ::testing::Test {
     std::iota(order_.begin(), order_.end(), 0u);
   }
 
-  SampleGroupsView samples() const {
-    return {view_of(records_), view_of(order_), view_of(offsets_), view_of(counts_)};
-  }
+  SampleGroupsView samples() const { return {view_of(records_), view_of(order_), view_of(offsets_), view_of(counts_)}; }
   /// Density in the bright direction over that of a uniform tree, after ten frames.
   std::vector<float> learned(uint32_t pool) {
     const QuadtreeArray trees{mutable_view_of(words_), 128};

@@ -88,12 +88,15 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
                                    settings_.spread};
     if (remembers && weights_.size() != trees_.size()) resize(frame.backend, "cdq.adapt", weights_, trees_.size());
-    const AdaptQuadtreesKernel adapt{
-        octree_.groups(),        trees_.view(),        options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
-        weights_.mutable_view(), moved_.mutable_view(),
-        settings_.learn_fraction ? trees_.fractions() : View<const float>{},
-        {octree_.previous().links().neighbours.view(), static_cast<uint32_t>(settings_.pool),
-         1.0f - settings_.bsdf_fraction}};
+    const AdaptQuadtreesKernel adapt{octree_.groups(),
+                                     trees_.view(),
+                                     options,
+                                     sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
+                                     weights_.mutable_view(),
+                                     moved_.mutable_view(),
+                                     settings_.learn_fraction ? trees_.fractions() : View<const float>{},
+                                     {octree_.previous().links().neighbours.view(),
+                                      static_cast<uint32_t>(settings_.pool), 1.0f - settings_.bsdf_fraction}};
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
     if (settings_.learn_fraction) {
       if (moments_.size() != trees_.size()) resize(frame.backend, "cdq.fractions", moments_, trees_.size());
@@ -180,8 +183,8 @@ void DirectionalQuadtreePass::load(std::istream& in) {
   read_array(in, weights_);
   read_array(in, moments_);
   generation_ = octree_.generation();
-  const bool fits = (weights_.empty() || weights_.size() == trees_.size()) &&
-                    (moments_.empty() || moments_.size() == trees_.size());
+  const bool fits =
+      (weights_.empty() || weights_.size() == trees_.size()) && (moments_.empty() || moments_.size() == trees_.size());
   if (in && fits) return;
   trees_ = Quadtrees(bit_count(), 0, memory);
   snapshot_.reset();

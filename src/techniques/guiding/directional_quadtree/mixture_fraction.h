@@ -37,8 +37,8 @@ RELUME_HD inline float best_fraction(const MixtureMoments& m, const FractionPrio
   uint32_t best = 0;
   for (uint32_t k = 0; k <= kLast; ++k) {
     const float alpha = MixtureMoments::fraction(k);
-    costs[k] = scale * m.sums[k] +
-               prior.samples * (sqr(prior.fraction) / alpha + sqr(1.0f - prior.fraction) / (1.0f - alpha));
+    costs[k] =
+        scale * m.sums[k] + prior.samples * (sqr(prior.fraction) / alpha + sqr(1.0f - prior.fraction) / (1.0f - alpha));
     if (costs[k] < costs[best]) best = k;
   }
   if (best == 0 || best == kLast) return MixtureMoments::fraction(best);

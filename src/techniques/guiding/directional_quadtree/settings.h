@@ -12,7 +12,7 @@ struct DirectionalQuadtreeSettings {
   QuadtreeBits bits = QuadtreeBits::b128;
   float bsdf_fraction = 0.5f;
   bool learn_fraction = false;  ///< whether regions learn their own fraction
-  int candidates = 1;  ///< directions of which one is resampled at glossy vertices
+  int candidates = 1;           ///< directions of which one is resampled at glossy vertices
   int migrations = 1;
   float stability = 0.1f;
   int pool = 0;      ///< number of samples from which a region learns from its own only

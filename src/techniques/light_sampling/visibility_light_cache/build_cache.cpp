@@ -72,15 +72,9 @@ void LightCaches::learn_shares(Backend& backend, const OctreeTree& tree, const S
   if (options.first_infinite == kNoLight && !options.exploration.learns) return scratch.shares.clear();
   scratch.shares.reset(regions, kUninitialized);
   const View<const LightShares> old = shares_.size() == regions ? shares_.view() : View<const LightShares>{};
-  const LearnSharesKernel learn{samples,
-                                options.first_infinite,
-                                light_count,
-                                options.max_samples,
-                                options.exploration,
-                                lists_.view(),
-                                lights_.view(),
-                                old,
-                                scratch.shares.mutable_view()};
+  const LearnSharesKernel learn{
+      samples,       options.first_infinite, light_count, options.max_samples,          options.exploration,
+      lists_.view(), lights_.view(),         old,         scratch.shares.mutable_view()};
   launch(backend, "vlc.shares", learn, regions, 1);
 }
 

@@ -80,12 +80,7 @@ struct CacheScratch {
 class LightCaches {
  public:
   explicit LightCaches(Memory& memory = host_memory())
-      : buckets_(memory),
-        lists_(memory),
-        entries_(memory),
-        bucket_weights_(memory),
-        lights_(memory),
-        shares_(memory) {}
+      : buckets_(memory), lists_(memory), entries_(memory), bucket_weights_(memory), lights_(memory), shares_(memory) {}
 
   /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all lights that regions may list: the
   /// finite ones, or all. Larger ids are ignored, as those of removed lights.
@@ -140,8 +135,8 @@ class LightCaches {
 
  private:
   /// Writes the next shares to `scratch`, none if nothing is learned.
-  void learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
-                    uint32_t light_count, const CacheBuildOptions& options, CacheScratch& scratch) const;
+  void learn_shares(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, uint32_t light_count,
+                    const CacheBuildOptions& options, CacheScratch& scratch) const;
   /// Sorts the new lists, in `scratch`, into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightSummary> lights,
                     const CacheBuildOptions& options, CacheScratch& scratch);

@@ -90,8 +90,8 @@ struct LearnSharesKernel {
     if (region < old.size) result = old[region];
     for (uint32_t k = 0; k < InfinityVisibility::kCount; ++k) {
       float& visible = result.visibility.of[k];
-      visible = (kEarlier * visible + static_cast<float>(shared.seen[k])) /
-                (kEarlier + static_cast<float>(shared.tried[k]));
+      visible =
+          (kEarlier * visible + static_cast<float>(shared.seen[k])) / (kEarlier + static_cast<float>(shared.tried[k]));
       visible = relume::max(visible, kLeastVisibility);
     }
     if (exploration.learns) result.exploration = explore_by(shared, region, result.exploration);

@@ -114,7 +114,7 @@ TEST_F(Shares, WeightBucketsByIrradianceFromInfinity) {
   options_.bucket_size = 1;
   options_.even_buckets = 0.5f;
   options_.scene_radius = 2;
-  lights_[kSun].watts = 8;                  // 2 W/m², times the visibility
+  lights_[kSun].watts = 8;           // 2 W/m², times the visibility
   lights_[5] = {Vec3(-0.5f), 3.0f};  // in region 0, at the least distance √3 / 2
   see(0, kSun, true, 3000);
   see(0, 5, true, 100);

@@ -118,8 +118,7 @@ struct VisibilityLightCache {
     const uint32_t* const entry = entries.data + b.first + bucket * bucket_size;
     uint32_t count = 0;
     while (count < bucket_size && entry[count] != CachedLight::kNone) ++count;
-    const InfinityVisibility visibility =
-        sp.region < shares.size ? shares[sp.region].visibility : InfinityVisibility{};
+    const InfinityVisibility visibility = sp.region < shares.size ? shares[sp.region].visibility : InfinityVisibility{};
     return {ltc, lights, compact, count, {entry}, visibility};
   }
 

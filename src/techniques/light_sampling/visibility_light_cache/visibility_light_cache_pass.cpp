@@ -35,7 +35,8 @@ void VisibilityLightCachePass::update_lights(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
   const uint32_t listed = listed_lights(lights);
   summaries_.reset(listed, kUninitialized);
-  frame.launch("vlc.lights", LightSummariesKernel{lights, settings_.change_measure, summaries_.mutable_view()}, {listed, 1});
+  frame.launch("vlc.lights", LightSummariesKernel{lights, settings_.change_measure, summaries_.mutable_view()},
+               {listed, 1});
   write_compact_lights(frame.backend, "vlc.lights", lights, listed, compact_);
   all_.update_digest(frame.backend, finite_summaries(lights));
   frame.backend.run("vlc.lights", [&] { infinite_.assign(build_infinite_lights(lights, selection_.infinity())); });

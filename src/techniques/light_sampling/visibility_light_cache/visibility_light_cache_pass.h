@@ -31,8 +31,7 @@ class VisibilityLightCachePass final : public Pass {
 
   void configure(const VisibilityLightCacheSettings& settings) {
     // Buckets of another size, or of other lights, cannot be completed. Otherwise, samples must not be included twice.
-    if (settings.bucket_size != settings_.bucket_size || settings.infinite != settings_.infinite)
-      built_generation_ = 0;
+    if (settings.bucket_size != settings_.bucket_size || settings.infinite != settings_.infinite) built_generation_ = 0;
     settings_ = settings;
   }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }

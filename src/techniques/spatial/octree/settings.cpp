@@ -15,8 +15,7 @@ SettingList describe(OctreeSettings& s) {
        &s.split,
        "A region that receives more samples per frame than this is split in eight",
        {.min = 8, .max = 1 << 24}},
-      {"scale",
-       &s.scale,
+      {"scale", &s.scale,
        "Scale collapse and split, which are defined for 1920 x 1080 pixels, with the image size; no effect with count "
        "useful"},
       {"count", choice(s.count, {"all", "useful"}),
