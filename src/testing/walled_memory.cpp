@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -78,7 +79,7 @@ void* WalledMemory::allocate(size_t bytes, size_t alignment) {
   if (pages > 0) ::mprotect(memory, pages * page_bytes(), PROT_NONE);
   const std::lock_guard lock(mutex_);
   const auto added = blocks_.emplace(static_cast<std::byte*>(memory), Block{bytes, mapped, Access::none}).first;
-  if (launches_ > 0) {
+  if (launches_ > 0 && !in_host_work_) {
     added->second.access = Access::write;
     protect(*added, Access::write);
   }
@@ -114,6 +115,7 @@ void WalledMemory::open(const std::byte* address, Access access) {
                           " bytes after the launch of '" + last_launch_ + "'; process it in a launch");
     print_calls();
   }
+  if (in_host_work_) count(block->second);
   if (block->second.access >= access) return;
   block->second.access = access;
   protect(*block, access);
@@ -129,7 +131,7 @@ void WalledMemory::begin_work(const void* address) {
 
 void WalledMemory::end_work(const void* address) {
   const auto block = find(static_cast<const std::byte*>(address));
-  if (block == blocks_.end() || launches_ > 0) return;
+  if (block == blocks_.end() || (launches_ > 0 && !in_host_work_)) return;
   block->second.access = Access::none;
   protect(*block, Access::none);
 }
@@ -150,23 +152,66 @@ void WalledMemory::zero(void* to, size_t bytes) {
   end_work(to);
 }
 
-void WalledMemory::begin_launch(std::string_view name) {
-  const std::lock_guard lock(mutex_);
-  ++launches_;
-  last_launch_ = name;
+void WalledMemory::open_all() {
   for (Blocks::value_type& block : blocks_) {
     if (block.second.access != Access::write) protect(block, Access::write);
     block.second.access = Access::write;
   }
 }
 
-void WalledMemory::end_launch() {
-  const std::lock_guard lock(mutex_);
-  if (--launches_ > 0) return;
+void WalledMemory::close_all() {
   for (Blocks::value_type& block : blocks_) {
     protect(block, Access::none);
     block.second.access = Access::none;
+    block.second.counted = false;
   }
+}
+
+void WalledMemory::begin_launch(std::string_view name) {
+  const std::lock_guard lock(mutex_);
+  ++launches_;
+  last_launch_ = name;
+  in_host_work_ = counts_host_work_ && !has_kernel_;
+  if (in_host_work_) {
+    close_all();
+  } else {
+    open_all();
+  }
+}
+
+void WalledMemory::end_launch() {
+  const std::lock_guard lock(mutex_);
+  if (--launches_ > 0) return;
+  if (work_bytes_ > 0) {
+    size_t& most = host_work_[last_launch_];
+    most = std::max(most, work_bytes_);
+  }
+  work_bytes_ = 0;
+  in_host_work_ = has_kernel_ = false;
+  close_all();
+}
+
+void WalledMemory::announce_kernel() {
+  const std::lock_guard lock(mutex_);
+  has_kernel_ = true;
+  if (!in_host_work_) return;
+  in_host_work_ = false;
+  open_all();
+}
+
+void WalledMemory::count(Block& block) {
+  if (!block.counted) work_bytes_ += block.bytes;
+  block.counted = true;
+}
+
+void WalledMemory::count_host_work() {
+  const std::lock_guard lock(mutex_);
+  counts_host_work_ = true;
+}
+
+std::map<std::string, size_t> WalledMemory::host_work() const {
+  const std::lock_guard lock(mutex_);
+  return host_work_;
 }
 
 void WalledMemory::limit_host_access(size_t bytes, std::set<size_t> except) {
@@ -196,29 +241,37 @@ void WalledMemory::check_kernel(std::string_view name, std::span<const std::byte
 
 void WalledMemory::check_data(std::string_view name, std::span<const std::byte> data) {
   const std::lock_guard lock(mutex_);
+  begin_work(data.data());
   for_each_address(data, [&](const std::byte*, size_t at) {
     violations_.push_back("the array '" + std::string(name) + "' holds an address at byte " + std::to_string(at) +
                           " of " + std::to_string(data.size()) + "; use an index into another array");
   });
+  end_work(data.data());
 }
 
-bool WalledMemory::open_after_violation(const std::byte* address) {
+WalledMemory::Fault WalledMemory::open_after_fault(const std::byte* address) {
   const std::lock_guard lock(mutex_);
   const auto block = find(address);
-  if (block == blocks_.end() || address >= block->first + block->second.mapped - page_bytes()) return false;
-  if (block->second.access == Access::write) return true;  // another thread's fault opened it meanwhile
+  if (block == blocks_.end() || address >= block->first + block->second.mapped - page_bytes()) return Fault::foreign;
+  if (block->second.access == Access::write) return Fault::permitted;  // another thread's fault opened it meanwhile
   const bool was_readable = block->second.access == Access::read;
   block->second.access = Access::write;
   protect(*block, Access::write);
+  if (in_host_work_) {
+    count(block->second);
+    return Fault::permitted;
+  }
   violations_.push_back("host code " + std::string(was_readable ? "wrote to" : "accessed") + " a block of " +
                         std::to_string(block->second.bytes) + " bytes after the launch of '" + last_launch_ +
                         "'; use read() or write() of its Array, or a launch");
-  return true;
+  return Fault::violation;
 }
 
 void WalledMemory::on_fault(int signal, siginfo_t* info, void*) {
   WalledMemory* const memory = g_memory;
-  if (memory && memory->open_after_violation(static_cast<const std::byte*>(info->si_addr))) return print_calls();
+  const Fault fault = memory ? memory->open_after_fault(static_cast<const std::byte*>(info->si_addr)) : Fault::foreign;
+  if (fault == Fault::violation) print_calls();
+  if (fault != Fault::foreign) return;
   if (memory) ::sigaction(signal, &memory->previous_action_, nullptr);  // the access fails again, and ends the process
 }
 

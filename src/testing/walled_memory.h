@@ -1,7 +1,7 @@
 // Memory for tests that record forbidden accesses. Its blocks are closed to the host, like a device's memory, except
 // - during launches, when kernels access them; code that a backend times like a kernel counts as one;
 // - from Array::read() or write() on, until the end of the next launch: the end of a span's use cannot be detected.
-// Tests can limit the size of the blocks that read() and write() open.
+// Tests can limit the size of the blocks that read() and write() open, and count the blocks that timed host code uses.
 // Accesses to closed blocks are recorded and then permitted. Kernels are searched for addresses of other memory, and
 // arrays for any addresses.
 #pragma once
@@ -50,6 +50,14 @@ class WalledMemory final : public Memory {
   void limit_host_access(size_t bytes, std::set<size_t> except = {});
   void permit_host_access() { limit_host_access(std::numeric_limits<size_t>::max()); }
 
+  /// Call it before each kernel, also before those that timed host code launches.
+  void announce_kernel();
+  /// From the next launch on, counts the blocks that host code accesses in a launch before the first kernel. Each block
+  /// counts once in a launch; copy() and zero() do not count.
+  void count_host_work();
+  /// Their bytes, the most in a launch of each name.
+  std::map<std::string, size_t> host_work() const;
+
   /// Permits one address in kernels: a handle of the host. Null: nothing.
   void permit(const void* handle);
   /// Records a violation for each address in a kernel that is mapped, but neither in a block nor permitted. `kernel`:
@@ -72,16 +80,21 @@ class WalledMemory final : public Memory {
     size_t bytes;
     size_t mapped;
     Access access;
+    bool counted = false;  ///< in the current host work
   };
+  enum class Fault : uint8_t { foreign, permitted, violation };
   using Blocks = std::map<std::byte*, Block>;
 
   static void on_fault(int signal, siginfo_t* info, void* context);
-  /// Opens the block of an address after an access that was not permitted. Returns false if the address is in no block
-  /// or behind its end.
-  bool open_after_violation(const std::byte* address);
+  /// Opens the block of an address after an access while it was closed. `foreign`: the address is in no block, or behind
+  /// its end.
+  Fault open_after_fault(const std::byte* address);
   Blocks::iterator find(const std::byte* address);
   void open(const std::byte* address, Access access);
   static void protect(const Blocks::value_type& block, Access access);
+  void open_all();
+  void close_all();
+  void count(Block& block);
   /// Opens and closes the block of an address, if it is in one, for work of the device.
   void begin_work(const void* address);
   void end_work(const void* address);
@@ -95,6 +108,11 @@ class WalledMemory final : public Memory {
   size_t host_limit_ = std::numeric_limits<size_t>::max();  ///< largest block that host code may open
   std::set<size_t> unlimited_;                              ///< sizes of larger blocks that it may open
   std::string last_launch_ = "none";
+  bool counts_host_work_ = false;
+  bool has_kernel_ = false;    ///< whether a kernel has been announced, whose launch has not ended
+  bool in_host_work_ = false;  ///< in a launch without a kernel so far; blocks are closed until the first access
+  size_t work_bytes_ = 0;      ///< counted in the current launch
+  std::map<std::string, size_t> host_work_;
   std::vector<std::string> violations_;
   struct sigaction previous_action_ {};
 };

@@ -22,7 +22,9 @@ class WalledMemoryTest : public ::testing::Test {
   void SetUp() override {
     backend_.on_launch([this](const LaunchEvent& event) {
       switch (event.kind) {
-        case LaunchEvent::Kind::kernel: return memory_.check_kernel(event.name, event.argument);
+        case LaunchEvent::Kind::kernel:
+          memory_.announce_kernel();
+          return memory_.check_kernel(event.name, event.argument);
         case LaunchEvent::Kind::begins: return memory_.begin_launch(event.name);
         case LaunchEvent::Kind::ends: return memory_.end_launch();
       }
@@ -144,6 +146,34 @@ TEST_F(WalledMemoryTest, RecordsLargeBlocksThatHostCodeOpens) {
   add(from_.view());
   EXPECT_EQ(sum(from_.read()), 25u);
   EXPECT_EQ(memory_.violations().size(), 3u);
+}
+
+TEST_F(WalledMemoryTest, CountsBlocksThatTimedHostCodeAccesses) {
+  const auto bytes_of = [&](const char* name) { return memory_.host_work().at(name); };
+  memory_.count_host_work();
+  add(from_.view());
+  EXPECT_TRUE(memory_.host_work().empty()) << "a kernel";
+  backend_.run("host", [&] {
+    from_.write()[0] = 1;
+    from_.mutable_view()[1] = 2;
+    to_.mutable_view()[0] = 3;
+    memory_.zero(to_.mutable_view().data, sizeof(uint32_t));
+    to_.mutable_view()[1] = 3;
+  });
+  EXPECT_EQ(bytes_of("host"), 32u) << "each block counts once";
+  backend_.run("host", [&] { to_.read(); });
+  EXPECT_EQ(bytes_of("host"), 32u) << "the launch with most";
+  backend_.run("clear", [&] { memory_.zero(to_.mutable_view().data, sizeof(uint32_t)); });
+  EXPECT_FALSE(memory_.host_work().contains("clear"));
+  backend_.run("new", [&] { Array<uint32_t>(memory_).assign(3, 1); });
+  EXPECT_EQ(bytes_of("new"), 12u);
+  backend_.run("nested", [&] {
+    from_.write()[0] = 5;
+    add(from_.view());
+  });
+  EXPECT_EQ(bytes_of("nested"), 16u) << "kernels do not count";
+  EXPECT_EQ(to_.read()[0], 6u);
+  EXPECT_TRUE(memory_.violations().empty()) << memory_.violations().front();
 }
 
 TEST_F(WalledMemoryTest, ClosesAfterExceptions) {

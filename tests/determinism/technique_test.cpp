@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <stop_token>
 #include <string>
 #include <variant>
@@ -281,6 +282,40 @@ TEST(DeformingScene, HostAndKernelsKeepToTheirMemory) {
       }
     }
     for (const std::string& violation : memory.violations()) ADD_FAILURE() << violation;
+  }
+}
+
+/// Bytes of the blocks that timed host code accesses (Backend::run()), the most in a launch of each name. The form of
+/// kernels is that of devices: others include loops of the host.
+std::map<std::string, size_t> host_work(const DeterminismCheck& technique, int width, int height) {
+  testing::WalledMemory memory;
+  RenderSettings settings = settings_of(technique, 2);
+  settings.width = width;
+  settings.height = height;
+  settings.scalar_kernels = true;
+  settings.accel = AccelChoice::bvh;
+  Session session = make_session(build("turntable"), settings, memory);
+  watch_accesses(session, memory);
+  memory.count_host_work();
+  for (int frame = 0; frame < 4; ++frame) {
+    session.set_time(0.05f * static_cast<float>(frame));
+    session.render_frame();
+  }
+  return memory.host_work();
+}
+
+/// Backend::run() opens the walls. A loop over pixels there would access a block that has a byte per pixel or more.
+TEST_P(TechniqueDeterminism, TimedHostCodeAccessesNoPixels) {
+  if (is_host_replaced()) GTEST_SKIP() << kWatchedOnTheHost;
+  constexpr int kWidth = 31;
+  constexpr int kHeight = 17;
+  constexpr size_t kAddedPixels = size_t{3} * kWidth * kHeight;
+  const std::map<std::string, size_t> few = host_work(GetParam(), kWidth, kHeight);
+  const std::map<std::string, size_t> many = host_work(GetParam(), 2 * kWidth, 2 * kHeight);
+  EXPECT_TRUE(many.contains("scene")) << "which places the instances of each frame";
+  for (const auto& [launch, bytes] : many) {
+    const auto before = few.find(launch);
+    EXPECT_LT(bytes, (before == few.end() ? 0 : before->second) + kAddedPixels) << launch;
   }
 }
 

@@ -23,6 +23,7 @@ inline void watch_accesses(Session& session, testing::WalledMemory& memory) {
     const SceneView& scene = compiled_scene(session).view();
     switch (event.kind) {
       case LaunchEvent::Kind::kernel:
+        memory.announce_kernel();
         memory.permit(scene.accel.host.data);
         return memory.check_kernel(event.name, event.argument);
       case LaunchEvent::Kind::begins: memory.begin_launch(event.name); return check_records(memory, scene);
