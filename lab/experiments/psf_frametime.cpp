@@ -267,10 +267,10 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   result.claims.push_back(claim_growth(few, many));
   result.blocks.insert(result.blocks.begin(), table(context, all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
-  result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
-                  {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
-                  {"Settings",
-                   "the defaults of each technique; apg.feed 1, as in the thesis, except for the costs in Sponza"}};
+  result.setup = {
+      {"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
+      {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
+      {"Settings", "the defaults of each technique; apg.feed 1, as in the thesis, except for the costs in Sponza"}};
   return result;
 }
 

@@ -26,8 +26,8 @@ std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, co
 }
 
 std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
-  const std::pair<const char*, BlendFunction> list[] = {
-      {"apsf, step", BlendFunction::step}, {"apsf, one-over-square", BlendFunction::one_over_square}};
+  const std::pair<const char*, BlendFunction> list[] = {{"apsf, step", BlendFunction::step},
+                                                        {"apsf, one-over-square", BlendFunction::one_over_square}};
   std::vector<NamedSettings> contenders;
   for (const auto& [name, blend] : list) {
     NamedSettings contender{name, scene.settings};

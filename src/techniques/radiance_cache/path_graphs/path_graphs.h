@@ -15,9 +15,7 @@ class PathGraph;
 
 /// Whether a path should pass a cell of this edge without reading it: the segment that leads there is shorter than the
 /// cell, or the path's ray cone is narrower. The blur of the cell would then be visible. All in metres.
-RELUME_HD inline bool guarded(float edge, float segment, float footprint) {
-  return segment < edge || footprint < edge;
-}
+RELUME_HD inline bool guarded(float edge, float segment, float footprint) { return segment < edge || footprint < edge; }
 
 /// Constants of all paths.
 struct PathGraphContext {

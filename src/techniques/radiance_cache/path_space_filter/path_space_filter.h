@@ -148,11 +148,11 @@ class FilterVertex : public NoPolicy {
   Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
   // Only with split cells:
-  Rgb specular_{0};     ///< part of the sample from specular lobes
-  Rgb share_{0};        ///< share of specular lobes in the BSDF along the sampled direction
-  Rgb before_{0};       ///< radiance before the path left the vertex
-  Rgb to_diffuse_{1};   ///< ratio of the demodulations of diffuse and of all lobes
-  Rgb to_specular_{1};  ///< the same for specular lobes
+  Rgb specular_{0};        ///< part of the sample from specular lobes
+  Rgb share_{0};           ///< share of specular lobes in the BSDF along the sampled direction
+  Rgb before_{0};          ///< radiance before the path left the vertex
+  Rgb to_diffuse_{1};      ///< ratio of the demodulations of diffuse and of all lobes
+  Rgb to_specular_{1};     ///< the same for specular lobes
   bool scatters_ = false;  ///< whether the path has hit a surface
   bool left_ = false;
   bool apart_ = false;  ///< whether the path left through a delta lobe

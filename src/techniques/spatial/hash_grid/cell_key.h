@@ -58,7 +58,7 @@ struct CellKeys {
   int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not distinguished
   int direction_bins = 0;  ///< the same for directions of directional points
   bool jitter = true;
-  int roughness_bins = 0;  ///< steps of the roughness in [0, 1]; 0: roughness is not distinguished
+  int roughness_bins = 0;       ///< steps of the roughness in [0, 1]; 0: roughness is not distinguished
   bool halved_normals = false;  ///< whether coarser substitutes distinguish half as many steps of normals
 
   /// Exponent of the cells' edge at `p`: edge = 2^level metres.

@@ -81,10 +81,14 @@ void CachedFrames::trace() {
 void CachedFrames::resolve() {
   if (settings_.kind == CacheKind::none) return;
   grid_.advance(backend_);
-  run("resolve",
-      ResolveCellsKernel{
-          grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {},
-          settings_.psf.refine});
+  run("resolve", ResolveCellsKernel{grid_.view(scene_.view().camera),
+                                    view_of(pixels_),
+                                    mutable_view_of(radiance_),
+                                    layers_,
+                                    width(),
+                                    {},
+                                    {},
+                                    settings_.psf.refine});
 }
 
 }  // namespace relume::testing
