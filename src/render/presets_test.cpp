@@ -60,6 +60,19 @@ TEST(PaperPresets, HaveNoRouletteWhereThePaperHasNone) {
   EXPECT_TRUE(resolve({.preset = "paper-000"}).render.path.russian_roulette);
 }
 
+TEST(PaperPresets, AccumulateAsKoskelaBeforeRegression) {
+  const BmfrSettings bmfr = resolve({.preset = "paper-004"}).render.bmfr;
+  EXPECT_FLOAT_EQ(bmfr.alpha, 0.2f);
+  EXPECT_EQ(bmfr.detail, 0) << "the restored details are an addition to the paper";
+}
+
+TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
+  const std::string scene = R"({"firefly.limit": 8})";
+  EXPECT_EQ(resolve({.scene_json = scene, .scene_place = "view.json"}).render.firefly.limit, 8);
+  const SettingSources sources{.scene_json = scene, .scene_place = "view.json", .preset = "reference"};
+  EXPECT_EQ(resolve(sources).render.firefly.limit, 0);
+}
+
 std::string preset_name(const ::testing::TestParamInfo<Preset>& info) {
   std::string name(info.param.name);
   for (char& c : name) c = c == '-' ? '_' : c;
