@@ -12,17 +12,18 @@ install(EXPORT relumeSharedTargets NAMESPACE relume:: DESTINATION ${relume_packa
 install(TARGETS relume_lab EXPORT relumeLabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT lab)
 install(EXPORT relumeLabTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT lab)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/lab/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT lab)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake INSTALL_DESTINATION ${relume_package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-# The package finds its dependencies with the same list as this build.
-install(FILES
-  ${PROJECT_BINARY_DIR}/relumeConfig.cmake
-  ${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/RelumeDependencies.cmake
-  DESTINATION ${relume_package_dir} COMPONENT library)
+# Each of the two libraries can be installed without the other.
+foreach(component library shared)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${component})
+  install(FILES ${PROJECT_BINARY_DIR}/relumeConfig.cmake ${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake
+    DESTINATION ${relume_package_dir} COMPONENT ${component})
+endforeach()
+# The package finds the dependencies of the static library with the same list as this build.
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/RelumeDependencies.cmake DESTINATION ${relume_package_dir} COMPONENT library)
 
 # Programs are the executables of apps/ and its folders, except tests. The build folder has them in bin/.
 function(relume_install_programs folder)

@@ -27,6 +27,15 @@ target_link_libraries(measure PRIVATE relume::lab)
 """
 
 
+# One program, with the package's given components.
+SINGLE = """cmake_minimum_required(VERSION 3.25)
+project(single LANGUAGES CXX)
+find_package(relume REQUIRED {components})
+add_executable(single {source})
+target_link_libraries(single PRIVATE relume::shared)
+"""
+
+
 def run(*command, cwd=None):
     done = subprocess.run([str(part) for part in command], cwd=cwd, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     return done.returncode, done.stdout
@@ -64,6 +73,37 @@ class Embedding(unittest.TestCase):
                 with self.subTest(ending=ending):
                     self.run_programs(project / "build", ending, scene)
             self.assertIn("tree: MSE", self.succeed(project / "build/measure", scene, cwd=project))
+
+    def test_the_shared_library_needs_no_packages_of_the_static_one(self):
+        packages = re.findall(r"^ *find_package\((\w+)", (ROOT / "cmake/RelumeDependencies.cmake").read_text(), re.MULTILINE)
+        self.assertIn("TBB", packages)
+        with tempfile.TemporaryDirectory(prefix="relume_") as name:
+            folder = pathlib.Path(name)
+            flags = [f"-DCMAKE_PREFIX_PATH={folder / 'prefix'}", f"-DCMAKE_CXX_COMPILER={os.environ['RELUME_CXX']}", f"-DCMAKE_CXX_FLAGS={os.environ.get('RELUME_CXX_FLAGS', '')}"]
+            flags += [f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON" for package in packages]
+
+            def install(component):
+                self.succeed("cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", component)
+
+            def configure(build, components):
+                (folder / "CMakeLists.txt").write_text(SINGLE.format(components=components, source=ROOT / "tests/package/main.cpp"))
+                code, output = run("cmake", "-S", folder, "-B", folder / build, *flags)
+                return code, " ".join(output.split())
+
+            install("shared")
+            code, output = configure("build", "COMPONENTS shared")
+            self.assertEqual(code, 0, output)
+            self.succeed("cmake", "--build", folder / "build")
+            self.succeed(folder / "build/single", cwd=folder)
+            code, output = configure("missing", "")
+            self.assertNotEqual(code, 0)
+            self.assertIn("use find_package(relume COMPONENTS shared)", output)
+            # The static library does need them, so the first program could fail.
+            install("library")
+            for components in ("", "COMPONENTS static", "COMPONENTS lab"):
+                code, output = configure("static", components)
+                self.assertNotEqual(code, 0, components)
+                self.assertIn("CMAKE_DISABLE_FIND_PACKAGE", output)
 
     def run_programs(self, build, ending, scene):
         self.assertIn("pixels are lit", self.succeed(build / f"frame_loop{ending}", scene))
