@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Layers: which folder of src/ and lab/ may include which, and which folders may use which library (docs/architecture.md).
+"""Layers: which folder of src/ and lab/, and tools/, may include which, and which folders may use which library (docs/architecture.md).
 
-Tests and benchmarks beside the code, and everything outside src/ and lab/, may include anything; only libraries that belong to one
+Tests and benchmarks beside the code, and everything outside these folders, may include anything; only libraries that belong to one
 folder are kept from apps/, too. The check reports permissions that no code uses, as these would let the next violation through.
 """
 
@@ -11,6 +11,9 @@ import house
 
 # The roots of includes. Those of lab/ build on those of src/, never the reverse.
 ROOTS = ("src", "lab")
+
+# Programs that make the figures and tables, compiled without the library. They have a row of the table, too.
+TOOLS = "tools"
 
 # The public interfaces, include/relume and lab/include/relume, which everything may include and which include nothing else of
 # the project.
@@ -39,6 +42,7 @@ MAY_INCLUDE = {
     "compare": "core settings scene files metrics report render",
     "interface": "core compare experiments",  # of relume_lab, implemented
     "experiments": "core settings scene builtin_scenes files metrics report techniques render compare",
+    TOOLS: "core materials",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
@@ -124,6 +128,11 @@ def is_test(path):
     return house.is_test_or_benchmark(path) or "testing" in path.parts
 
 
+def row_of(parts):
+    """Row of the table for a path below the root."""
+    return parts[1] if parts[0] in ROOTS and len(parts) > 2 else parts[0]
+
+
 def includes(path):
     """Matches of INCLUDE in a file, with their lines."""
     text = house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
@@ -147,16 +156,17 @@ def check_file(root, path):
     in_src = parts[0] in ROOTS and len(parts) > 2
     if in_src and parts[1] not in MAY_INCLUDE:
         return [f"{path}:1: {parts[0]}/{parts[1]} is not in the table of layers"]
-    folder = parts[1] if in_src else parts[0]
+    folder = row_of(parts)
+    layered = in_src or folder == TOOLS
     technique = parts[3] if folder == "techniques" and len(parts) > 4 else None
     problems = []
     for match, line in includes(path):
         place = f"{path}:{line}: #include of {match[2]}"
         if path.suffix == ".h" and in_src and len(parts) == 3 and match[2].startswith(HEAVY):
             problems.append(f"{place}: slow to compile; only .cpp files and headers of subfolders include it")
-        if (not in_src and folder != "apps") or is_test(path):
+        if (not layered and folder != "apps") or is_test(path):
             continue
-        problem = check_include(folder, technique, match[2]) if in_src and match[1] == '"' else None
+        problem = check_include(folder, technique, match[2]) if layered and match[1] == '"' else None
         if problem:
             problems.append(f"{place}: {problem}")
         for library, users in LIBRARY_USERS.items():
@@ -170,12 +180,12 @@ def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLU
     used = set()
     for path in house.code_files(root):
         parts = path.relative_to(root).parts
-        if parts[0] not in ROOTS or "include" in parts[:2] or is_test(path):
+        if parts[0] not in (*ROOTS, TOOLS) or "include" in parts[:2] or is_test(path):
             continue
         for match, _ in includes(path):
             target = match[2].split("/")
-            used.add((parts[1], target[0]))
-            if parts[1] == target[0] == "techniques":
+            used.add((row_of(parts), target[0]))
+            if row_of(parts) == target[0] == "techniques":
                 used.add((parts[3], target[2]))
     return [
         f"the table lets {a} include {b}, which it does not"

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CODE_FOLDERS = ("include", "src", "lab", "apps", "python", "tests", "bench")
+CODE_FOLDERS = ("include", "src", "lab", "apps", "python", "tests", "bench", "tools")
 CODE_SUFFIXES = (".h", ".cpp", ".cu")
 
 LITERAL_OR_COMMENT = re.compile(

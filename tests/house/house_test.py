@@ -82,9 +82,11 @@ class Repository(unittest.TestCase):
         self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.write("python/bindings/a.cpp", '#include "b.h"\n#include "relume/scene.h"\n#include "render/session.h"\n')
+        self.write("tools/a.cpp", '#include "materials/a.h"\n#include "render/a.h"\n#include "b.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
             check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "the bindings include only", "core may include nothing", "not a path from src/ or lab/",
-            "not in the table", "render may include", "only scene_io may use", "slow to compile", "include another technique")
+            "not in the table", "render may include", "only scene_io may use", "slow to compile", "include another technique", "tools may include core materials",
+            "tools/a.cpp:3: #include of b.h: is not a path", "only accel may use")
 
     def test_table_of_layers(self):
         self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])
@@ -95,8 +97,9 @@ class Repository(unittest.TestCase):
         self.write("src/scene_io/a.h", '#include "core/a.h"\n')
         self.write("src/scene_io/a_test.cpp", '#include "scene/a.h"\n')
         self.write("src/techniques/transport/bdpt/a.h", '#include "techniques/transport/path/a.h"\n')
-        unused = check_layers.unused_permissions(self.root, {"io": "core scene", "techniques": ""}, {"bdpt": "path octree"})
-        self.assertEqual([problem.split(",")[0] for problem in unused], ["the table lets io include scene", "the table lets bdpt include octree"])
+        self.write("tools/a.cpp", '#include "materials/a.h"\n')
+        unused = check_layers.unused_permissions(self.root, {"io": "core scene", "techniques": "", "tools": "lights materials"}, {"bdpt": "path octree"})
+        self.assertEqual([problem.split(",")[0] for problem in unused], ["the table lets io include scene", "the table lets tools include lights", "the table lets bdpt include octree"])
 
     def test_functions_are_measured(self):
         found = check_sources.functions(FUNCTIONS)
