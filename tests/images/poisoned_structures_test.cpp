@@ -2,6 +2,7 @@
 // sequence, as in an epoch.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "builtin_scenes/builtin.h"
@@ -21,9 +22,16 @@ namespace {
 constexpr uint32_t kWidth = 24;
 constexpr uint32_t kHeight = 16;
 constexpr uint32_t kPixels = kWidth * kHeight;
-constexpr uint32_t kFrames = 8;
-constexpr int kImages = 16;
 constexpr uint32_t kBits = 128;
+
+/// Number of images and frames of each. The detectable errors are those of ImageTestOptions.
+struct Effort {
+  uint32_t images;
+  uint32_t frames;
+  ImageTestOptions options;
+};
+const Effort kQuick{16, 8, {.detectable = 0.25, .detectable_mean = 0.2}};     // seconds
+const Effort kSharp{64, 128, {.detectable = 0.04, .detectable_mean = 0.03}};  // minutes; 64 times the samples
 
 /// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
@@ -90,13 +98,13 @@ class Poisoned {
   }
 
   /// Images of several seeds, each the mean of one epoch's frames.
-  Moments images(const PathContext& context, uint32_t first_seed) {
+  Moments images(const PathContext& context, const Effort& effort, uint32_t first_seed) {
     std::vector<Image> images;
-    for (uint32_t i = 0; i < kImages; ++i) {
+    for (uint32_t i = 0; i < effort.images; ++i) {
       Image mean(kWidth, kHeight);
-      for (uint32_t frame = 0; frame < kFrames; ++frame) {
+      for (uint32_t frame = 0; frame < effort.frames; ++frame) {
         const std::vector<Rgb> radiance = trace(context, {.seed = first_seed + i, .sample = frame, .age = frame});
-        for (uint32_t p = 0; p < kPixels; ++p) mean.pixels[p] += radiance[p] / static_cast<float>(kFrames);
+        for (uint32_t p = 0; p < kPixels; ++p) mean.pixels[p] += radiance[p] / static_cast<float>(effort.frames);
       }
       images.push_back(std::move(mean));
     }
@@ -172,25 +180,31 @@ class Poisoned {
   UniformLights uniform_;
 };
 
-const ImageTestOptions kOptions{.detectable = 0.25, .detectable_mean = 0.2};
-
-TEST(PoisonedStructures, QuadtreesKeepTheMean) {
+void check_quadtrees(const std::string& name, const Effort& effort) {
   Poisoned poisoned("cornell");
-  const Moments expected = poisoned.images(poisoned.plain(), 1001);
-  expect_same_image("poisoned-quadtrees", poisoned.images(poisoned.guided(), 1), expected, kOptions);
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.guided(), effort, 1), expected, effort.options);
 }
 
-TEST(PoisonedStructures, FractionsKeepTheMean) {
+void check_fractions(const std::string& name, const Effort& effort) {
   Poisoned poisoned("cornell");
-  const Moments expected = poisoned.images(poisoned.plain(), 1001);
-  expect_same_image("poisoned-fractions", poisoned.images(poisoned.guided_by_fractions(), 1), expected, kOptions);
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.guided_by_fractions(), effort, 1), expected, effort.options);
 }
 
-TEST(PoisonedStructures, LightCachesKeepTheMean) {
+void check_caches(const std::string& name, const Effort& effort) {
   Poisoned poisoned("turntable");
-  const Moments expected = poisoned.images(poisoned.plain(), 1001);
-  expect_same_image("poisoned-caches", poisoned.images(poisoned.cached(), 1), expected, kOptions);
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1), expected, effort.options);
 }
+
+TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
+TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions", kQuick); }
+TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
+
+TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
+TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
+TEST(SlowPoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches-sharp", kSharp); }
 
 }  // namespace
 }  // namespace relume::support
