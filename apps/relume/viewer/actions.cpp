@@ -14,7 +14,6 @@
 #include "relume/error.h"
 #include "render/display.h"
 #include "reports.h"
-#include "viewer/panels.h"
 #include "viewer/save_view.h"
 #include "viewer/sun_path.h"
 
@@ -237,6 +236,14 @@ void finish_pick(State& state) {
     state.panel = Panel::scene;
     state.panel_wanted = true;
   }
+}
+
+void select(State& state, const Selection& selection) {
+  state.selection = selection;
+  const Index node = selected_node(state);
+  if (node == kNone || !state.document->make_movable(node)) return;
+  state.notify("compiling the scene to make the selection movable");
+  state.touch();
 }
 
 Index selected_node(const State& state) {

@@ -45,6 +45,8 @@ void pick_at(State& state, const Vec2& point, bool focus);
 /// Handles the result of pick_at().
 void finish_pick(State& state);
 
+/// Selects an item, and makes its node movable, which recompiles the scene.
+void select(State& state, const Selection& selection);
 /// The node that moves the selection (Document::mover() for a skinned mesh); kNone if it has no position or cannot
 /// move.
 Index selected_node(const State& state);

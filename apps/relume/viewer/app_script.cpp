@@ -8,7 +8,6 @@
 #include "relume/error.h"
 #include "viewer/actions.h"
 #include "viewer/app.h"
-#include "viewer/panels.h"
 
 namespace relume::viewer {
 namespace {

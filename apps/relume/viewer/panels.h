@@ -23,7 +23,4 @@ void draw_environment(State& state);
 /// Widgets of the selection.
 void draw_selection(State& state);
 
-/// Selects an item, and makes its node movable, which recompiles the scene.
-void select(State& state, const Selection& selection);
-
 }  // namespace relume::viewer

@@ -10,7 +10,7 @@
 
 #include "relume/error.h"
 #include "scene/scene_hash.h"
-#include "viewer/settings_panel.h"
+#include "viewer/setting_rules.h"
 #include "viewer/testing/render_stage.h"
 
 namespace relume::viewer {

@@ -124,14 +124,6 @@ void draw_time(State& state) {
 
 }  // namespace
 
-void select(State& state, const Selection& selection) {
-  state.selection = selection;
-  const Index node = selected_node(state);
-  if (node == kNone || !state.document->make_movable(node)) return;
-  state.notify("compiling the scene to make the selection movable");
-  state.touch();
-}
-
 void draw_scene_panel(State& state) {
   if (!state.document) return;
   draw_open(state);

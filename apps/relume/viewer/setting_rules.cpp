@@ -1,6 +1,6 @@
-// Rules for settings, independent of drawing.
+#include "viewer/setting_rules.h"
+
 #include "render/build_pipeline.h"
-#include "viewer/settings_panel.h"
 
 namespace relume::viewer {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/settings_panel.h"
+#include "viewer/setting_rules.h"
 
 #include <gtest/gtest.h>
 

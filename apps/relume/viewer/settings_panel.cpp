@@ -9,6 +9,7 @@
 
 #include "relume/error.h"
 #include "render/presets.h"
+#include "viewer/setting_rules.h"
 #include "viewer/setting_search.h"
 #include "viewer/theme.h"
 #include "viewer/widgets.h"
