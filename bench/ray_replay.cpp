@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "cli/scene_source.h"
 #include "core/clock.h"
 #include "embree_recorder.h"
 #include "frame/launch.h"
 #include "relume/error.h"
 #include "render/session.h"
 #include "render/settings.h"
-#include "scene_source.h"
 
 namespace relume {
 namespace {

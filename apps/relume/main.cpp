@@ -1,8 +1,8 @@
 #include <string>
 #include <vector>
 
-#include "command_line.h"
-#include "platform.h"
+#include "cli/command_line.h"
+#include "cli/platform.h"
 
 int main(int argc, char** argv) {
   using namespace relume::cli;

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include "cli/frame_sequence.h"
 #include "compare/contender.h"
-#include "frame_sequence.h"
 #include "relume/error.h"
 #include "settings/duration.h"
 

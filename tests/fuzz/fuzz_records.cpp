@@ -11,8 +11,8 @@
 #include "record_case.h"
 #include "relume/error.h"
 #include "scratch.h"
-#include "viewer/camera_path.h"
-#include "viewer/script.h"
+#include "viewer/model/camera_path.h"
+#include "viewer/model/script.h"
 
 namespace {
 

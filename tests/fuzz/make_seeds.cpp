@@ -18,7 +18,7 @@
 #include "scene_io/testing/example_files.h"
 #include "scene_io/testing/serialized_file.h"
 #include "settings/settings_json.h"
-#include "viewer/camera_path.h"
+#include "viewer/model/camera_path.h"
 
 namespace {
 

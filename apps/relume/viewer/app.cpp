@@ -7,11 +7,11 @@
 
 #include "core/clock.h"
 #include "relume/error.h"
-#include "viewer/actions.h"
 #include "viewer/imgui_input.h"
-#include "viewer/panels.h"
-#include "viewer/settings_panel.h"
-#include "viewer/theme.h"
+#include "viewer/model/actions.h"
+#include "viewer/panels/panels.h"
+#include "viewer/panels/settings_panel.h"
+#include "viewer/panels/theme.h"
 
 namespace relume::viewer {
 namespace {

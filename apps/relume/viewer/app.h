@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "viewer/monitor.h"
-#include "viewer/script.h"
-#include "viewer/state.h"
+#include "viewer/model/monitor.h"
+#include "viewer/model/script.h"
+#include "viewer/model/state.h"
 #include "viewer/view_job.h"
 #include "viewer/viewport.h"
 #include "viewer/window.h"

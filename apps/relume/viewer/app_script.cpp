@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "relume/error.h"
-#include "viewer/actions.h"
 #include "viewer/app.h"
+#include "viewer/model/actions.h"
 
 namespace relume::viewer {
 namespace {

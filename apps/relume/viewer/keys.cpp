@@ -1,7 +1,7 @@
 #include <imgui/imgui_internal.h>
 
-#include "viewer/actions.h"
 #include "viewer/imgui_input.h"
+#include "viewer/model/actions.h"
 #include "viewer/viewport.h"
 
 namespace relume::viewer {

@@ -6,18 +6,18 @@
 
 #include <fmt/format.h>
 
-#include "console.h"
+#include "cli/console.h"
+#include "cli/file_roles.h"
+#include "cli/image.h"
+#include "cli/ocio_option.h"
+#include "cli/platform.h"
+#include "cli/scene_source.h"
 #include "core/clock.h"
-#include "file_roles.h"
 #include "files/atomic_file.h"
-#include "image.h"
-#include "ocio_option.h"
-#include "platform.h"
 #include "render/settings.h"
-#include "scene_source.h"
 #include "viewer/app.h"
-#include "viewer/script.h"
-#include "viewer/start_settings.h"
+#include "viewer/model/script.h"
+#include "viewer/model/start_settings.h"
 #include "viewer/window.h"
 
 namespace relume::cli {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "command.h"
+#include "cli/command.h"
 
 namespace relume::cli {
 

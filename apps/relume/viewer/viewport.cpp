@@ -5,8 +5,8 @@
 
 #include "render/display.h"
 #include "scene/light_parameters.h"
-#include "viewer/actions.h"
-#include "viewer/theme.h"
+#include "viewer/model/actions.h"
+#include "viewer/panels/theme.h"
 
 namespace relume::viewer {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <imgui/imgui.h>
 
-#include "viewer/gl_image.h"
-#include "viewer/state.h"
+#include "viewer/model/state.h"
+#include "viewer/render/gl_image.h"
 
 namespace relume::viewer {
 

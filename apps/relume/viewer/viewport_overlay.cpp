@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "reports.h"
-#include "viewer/inspect.h"
-#include "viewer/preparation_lines.h"
-#include "viewer/theme.h"
+#include "cli/reports.h"
+#include "viewer/panels/preparation_lines.h"
+#include "viewer/panels/theme.h"
+#include "viewer/render/inspect.h"
 #include "viewer/viewport.h"
 
 namespace relume::viewer {

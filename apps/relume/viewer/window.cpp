@@ -15,8 +15,8 @@
 #include "core/srgb.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
-#include "viewer/gl.h"
-#include "viewer/theme.h"
+#include "viewer/panels/theme.h"
+#include "viewer/render/gl.h"
 
 namespace relume::viewer {
 namespace {

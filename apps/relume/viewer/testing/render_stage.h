@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "builtin_scenes/builtin.h"
-#include "viewer/document.h"
-#include "viewer/render_thread.h"
+#include "viewer/model/document.h"
+#include "viewer/render/render_thread.h"
 
 namespace relume::viewer::testing {
 

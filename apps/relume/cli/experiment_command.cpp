@@ -1,0 +1,257 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/command.h"
+#include "cli/console.h"
+#include "cli/file_roles.h"
+#include "cli/machine.h"
+#include "cli/platform.h"
+#include "cli/progress.h"
+#include "compare/reference.h"
+#include "core/clock.h"
+#include "experiments/output/results.h"
+#include "files/atomic_file.h"
+#include "frame/cuda/device_choice.h"
+#include "frame/launch.h"
+#include "settings/text_list.h"
+
+namespace relume::cli {
+namespace {
+
+struct ExperimentOptions {
+  std::string action;
+  std::string names;  ///< comma-separated
+  std::string output = "experiments";
+  std::string scenes;
+  std::string cache_folder;
+  std::string device = "cpu";
+  int threads = 0;  ///< 0: all
+  bool all = false;
+  bool quick = false;
+  bool goes_on = false;
+};
+
+int list_experiments() {
+  for (const Experiment& e : experiments())
+    std::fputs(fmt::format("{:<20} {:<18} {}\n", e.name, e.paper, e.summary).c_str(), stdout);
+  return kExitDone;
+}
+
+std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
+  std::vector<const Experiment*> list;
+  if (o.all) {
+    if (!o.names.empty()) throw UsageError("experiment run takes names or --all, not both");
+    for (const Experiment& e : experiments()) list.push_back(&e);
+    return list;
+  }
+  for (const std::string_view name : split_at_commas(o.names)) {
+    const Experiment* experiment = &require_experiment(name);
+    if (std::find(list.begin(), list.end(), experiment) == list.end()) list.push_back(experiment);
+  }
+  if (list.empty()) throw UsageError("experiment run needs names or --all; `relume experiment list` shows them");
+  return list;
+}
+
+/// Throws UsageError for results that cannot be written or would replace a scene.
+void check_outputs(const ExperimentOptions& o, const std::vector<const Experiment*>& list,
+                   const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files = {folder / "index.html", folder / "index.md"};
+  for (const Experiment* experiment : list) {
+    for (const char* extension : {".html", ".json"})
+      files.push_back(folder / (std::string(experiment->name) + extension));
+  }
+  FileRoles roles;
+  if (!o.scenes.empty()) roles.reads("--scenes", std::filesystem::path(o.scenes) / "sponza" / "sponza.gltf");
+  for (const std::filesystem::path& file : files) {
+    roles.writes("-o", file);
+    check_output_file(file);
+  }
+}
+
+ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token& stop, ProgressPrinter& printer) {
+  ExperimentContext context;
+  context.quick = o.quick;
+  context.cache_folder = reference_folder(o.cache_folder);
+  context.scene_folder = o.scenes;
+  context.program = program_stamp();
+  context.device = o.device;
+  context.stop = stop;
+  context.progress = [&printer](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); };
+  return context;
+}
+
+void print_claims(const Experiment& experiment, const ExperimentResult& result) {
+  std::fputs(fmt::format("{} {}\n", experiment.name, experiment.paper).c_str(), stdout);
+  for (const Claim& claim : result.claims)
+    std::fputs(fmt::format("  {:<14} {:<22} {}\n", claim.verdict, claim.id, claim.measured).c_str(), stdout);
+  std::fflush(stdout);
+}
+
+/// The experiment's summary in the folder; std::nullopt if it was not run.
+std::optional<ExperimentSummary> summary_in(const std::filesystem::path& folder, const Experiment& experiment) {
+  const std::filesystem::path file = folder / (std::string(experiment.name) + ".json");
+  if (std::error_code failure; !std::filesystem::exists(file, failure)) return std::nullopt;
+  const std::vector<std::byte> bytes = read_file(file);
+  return read_summary({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+}
+
+/// All summaries in the folder, of any run.
+std::vector<ExperimentSummary> summaries_in(const std::filesystem::path& folder) {
+  std::vector<ExperimentSummary> summaries;
+  for (const Experiment& experiment : experiments()) {
+    if (auto summary = summary_in(folder, experiment)) summaries.push_back(std::move(*summary));
+  }
+  return summaries;
+}
+
+void write_index(const std::filesystem::path& folder) {
+  const std::vector<ExperimentSummary> all = summaries_in(folder);
+  write_file(folder / "index.html", to_html(index_page(all)));
+  write_file(folder / "index.md", index_markdown(all));
+}
+
+/// The result that `--continue` keeps from the folder. Returns std::nullopt if it must be measured, also if it lacks
+/// scenes that are available now, or is of another device.
+std::optional<ExperimentSummary> result_that_stays(const ExperimentOptions& o, const std::filesystem::path& folder,
+                                                   const Experiment& experiment) {
+  if (!o.goes_on) return std::nullopt;
+  std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
+  if (!summary) return std::nullopt;
+  const bool lacks_scenes = !summary->run.scenes && !o.scenes.empty();
+  if (summary->run.quick != o.quick || lacks_scenes || summary->run.device != o.device) return std::nullopt;
+  return summary;
+}
+
+void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem::path& folder,
+                        const ExperimentContext& context, const Verbosity& verbosity) {
+  log_info(verbosity,
+           fmt::format("{} is in {} already{}", summary.name, folder.string(),
+                       summary.run.program == context.program
+                           ? ""
+                           : ", measured by another build of relume; run without --continue to measure it again"));
+}
+
+/// The machine with its device, and the number of threads used.
+std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
+  auto machine = machine_description({o.device});
+  if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
+  return machine;
+}
+
+/// Measures, and writes the result beside those already in the folder.
+void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
+                    const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity) {
+  const std::string name(experiment.name);
+  const double start_s = now_s();
+  const ExperimentResult result = experiment.run(context);
+  const ExperimentRun run{machine_of(o), o.quick, now_s() - start_s, !o.scenes.empty(), context.program, o.device};
+  printer.clear();
+  write_files({{folder / (name + ".html"), to_html(experiment_page(experiment, result, run))},
+               {folder / (name + ".json"), to_json(experiment, result, run)}});
+  std::error_code stays;
+  std::filesystem::remove_all(context.parts_folder, stays);
+  write_index(folder);
+  print_claims(experiment, result);
+  log_info(verbosity,
+           fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
+}
+
+int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
+  const std::vector<const Experiment*> list = chosen(wanted);
+  ExperimentOptions o = wanted;
+  o.device = cuda::resolved_device(wanted.device);  // all results record, and use, the same device
+  const std::filesystem::path folder = o.output;
+  make_output_folder(folder);
+  check_outputs(o, list, folder);
+  summaries_in(folder);  // reports a foreign file before hours of work, not after
+  const ThreadLimit limit(o.threads);
+  const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
+  ProgressPrinter printer(!verbosity.quiet);
+  ExperimentContext context = make_context(o, interrupts.token(), printer);
+  std::vector<std::string> failed;
+  for (const Experiment* experiment : list) {
+    const std::string name(experiment->name);
+    context.parts_folder = folder / (name + ".parts");
+    if (const auto summary = result_that_stays(o, folder, *experiment)) {
+      tell_that_it_stays(*summary, folder, context, verbosity);
+      continue;
+    }
+    try {
+      run_experiment(*experiment, o, context, folder, printer, verbosity);
+    } catch (const ExperimentStopped&) {
+      printer.clear();
+      log_info(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
+                                      list.size() > 1 && !o.goes_on ? " with --continue" : ""));
+      return kExitInterrupted;
+    } catch (const std::exception& error) {
+      if (list.size() == 1) throw;
+      printer.clear();
+      warn(fmt::format("{} failed: {}", name, error.what()));  // other experiments continue
+      failed.push_back(name);
+    }
+  }
+  write_index(folder);  // also if all of them existed
+  if (!failed.empty())
+    throw Error(fmt::format("{} of {} experiments failed: {}", failed.size(), list.size(), fmt::join(failed, ", ")));
+  return kExitDone;
+}
+
+int run(const ExperimentOptions& o, const Verbosity& verbosity) {
+  if (o.action == "run") return run_experiments(o, verbosity);
+  if (o.action != "list") throw UsageError(fmt::format("experiment has no action '{}'; use list or run", o.action));
+  return list_experiments();
+}
+
+}  // namespace
+
+Command experiment_command(Verbosity& verbosity) {
+  const auto options = std::make_shared<ExperimentOptions>();
+  Command command{
+      .name = "experiment",
+      .summary = "Measure the claims of papers.",
+      .examples = {{"relume experiment list", "all experiments"},
+                   {"relume experiment run reprojection -o out",
+                    "claims and curves, in out/reprojection.html and .json"},
+                   {"relume experiment run --all -o out --quick", "a quick run of all, to check that they work"},
+                   {"relume experiment run --all -o out --scenes scenes", "with Sponza in scenes/sponza"}},
+      .arguments = {{"ACTION", &options->action, "list or run", true, Completion::experiment},
+                    {"NAME", &options->names, "Experiments", false, Completion::experiment, true}},
+      .options =
+          {{{"output", &options->output,
+             "Folder for NAME.json and NAME.html, and for index.html and index.md over all of them"},
+            "FOLDER",
+            'o',
+            Completion::file},
+           {{"all", &options->all, "Run all experiments"}},
+           {{"threads", &options->threads, "Worker threads; 0: one per core", {.min = 0, .max = 1024}}},
+           {{"device", &options->device,
+             "Device that renders: cpu; cuda or cuda:N, an NVIDIA GPU (relume devices lists them); auto, the first "
+             "usable GPU, else cpu"},
+            "DEVICE"},
+           {{"quick", &options->quick, "Small images and few settings"}},
+           {{"continue", &options->goes_on, "Skip experiments whose results are in the folder already"}},
+           {{"scenes", &options->scenes, "Folder with scenes that are not built in, such as sponza/sponza.gltf"},
+            "FOLDER",
+            0,
+            Completion::file},
+           {{"cache-dir", &options->cache_folder,
+             "Folder for cached references, in references/; without it, $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+            "FOLDER",
+            0,
+            Completion::file}},
+      .setting_groups = {},
+      .setting_flags = nullptr,
+      .run = [options, &verbosity] { return run(*options, verbosity); },
+      .folders = {kReferenceFolder},
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli
