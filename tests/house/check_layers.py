@@ -64,6 +64,14 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_graphs": "adaptive_psf path path_space_filter",
 }
 
+# The parts of the viewer -> the parts that each may include, besides itself.
+VIEWER = "apps/relume/viewer"
+VIEWER_MAY_INCLUDE = {
+    "render": "",
+    "model": "render",
+    "panels": "model render",
+}
+
 # The closed lists of a slot's strategies, with what these share: strategies include them, and they include strategies.
 SLOTS = ("direction_sampling", "light_selection")
 
@@ -128,6 +136,17 @@ def is_test(path):
     return house.is_test_or_benchmark(path) or "testing" in path.parts
 
 
+def check_viewer(name, target):
+    """Problem of an include of `target`, a path below apps/relume, in the file `name`, or None."""
+    part = name.removeprefix(f"{VIEWER}/").split("/")[0]
+    if not name.startswith(f"{VIEWER}/") or part not in VIEWER_MAY_INCLUDE or not target.startswith("viewer/"):
+        return None
+    allowed = VIEWER_MAY_INCLUDE[part]
+    if target.split("/")[1] in (part, *allowed.split()):
+        return None
+    return f"breaks the layers of the viewer: {part} may include {allowed or 'nothing'}"
+
+
 def row_of(parts):
     """Row of the table for a path below the root."""
     return parts[1] if parts[0] in ROOTS and len(parts) > 2 else parts[0]
@@ -166,7 +185,7 @@ def check_file(root, path):
             problems.append(f"{place}: slow to compile; only .cpp files and headers of subfolders include it")
         if (not layered and folder != "apps") or is_test(path):
             continue
-        problem = check_include(folder, technique, match[2]) if layered and match[1] == '"' else None
+        problem = check_include(folder, technique, match[2]) if layered and match[1] == '"' else check_viewer(path.relative_to(root).as_posix(), match[2])
         if problem:
             problems.append(f"{place}: {problem}")
         for library, users in LIBRARY_USERS.items():

@@ -81,10 +81,14 @@ class Repository(unittest.TestCase):
         self.write("src/render/a.h", '#include "compare/a.h"\n')
         self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
+        self.write("apps/relume/viewer/app.cpp", '#include "viewer/panels/a.h"\n')
+        self.write("apps/relume/viewer/model/a.cpp", '#include "viewer/model/a.h"\n#include "viewer/render/a.h"\n#include "cli/a.h"\n#include "viewer/app.h"\n')
+        self.write("apps/relume/viewer/model/a_test.cpp", '#include "viewer/panels/a.h"\n')
+        self.write("apps/relume/viewer/render/a.h", '#include "viewer/model/a.h"\n')
         self.write("python/bindings/a.cpp", '#include "b.h"\n#include "relume/scene.h"\n#include "render/session.h"\n')
         self.write("tools/a.cpp", '#include "materials/a.h"\n#include "render/a.h"\n#include "b.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
-            check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "the bindings include only", "core may include nothing", "not a path from src/ or lab/",
+            check_layers.check, "only accel may use", "model may include render", "render may include nothing", "the public interface includes only itself", "compare may include", "the bindings include only", "core may include nothing", "not a path from src/ or lab/",
             "not in the table", "render may include", "only scene_io may use", "slow to compile", "include another technique", "tools may include core materials",
             "tools/a.cpp:3: #include of b.h: is not a path", "only accel may use")
 
