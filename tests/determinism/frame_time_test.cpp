@@ -1,8 +1,6 @@
 // Tests that the times of launches add up to the frame: no pass works on the host outside of them.
 #include <gtest/gtest.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,6 +13,7 @@
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "support/technique_checks.h"
+#include "support/thread_clock.h"
 
 namespace relume::support {
 namespace {
@@ -36,13 +35,6 @@ struct Size {
 };
 constexpr Size kSmall{64, 36};
 constexpr Size kLarge{256, 144};
-
-/// CPU time of the calling thread, which other processes do not affect.
-double thread_s() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 RenderSettings settings_of(const DeterminismCheck& technique, const Size& size) {
   RenderSettings s = small_settings(size.width, size.height);  // one thread, which runs all kernels
