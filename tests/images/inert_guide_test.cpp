@@ -1,5 +1,5 @@
-// Tests the error of path guiding that samples all directions from the BSDF: it can differ from path tracing only by its
-// random numbers.
+// Tests the error of path guiding that samples all directions from the BSDF: it can differ from path tracing only by
+// its random numbers.
 #include <gtest/gtest.h>
 
 #include <vector>
