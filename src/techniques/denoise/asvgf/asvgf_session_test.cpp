@@ -97,9 +97,9 @@ TEST(AsvgfSession, StoppedAndResumedFramesHaveTheSameBits) {
   const Scene scene = find_builtin_scene("turntable")->build();
   RenderSettings settings = settings_of(DenoiseChoice::asvgf, 53, 37);  // not a multiple of tiles or strata
   Session whole(scene, settings);
+  Session resumed(scene, settings);
   settings.threads = 5;
   Session stopped(scene, settings);
-  Session resumed(scene, settings);
   const auto render = [](Session& session, int frame) {
     session.set_time(0.1f * static_cast<float>(frame));
     session.render_frame();

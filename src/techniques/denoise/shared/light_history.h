@@ -72,8 +72,8 @@ RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChan
 
 inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< larger counts are not exact as floats
 
-/// Number of samples for which a history of `age` samples counts if the next one weighs (1 − λ) α + λ, instead of α = 1 /
-/// (age + 1), in their common mean ([Schied18]). Rounded. `lambda`: λ, in [0, 1].
+/// Number of samples, rounded, for which a history of `age` samples counts if the next one weighs (1 − λ) α + λ and not
+/// only α = 1 / (age + 1), in their common mean ([Schied18]). `lambda`: λ, in [0, 1].
 RELUME_HD inline uint32_t adapted_age(uint32_t age, float lambda) {
   if (!(lambda > 0.0f)) return age;
   const auto samples = static_cast<float>(age);
