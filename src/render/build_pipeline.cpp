@@ -147,14 +147,12 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
         settings.history != HistoryChoice::none, source, needs_splat_image(settings));
-    return nullptr;
-  }
-  if (settings.estimator != EstimatorChoice::path) {
+  } else if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
                                                                                            needs_splat_image(settings));
-    return nullptr;
   }
+  if (settings.estimator != EstimatorChoice::path) return nullptr;
   if (settings.cache == CacheChoice::none) {
     const PathRecords records{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
     auto& paths = builder.add_tracing<PathPass>(source, records, octree ? &octree->recording() : nullptr);

@@ -14,12 +14,12 @@ struct BdptContext {
   View<const Rgb> light_medium;  ///< output of LightMediumKernel; empty: no light is inside a tinted medium
   View<FixedPointRgb> splats;
   uint32_t width = 0;
-  uint32_t max_light_vertices = 16;  ///< at most kMaxLightVertices
-  float connection_roulette = 0;     ///< strength of ConnectionRoulette; 0: tests every connection
-  bool light_only = false;           ///< true for light tracing: light subpaths alone, connected to the camera
-  float light_paths = 1;             ///< light subpaths per pixel, as assumed by the weights
-  float merging = 0;                 ///< η² of vertex merging (partial_weights.h); 0: none
-  float connected = 1;               ///< square of the number of connections between surfaces, as light_paths
+  uint32_t max_light_vertices = 16;     ///< at most kMaxLightVertices
+  float connection_roulette = 0;        ///< strength of ConnectionRoulette; 0: tests every connection
+  bool light_only = false;              ///< true for light tracing: light subpaths alone, connected to the camera
+  float light_paths = 1;                ///< light subpaths per pixel, as assumed by the weights
+  float merging = 0;                    ///< η² of vertex merging (partial_weights.h); 0: none
+  float connected = 1;                  ///< square of the number of connections between surfaces, as light_paths
   float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every sample has its own
 
   RELUME_HD const SceneView& scene() const { return path.scene; }

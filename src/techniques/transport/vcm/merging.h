@@ -66,9 +66,7 @@ struct SortVerticesKernel {
   View<const uint32_t> order;
   View<GridVertex> sorted;
 
-  RELUME_HD void operator()(uint32_t i, uint32_t /*y*/) const {
-    sorted[i] = {vertices[order[i]].position, order[i]};
-  }
+  RELUME_HD void operator()(uint32_t i, uint32_t /*y*/) const { sorted[i] = {vertices[order[i]].position, order[i]}; }
 };
 
 /// Weight of merging the last vertex of a camera subpath with a light vertex. `bsdf`: scattering there towards the

@@ -57,9 +57,9 @@ class VcmPass final : public BdptPass {
   VcmSettings vcm_;
   bool accumulates_;
   Array<PathVertex> light_vertices_;  ///< `stride_` slots per light subpath
-  Array<uint32_t> counts_;      ///< vertices by light subpath
-  Array<uint32_t> rays_;        ///< by light subpath
-  Array<GridVertex> sorted_;    ///< of all vertices that can merge
+  Array<uint32_t> counts_;            ///< vertices by light subpath
+  Array<uint32_t> rays_;              ///< by light subpath
+  Array<GridVertex> sorted_;          ///< of all vertices that can merge
   KeyGroups groups_;
   PrimitiveScratch grid_scratch_;
   uint32_t stride_ = 0;

@@ -59,12 +59,12 @@ void expect_close(const ImageMean& a, const ImageMean& b, double bias, const std
   }
 }
 
-constexpr float kPoolHeight = 2;      ///< of light and camera above the surface, metres
-constexpr float kPoolDepth = 0.4f;    ///< of the floor below the surface, metres
-constexpr float kPoolIor = 1.5f;      ///< of the block
-constexpr float kPoolAlbedo = 0.8f;   ///< of the floor
+constexpr float kPoolHeight = 2;       ///< of light and camera above the surface, metres
+constexpr float kPoolDepth = 0.4f;     ///< of the floor below the surface, metres
+constexpr float kPoolIor = 1.5f;       ///< of the block
+constexpr float kPoolAlbedo = 0.8f;    ///< of the floor
 constexpr float kPoolIntensity = 100;  ///< of the spotlight, W/sr
-constexpr float kOuterAngle = 0.12f;  ///< of the spotlight's cone, radians
+constexpr float kOuterAngle = 0.12f;   ///< of the spotlight's cone, radians
 
 /// A diffuse floor in a block of smooth glass, seen from above through its surface. `x`: of the camera and its target.
 SceneBuilder pool_seen_from(float x, float fov_y_deg) {
@@ -161,8 +161,8 @@ TEST(Vcm, AgreesWithPathTracingAtASmallRadius) {
 TEST(SlowVcm, AgreesWithPathTracingWithAllLightsAndCameras) {
   for (const ZooLight light : kLightsWithExtent) {
     for (const ZooCamera camera : kZooCameras) {
-      const std::string name = std::string(kZooLightNames[static_cast<int>(light)]) + " " +
-                               kZooCameraNames[static_cast<int>(camera)];
+      const std::string name =
+          std::string(kZooLightNames[static_cast<int>(light)]) + " " + kZooCameraNames[static_cast<int>(camera)];
       expect_mean_of_path_tracing(make_zoo(light, camera), 1, 1024, name);
     }
   }
