@@ -205,7 +205,7 @@ double blur_beside_the_light(float alpha) {
 
 TEST(Vcm, ShrinkingRadiiReduceTheBlur) {
   const double constant = blur_beside_the_light(1);
-  EXPECT_GT(constant, 0.01 * static_cast<double>(expected_pool_radiance()));
+  EXPECT_GT(constant, 0.002 * static_cast<double>(expected_pool_radiance()));
   EXPECT_LT(blur_beside_the_light(0.25f), 0.3 * constant);
 }
 
