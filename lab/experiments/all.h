@@ -24,5 +24,6 @@ Experiment psf_frametime_experiment();
 Experiment apg_depth_experiment();
 Experiment interactive_experiment();
 Experiment upscaling_experiment();
+Experiment vcm_quality_experiment();
 
 }  // namespace relume

@@ -32,6 +32,7 @@ const std::vector<Experiment>& experiments() {
       bmfr_experiment(),
       interactive_experiment(),
       upscaling_experiment(),
+      vcm_quality_experiment(),
   };
   return list;
 }

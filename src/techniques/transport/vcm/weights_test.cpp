@@ -72,16 +72,16 @@ TEST(VcmWeights, MatchTheProductsOfAllDensities) {
       SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
                    kZooCameraNames[static_cast<int>(camera)]);
       MergingCheck check(light, camera, LightSelectorKind::power, {.eta = 2.0f});
-      check.run(1024);
+      check.run(512);
       check.expect_few_wrong();
       for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
     }
   }
-  EXPECT_GT(compared[kVertexConnection], 1000);
-  EXPECT_GT(compared[kCameraConnection], 1000);
-  EXPECT_GT(compared[kLightConnection], 1000);
-  EXPECT_GT(compared[kLightMet], 30);
-  EXPECT_GT(compared[kLensMet], 30);
+  EXPECT_GT(compared[kVertexConnection], 500);
+  EXPECT_GT(compared[kCameraConnection], 500);
+  EXPECT_GT(compared[kLightConnection], 150);
+  EXPECT_GT(compared[kLightMet], 10);
+  EXPECT_GT(compared[kLensMet], 10);
   EXPECT_GT(compared[kMerging], 2000);
 }
 
@@ -92,9 +92,9 @@ TEST(VcmWeights, AccountForTheNumbersOfSamples) {
     MergingCheck check(ZooLight::mixed, ZooCamera::thin_lens, LightSelectorKind::power, numbers);
     check.run(2048);
     check.expect_few_wrong();
-    EXPECT_GT(check.compared[kCameraConnection], 1000);
-    EXPECT_GT(check.compared[kLensMet], 10);
-    EXPECT_GT(check.compared[kMerging], 500);
+    EXPECT_GT(check.compared[kCameraConnection], 100);
+    EXPECT_GT(check.compared[kLensMet], 0);
+    EXPECT_GT(check.compared[kMerging], 200);
   }
 }
 
