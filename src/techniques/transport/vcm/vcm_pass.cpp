@@ -67,6 +67,7 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   reset_without_copy(light_vertices_, size_t{paths_} * stride_);
   counts_.reset(paths_, kUninitialized);
   rays_.reset(paths_, kUninitialized);
+  sorted_.clear();
   if (frame.scene.disperses) c.wavelength_nm = frame_wavelength(frame.index);
   radius_ = 0;
   if (most == 0) return samples;
