@@ -38,11 +38,12 @@ struct FrameState {
   bool begins_epoch = true;       ///< whether learned structures are replaced by those of later samples
   uint32_t turns = 1;             ///< number of frames over which every pixel gets one sample
   bool stratified = false;        ///< whether a pixel's samples since the last change form one low-discrepancy sequence
-  std::stop_token stop = {};      ///< empty after a pass has committed to the frame
-  Tile window = {};               ///< rendered pixels; empty: all pixels
-  std::stop_token hurry = {};     ///< if requested, preparation that a later frame can continue ends early
-  bool observed = false;          ///< whether a hook may read and change buffers after each pass
-  View<const uint16_t> blue_noise = {};                   ///< blue_noise_tile(), if the settings use it
+  uint32_t correlated_frames = 1;        ///< as Pass::correlated_frames(), of all passes
+  std::stop_token stop = {};             ///< empty after a pass has committed to the frame
+  Tile window = {};                      ///< rendered pixels; empty: all pixels
+  std::stop_token hurry = {};            ///< if requested, preparation that a later frame can continue ends early
+  bool observed = false;                 ///< whether a hook may read and change buffers after each pass
+  View<const uint16_t> blue_noise = {};  ///< blue_noise_tile(), if the settings use it
   const std::vector<VisibleSet>* visible_sets = nullptr;  ///< of the scene, on the host; nullptr: unknown
 };
 

@@ -161,6 +161,12 @@ bool Pipeline::keeps_to_pixels() const {
   return std::all_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_to_pixels(); });
 }
 
+uint32_t Pipeline::correlated_frames() const {
+  uint32_t most = 1;
+  for (const auto& pass : passes_) most = std::max(most, pass->correlated_frames());
+  return most;
+}
+
 bool Pipeline::prepared() const {
   return std::all_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->prepared(); });
 }

@@ -38,6 +38,8 @@ class Pipeline {
   /// Whether a frame can be stopped after a pass has changed persistent buffers.
   bool stops_late() const;
   bool keeps_to_pixels() const;
+  /// The most of all passes.
+  uint32_t correlated_frames() const;
   bool prepared() const;
   size_t memory_bytes() const;
   std::vector<PassDeclaration> declarations() const;

@@ -12,6 +12,12 @@ RELUME_HD inline float variance_of_mean(float m2, uint32_t n) {
   return n < 2 ? 0.0f : m2 / (static_cast<float>(n) * static_cast<float>(n - 1));
 }
 
+/// The same for samples of frames of which `correlated` count as one: the sum of the correlations between a frame and
+/// all others, at most `n`.
+RELUME_HD inline float variance_of_mean(float m2, uint32_t n, uint32_t correlated) {
+  return variance_of_mean(m2, n) * static_cast<float>(static_cast<int>(relume::min(n, correlated)));
+}
+
 /// Moments of one pixel.
 struct PixelMoments {
   Rgb mean{0};

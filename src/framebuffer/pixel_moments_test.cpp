@@ -53,6 +53,12 @@ TEST(PixelMoments, VarianceNeedsTwoSamples) {
   EXPECT_EQ(variance_of_mean(0.0f, 0), 0.0f);
 }
 
+TEST(PixelMoments, VarianceCountsCorrelatedSamplesOnce) {
+  EXPECT_EQ(variance_of_mean(12.0f, 4, 1), variance_of_mean(12.0f, 4));
+  EXPECT_EQ(variance_of_mean(12.0f, 4, 3), 3 * variance_of_mean(12.0f, 4));
+  EXPECT_EQ(variance_of_mean(12.0f, 4, 41), 4 * variance_of_mean(12.0f, 4)) << "the variance of a sample";
+}
+
 TEST(PixelMoments, LimitKeepsTheMeanAndTheVarianceOfASample) {
   PixelMoments many{Rgb(3), 200, 600, 101};
   many.limit(11);

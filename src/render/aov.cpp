@@ -34,11 +34,11 @@ std::vector<float> components(const Buffer& buffer, size_t count, int c, float s
   return values;
 }
 
-std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
+std::vector<ExrChannel> variance_planes(const BufferTable& buffers, uint32_t correlated_frames) {
   const auto m2 = buffers.read(kMoments.m2);
   const auto count = buffers.read(kSamples);
   ExrChannel plane{"variance.Y", std::vector<float>(m2.size)};
-  for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i]);
+  for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i], correlated_frames);
   return {plane};
 }
 
@@ -70,8 +70,9 @@ std::vector<std::string> names_of(const std::vector<AovLayer>& layers) {
   return names;
 }
 
-std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames) {
-  if (name == "variance") return variance_planes(buffers);
+std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames,
+                                   uint32_t correlated_frames) {
+  if (name == "variance") return variance_planes(buffers, correlated_frames);
   const Buffer* buffer = buffers.find(name);
   if (!buffer || buffer->description().display == BufferDisplay::hidden) {
     throw Error(ErrorCode::not_found, fmt::format("there is no AOV '{}' with these settings{}", name,

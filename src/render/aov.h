@@ -17,6 +17,7 @@ std::vector<std::string> names_of(const std::vector<AovLayer>& layers);
 
 /// Planes of one layer, with their conventional EXR channel names ("albedo.R", "depth.Z"). `frames`: frames since the
 /// last change, the divisor of sums. Throws Error for an unknown name.
-std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames);
+std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames,
+                                   uint32_t correlated_frames);
 
 }  // namespace relume

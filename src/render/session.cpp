@@ -170,7 +170,8 @@ double Session::estimated_error() const {
   const ImageErrors image{{buffers.view(kMean), buffers.view(kMoments.m2), {}, buffers.view(kSamples)},
                           {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)},
                           state_->settings.crop.empty() ? all : state_->window(),
-                          buffers.width()};
+                          buffers.width(),
+                          state_->passes.pipeline.correlated_frames()};
   return relative_error({*state_->backend, kBetweenFrames, state_->scratch}, image);
 }
 
@@ -205,7 +206,7 @@ std::vector<std::string> Session::aov_names(const Settings& settings) {
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
-  return aov_planes(*state_->buffers, name, state_->counters.since_change);
+  return aov_planes(*state_->buffers, name, state_->counters.since_change, state_->passes.pipeline.correlated_frames());
 }
 
 bool Session::set_settings(const Settings& wanted) {

@@ -290,6 +290,7 @@ struct Session::State {
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
                          .turns = static_cast<uint32_t>(settings.upscaling.factor * settings.upscaling.factor),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
+                         .correlated_frames = passes.pipeline.correlated_frames(),
                          .stop = stop,
                          .window = window(),
                          .hurry = hurry,

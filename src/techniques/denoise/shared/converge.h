@@ -23,6 +23,7 @@ struct ConvergeKernel {
   bool still = false;       ///< nothing has changed; otherwise the mean is not trusted
   uint32_t width = 0;
   uint32_t height = 0;
+  float correlated_frames = 1;  ///< as in FrameContext
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     Difference sum;
@@ -122,7 +123,7 @@ struct ConvergeKernel {
     const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
     const float gain = stratified && n > kStratifiedSamples ? std::sqrt(kStratifiedSamples / n) : 1.0f;
     const float squared = sqr(luminance(mean[pixel] - image[pixel]));
-    const float variance = m2[pixel] / (n * (n - 1.0f));
+    const float variance = m2[pixel] / (n * (n - 1.0f)) * relume::min(n, correlated_frames);
     return {squared, gain * variance, squared, (1.0f - gain) * variance};
   }
 
@@ -141,7 +142,7 @@ struct ConvergeKernel {
     load_vectors(&mean[pixel].r, of_mean);
     load_vectors(&image[pixel].r, of_image);
     const Lanes difference = luminance(of_mean[0] - of_image[0], of_mean[1] - of_image[1], of_mean[2] - of_image[2]);
-    const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)));
+    const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)) * min(n, Lanes(correlated_frames)));
     store_lanes(squares, known * (difference * difference));
     store_lanes(variances, gain * variance);
     store_lanes(most_variances, (one - gain) * variance);

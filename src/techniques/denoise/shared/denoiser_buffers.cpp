@@ -147,6 +147,7 @@ bool finish_image(const FrameContext& frame, PrimitiveScratch& scratch, const Im
   converge.samples = frame.read(kSamples);
   converge.converged = frame.write(kDenoised);
   converge.stratified = frame.stratified;
+  converge.correlated_frames = static_cast<float>(frame.correlated_frames);
   converge.still = still;
   converge.width = frame.width();
   converge.height = frame.height();

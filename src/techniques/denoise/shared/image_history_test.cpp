@@ -265,6 +265,19 @@ TEST(ImageHistory, ConvergesToTheMeanWithinItsError) {
   EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(3));
 }
 
+TEST(ImageHistory, CorrelatedFramesRaiseTheErrorOfTheMean) {
+  Images p;
+  std::fill(p.m2.begin(), p.m2.end(), 16.0f * 15.0f);  // the mean of 16 samples has variance 1, and differs by 2
+  for (const auto& [correlated, expected] : {std::pair(1.0f, 1.5f), std::pair(2.0f, 2.0f), std::pair(100.0f, 3.0f)}) {
+    ConvergeKernel kernel = p.converge();
+    kernel.correlated_frames = correlated;
+    kernel(20, 10);
+    EXPECT_NEAR(p.image[10 * kWidth + 20].r, expected, 1e-5f) << correlated;
+    kernel(Tile{0, 0, kTileSize, kTileSize});
+    EXPECT_NEAR(p.image[10 * kWidth + 10].r, expected, 1e-5f) << correlated;
+  }
+}
+
 TEST(ImageHistory, ALonelyBrightSampleStaysFiltered) {
   Images p;  // black except one sample of 160 in one pixel
   constexpr uint32_t kPixel = 20 * kWidth + 20;

@@ -50,9 +50,10 @@ struct SvgfPrepareKernel {
   View<const Vec2> moments;
   View<const uint32_t> count;
   AtrousImage features;
-  AtrousImage planes;     ///< light and variance
-  float cone_width = 0;   ///< width of a pixel at the camera, metres
-  float cone_spread = 0;  ///< growth of that width per metre
+  AtrousImage planes;           ///< light and variance
+  float cone_width = 0;         ///< width of a pixel at the camera, metres
+  float cone_spread = 0;        ///< growth of that width per metre
+  float correlated_frames = 1;  ///< as in FrameContext
   uint32_t width = 0;
   uint32_t height = 0;
 
@@ -119,7 +120,7 @@ struct SvgfPrepareKernel {
     get_pair(moments, pixel, m);
     Triple<Lanes> shown = vector_at<Lanes>(light, pixel);
     LaneMask valid = filtered;
-    Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / (n - 1.0f);
+    Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / (n - 1.0f) * min(n, Lanes(correlated_frames));
     if (has_young(pixel)) {
       const Surroundings<Lanes> around = surroundings<Lanes>(x, y);
       const LaneMask young = n < Lanes(static_cast<float>(kYoungHistory));
@@ -161,8 +162,9 @@ struct SvgfPrepareKernel {
   }
 
   /// Variance of the mean of n samples with moments `m`.
-  RELUME_HD static float variance_of(const Vec2& m, uint32_t n) {
-    return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
+  RELUME_HD float variance_of(const Vec2& m, uint32_t n) const {
+    const float variance = relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
+    return variance * relume::min(static_cast<float>(n), correlated_frames);
   }
   /// The same for `n` below kYoungHistory.
   template <typename T>

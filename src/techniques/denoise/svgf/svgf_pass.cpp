@@ -128,6 +128,7 @@ bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   kernel.planes = image_of(light, frame);
   kernel.cone_width = frame.scene.camera.cone_width();
   kernel.cone_spread = frame.scene.camera.cone_spread();
+  kernel.correlated_frames = static_cast<float>(frame.correlated_frames);
   kernel.width = frame.width();
   kernel.height = frame.height();
   return frame.launch_or_stop("svgf-prepare", kernel);

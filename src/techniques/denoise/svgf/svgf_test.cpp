@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace relume {
@@ -270,6 +271,22 @@ TEST(Svgf, RemovesNoiseByItsVariance) {
   EXPECT_NEAR(wall.mse(1), 1.0 / 8, 0.02);
   wall.filter();
   EXPECT_LT(wall.mse(1), 0.1 / 8);
+}
+
+TEST(Svgf, CorrelatedFramesRaiseTheVarianceOfTheMean) {
+  Wall wall;
+  wall.make_noise(8);
+  wall.prepare();
+  const float independent = wall.at(kAtrousVariance, 20, 20);
+  EXPECT_GT(independent, 0);
+  for (const auto& [correlated, factor] : {std::pair(3.0f, 3.0f), std::pair(41.0f, 8.0f)}) {
+    SvgfPrepareKernel kernel = wall.prepare_kernel();
+    kernel.correlated_frames = correlated;
+    kernel(20, 20);
+    EXPECT_FLOAT_EQ(wall.at(kAtrousVariance, 20, 20), factor * independent);
+    kernel(Tile{16, 16, 32, 32});
+    EXPECT_FLOAT_EQ(wall.at(kAtrousVariance, 20, 20), factor * independent);
+  }
 }
 
 TEST(Svgf, ShortHistoriesUseTheirNeighbours) {

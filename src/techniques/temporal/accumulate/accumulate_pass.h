@@ -33,7 +33,7 @@ class AccumulatePass final : public Pass {
 };
 
 /// Root of the mean variance of the pixels' means, over the image's mean luminance. 0 for a black image, infinite if a
-/// pixel has fewer than two samples.
+/// pixel has fewer than two samples, or fewer than the correlated frames.
 double relative_error(const PrimitiveLaunch& at, const ImageErrors& image);
 
 }  // namespace relume

@@ -20,7 +20,7 @@ struct SplatImageBuffers {
 struct ImageErrorSums {
   double variance = 0;        ///< of the pixels' means
   double luminance = 0;       ///< of the pixels' means
-  uint32_t undersampled = 0;  ///< 1 if any pixel has fewer than two samples
+  uint32_t undersampled = 0;  ///< 1 if any pixel has too few samples for an estimate
 };
 
 struct AddImageErrors {
@@ -36,7 +36,8 @@ struct ImageErrors {
   MomentsView moments;
   SplatImageBuffers splats;
   Tile window = {};
-  uint32_t width = 0;  ///< of the image
+  uint32_t width = 0;              ///< of the image
+  uint32_t correlated_frames = 1;  ///< as Pass::correlated_frames()
 
   uint32_t pixels() const { return (window.x1 - window.x0) * (window.y1 - window.y0); }
 
@@ -44,8 +45,8 @@ struct ImageErrors {
     const uint32_t columns = window.x1 - window.x0;
     const auto n = static_cast<uint32_t>(i);
     const uint32_t pixel = (window.y0 + n / columns) * width + window.x0 + n % columns;
-    if (moments.samples[pixel] < 2) return {0, 0, 1};
-    double variance = variance_of_mean(moments.m2[pixel], moments.samples[pixel]);
+    if (moments.samples[pixel] < relume::max(2u, correlated_frames)) return {0, 0, 1};
+    double variance = variance_of_mean(moments.m2[pixel], moments.samples[pixel], correlated_frames);
     if (!splats.m2.empty()) variance += splat_variance(splats.m2[pixel], splats.weight[pixel], splats.frames[pixel]);
     return {variance, luminance(moments.mean[pixel]), 0};
   }
