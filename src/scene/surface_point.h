@@ -64,10 +64,15 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
   return std::fabs(glm::dot(sp.frame.n, w));
 }
 
-/// Computes the point where `ray` meets the surface at `hit`. `cone_width`: width of the ray cone there, metres; it
-/// selects texture levels ([Akenine21]). `wavelength_nm`: of the path; it selects the index of refraction.
-RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
-                                  SurfacePoint& sp, float wavelength_nm = kNoWavelength);
+/// Computes the point where `ray` meets the surface at `hit` of `instance`, that of the hit or one with another
+/// placement. `cone_width`: width of the ray cone there, metres; it selects texture levels ([Akenine21]).
+/// `wavelength_nm`: of the path; it selects the index of refraction.
+RELUME_HD void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray, const Hit& hit,
+                                  float cone_width, SurfacePoint& sp, float wavelength_nm);
+RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
+                                         SurfacePoint& sp, float wavelength_nm = kNoWavelength) {
+  make_surface_point(scene, scene.instances[hit.instance], ray, hit, cone_width, sp, wavelength_nm);
+}
 
 /// Current and previous position of a hit's surface point, metres.
 struct SurfacePosition {

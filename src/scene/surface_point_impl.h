@@ -286,10 +286,9 @@ RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, con
 
 }  // namespace surface_detail
 
-RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
-                                         SurfacePoint& sp, float wavelength_nm) {
+RELUME_HD inline void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray,
+                                         const Hit& hit, float cone_width, SurfacePoint& sp, float wavelength_nm) {
   using namespace surface_detail;
-  const Instance& instance = scene.instances[hit.instance];
   const MeshView& mesh = scene.meshes[instance.mesh];
   const MaterialData& outer = scene.materials[mesh.material];  // a mixture, or the material itself
   const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
