@@ -47,6 +47,9 @@ struct PathRecorder {
   float factor[kMaxRecordedVertices];    ///< cos θ / pdf_w, with the factor of resampling; 0: no direction
 
   template <typename Path>
+  RELUME_HD void hit_surface(const SurfacePoint&, const Path&) {}
+
+  template <typename Path>
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
     const RegionPair regions = recording->find(sp);
     const uint32_t v = path.bounce;

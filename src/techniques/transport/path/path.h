@@ -49,6 +49,12 @@ struct Connection {
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
 
+/// Whether reservoirs can take over the light of a source. A constant environment is left to paths: no selection
+/// samples it.
+RELUME_HD inline bool reservoirs_take(const LightsView& lights, LightId light) {
+  return lights.lights[light].kind != LightKind::environment || lights.environment.worth_sampling();
+}
+
 struct PathContext {
   SceneView scene;
   LightSelector selector;
@@ -56,6 +62,12 @@ struct PathContext {
   uint32_t max_bounces = 8;
   bool russian_roulette = true;
   IndirectRate indirect;
+  uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
+
+  /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
+  RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
+    return path.bounce <= first_nee_bounce && !path.delta && reservoirs_take(scene.lights, light);
+  }
 };
 
 /// Shadow rays are shortened by this fraction of the distance, to avoid hitting the light.
@@ -98,6 +110,7 @@ RELUME_HD inline bool add_surface_emission(const PathContext& c, const Vec3& pre
                                            const SurfacePoint& sp, PathState& path) {
   if (is_black(sp.emission)) return false;
   const bool covered_by_nee = !path.delta && sp.light != kNoLight;
+  if (covered_by_nee && c.left_to_reservoirs(path, sp.light)) return true;
   float weight = 1.0f;
   if (covered_by_nee) {
     const float pdf_light =
@@ -117,6 +130,10 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
+    if (c.left_to_reservoirs(path, id)) {
+      covered_by_nee = true;
+      continue;
+    }
     float weight = 1.0f;
     if (!path.delta) {
       const float pmf = c.selector.pmf(previous, id);
@@ -257,6 +274,7 @@ RELUME_HD inline bool arrive_at_surface(const PathContext& c, const Hit& hit, co
                                         const LightPmf& light_pmf, SurfacePoint& sp, PathState& path, Policy& policy) {
   make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp, path.wavelength_nm);
   absorb(c.scene, sp, hit.t, path);
+  policy.hit_surface(sp, path);
   policy.emitted(path, add_surface_emission(c, previous, light_pmf, sp, path));
   // Inside a dispersive medium even reflection depends on the wavelength: policies see a dispersed path from here on,
   // and caches bypass the vertex.
@@ -292,11 +310,12 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, SurfacePoint&
       c, hit, previous, [pmf](LightId) { return pmf; }, sp, path, policy);
 }
 
-/// Selects the light of next event estimation at a vertex; none where only delta lobes scatter.
+/// Selects the light of next event estimation at a vertex; none where only delta lobes scatter, or where reservoirs add
+/// the light.
 RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                          Sampler& sampler) {
   sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-  return has_non_delta(sp.bsdf) ? pick_light(c, sp, sampler) : LightPick{};
+  return has_non_delta(sp.bsdf) && path.bounce >= c.first_nee_bounce ? pick_light(c, sp, sampler) : LightPick{};
 }
 
 /// Next event estimation at a vertex. Returns whether to test a connection.

@@ -1,5 +1,6 @@
 #include "techniques/transport/path/path_pass.h"
 
+#include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/specular_part.h"
@@ -19,6 +20,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.directions = source.directions;
   context.max_bounces = static_cast<uint32_t>(source.settings.max_bounces);
   context.russian_roulette = source.settings.russian_roulette;
+  context.first_nee_bounce = source.first_nee_bounce;
   context.indirect = indirect_rate(source.settings.indirect_rate, frame.index, frame.blue_noise);
   return context;
 }
@@ -35,6 +37,10 @@ PassDeclaration PathPass::declaration() const {
         {.id = kFirstVertices,
          .help = "sampled directions and their light at the first vertex of this frame's sample"});
   }
+  if (records_.first_scatters) {
+    declaration.owns.push_back(
+        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
+  }
   if (records_.specular) {
     declaration.owns.push_back({.id = kRadianceSpecular,
                                 .help = "part of radiance scattered by specular lobes of the first surface",
@@ -45,7 +51,8 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing. First scattering events and first
+// vertices do not combine.
 
 struct Tracing {
   const PathSource& source;
@@ -55,6 +62,7 @@ struct Tracing {
 
   template <typename... Outputs>
   bool run(const Outputs&... outputs) const {
+    if (records.first_scatters) return run_with_specular(outputs..., FirstScatterOutput{frame.write(kFirstScatters)});
     if (!records.first_vertices) return run_with_specular(outputs...);
     return run_with_specular(outputs..., FirstVertexOutput{frame.write(kFirstVertices)});
   }

@@ -17,6 +17,7 @@ struct PathSource {
   PathSettings settings;
   const LightSelector& selector;
   const DirectionSampler& directions;
+  uint32_t first_nee_bounce = 0;  ///< as in PathContext
 };
 
 /// Data shared by all paths of this frame.
@@ -26,6 +27,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
 struct PathRecords {
   bool first_vertices = false;  ///< fills kFirstVertices
   bool specular = false;        ///< fills kRadianceSpecular
+  bool first_scatters = false;  ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
 };
 
 /// Traces one path for each pixel that receives a sample.
@@ -33,7 +35,9 @@ class PathPass final : public Pass {
  public:
   /// `recording`: destination of samples for learning; nullptr: none.
   PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr)
-      : source_(source), records_(records), recording_(recording) {}
+      : source_(source), records_(records), recording_(recording) {
+    if (records.first_scatters) source_.first_nee_bounce = 1;
+  }
 
   void configure(const PathSettings& path) { source_.settings = path; }
   /// From now on, `surfaces` receives the surfaces at primary hits in each frame that expects them. It must outlive

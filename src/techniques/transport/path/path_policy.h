@@ -13,6 +13,8 @@ struct Connection;
 /// The default policy does nothing and compiles away. An observing policy takes paths and surfaces by const reference;
 /// a modifying policy takes them by reference and changes them.
 struct NoPolicy {
+  /// Called at each surface that the path's ray reaches, before the surface's emission is added.
+  RELUME_HD void hit_surface(const SurfacePoint&, const PathState&) {}
   /// Called after the emission at the end of the path's ray was added. `covered_by_nee`: next event estimation could
   /// also have sampled it.
   RELUME_HD void emitted(const PathState&, bool /*covered_by_nee*/) {}
@@ -48,6 +50,10 @@ struct PathPolicies<First, Others...> {
   First first;
   PathPolicies<Others...> others;
 
+  RELUME_HD void hit_surface(const SurfacePoint& sp, const PathState& path) {
+    first.hit_surface(sp, path);
+    others.hit_surface(sp, path);
+  }
   RELUME_HD void emitted(const PathState& path, bool covered_by_nee) {
     first.emitted(path, covered_by_nee);
     others.emitted(path, covered_by_nee);

@@ -33,6 +33,7 @@ struct TraceSettings {
   uint32_t tile_size = 0;  ///< as for run_kernel()
   uint32_t max_bounces = PathContext{}.max_bounces;
   uint32_t sample = 3;
+  uint32_t first_nee_bounce = 0;         ///< as in PathContext
   View<const uint32_t> allocation = {};  ///< as for PathKernel
 };
 
@@ -50,6 +51,7 @@ std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettin
   kernel.context.selector.kind = LightSelectorKind::uniform;
   kernel.context.selector.uniform = make_uniform_lights(view.lights);
   kernel.context.max_bounces = settings.max_bounces;
+  kernel.context.first_nee_bounce = settings.first_nee_bounce;
   kernel.index = index;
   kernel.hits = view_of(hits);
   kernel.allocation = settings.allocation;
