@@ -4,15 +4,10 @@
 #include <memory>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "frame/cuda/device_choice.h"
-#include "relume/error.h"
 #include "render/pipeline_builder.h"
 #include "techniques/denoise/asvgf/asvgf_pass.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
-#include "techniques/denoise/oidn/oidn_filter.h"
 #include "techniques/denoise/oidn/oidn_pass.h"
 #include "techniques/denoise/shared/edge_emission_pass.h"
 #include "techniques/denoise/shared/split_light_pass.h"
@@ -27,6 +22,8 @@
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter_pass.h"
+#include "techniques/reuse/reservoir/ris_pass.h"
+#include "techniques/reuse/restir_di/restir_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
 #include "techniques/temporal/accumulate/accumulate_pass.h"
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
@@ -112,13 +109,6 @@ const DirectionSampler& add_direction_sampling(PipelineBuilder& builder, const R
   return builder.add<DirectionalQuadtreePass, &RenderSettings::cdq>(*octree).directions();
 }
 
-bool needs_first_vertices(const RenderSettings& settings) {
-  return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
-}
-
-/// Whether the frame has the passes of temporal upscaling.
-bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1 || settings.switches_upscaling; }
-
 /// Whether frames leave pixels without a sample.
 bool skips_pixels(const RenderSettings& settings) {
   return settings.allocation == AllocationChoice::adaptive || upscales(settings);
@@ -140,6 +130,18 @@ bool history_splits(const RenderSettings& settings) {
 }
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
+/// Adds the reservoirs for direct light at primary hits.
+void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+               const PathRecording* recording) {
+  switch (settings.reuse) {
+    case ReuseChoice::none: break;
+    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, recording); break;
+    case ReuseChoice::restir_di:
+      builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
+      break;
+  }
+}
+
 /// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
 /// nullptr. Returns the pass of path tracing without a cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
@@ -154,8 +156,12 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   }
   if (settings.estimator != EstimatorChoice::path) return nullptr;
   if (settings.cache == CacheChoice::none) {
-    const PathRecords records{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
-    auto& paths = builder.add_tracing<PathPass>(source, records, octree ? &octree->recording() : nullptr);
+    const PathRecords records{.first_vertices = needs_first_vertices(settings),
+                              .specular = splits_light(settings),
+                              .first_scatters = settings.reuse != ReuseChoice::none};
+    const PathRecording* const recording = octree ? &octree->recording() : nullptr;
+    auto& paths = builder.add_tracing<PathPass>(source, records, recording);
+    add_reuse(builder, settings, source, recording);
     if (octree) builder.add<RegionViewPass>(*octree);
     return &paths;
   }
@@ -240,42 +246,13 @@ void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings, cons
   }
 }
 
-/// Throws if the crop would change pixels: a window only equals the full image if no technique depends on other pixels.
-void check_crop(const RenderSettings& s) {
-  const std::pair<bool, const char*> conflicts[] = {
-      {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
-      {s.lights == LightSelectionChoice::vlc,
-       "the visibility light cache, which learns from other pixels; use --lights light-tree"},
-      {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
-      {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
-      {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
-      {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
-      {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
-      {s.denoise != DenoiseChoice::none, "a denoiser, which reads other pixels; use --denoise none"},
-      {s.firefly.limit > 0, "the firefly clamp, which reads other pixels; use --firefly.limit 0"},
-  };
-  for (const auto& [conflict, with] : conflicts) {
-    if (conflict) throw Error(fmt::format("--crop does not combine with {}, or render the whole image", with));
-  }
-}
-
-/// Throws if temporal upscaling does not combine with the other choices.
-void check_upscaling(const RenderSettings& s) {
-  if (s.allocation == AllocationChoice::adaptive) {
-    throw Error(fmt::format(
-        "upscale {} does not combine with allocation 'adaptive': both choose which pixels get a sample; use upscale 1 "
-        "or allocation 'uniform'",
-        s.upscaling.factor));
-  }
-  if (s.history == HistoryChoice::none) {
-    throw Error(fmt::format(
-        "upscale {} does not combine with history 'none': pixels without a sample in a frame would be empty; use "
-        "upscale 1, or history 'accumulate' or 'reproject'",
-        s.upscaling.factor));
-  }
-}
-
 }  // namespace
+
+bool needs_first_vertices(const RenderSettings& settings) {
+  return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
+}
+
+bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1 || settings.switches_upscaling; }
 
 bool learns(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
@@ -297,50 +274,6 @@ uint32_t pilot_samples(const RenderSettings& settings) {
   return has_pilot ? static_cast<uint32_t>(settings.adaptive.max_samples) : 0;
 }
 
-void check_combination(const RenderSettings& settings) {
-  cuda::parse_device(settings.device);
-  if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);
-  if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);
-  if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {
-    throw Error(
-        "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would be "
-        "empty; use history 'accumulate' or 'reproject'");
-  }
-  if (upscales(settings)) check_upscaling(settings);
-  if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
-  if (!settings.crop.empty()) check_crop(settings);
-  const bool from_both_ends = settings.estimator != EstimatorChoice::path;
-  if (from_both_ends && settings.cache != CacheChoice::none) {
-    throw Error(
-        "estimators 'bdpt', 'light' and 'vcm' do not combine with a radiance cache: light paths add radiance to "
-        "pixels, not to cells; use estimator 'path' or cache 'none'");
-  }
-  if (from_both_ends && needs_first_vertices(settings)) {
-    throw Error(
-        "estimators 'bdpt', 'light' and 'vcm' do not combine with history 'reproject' by reproject.method 'forward', "
-        "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
-  }
-  if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
-    throw Error(
-        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "
-        "estimator 'path' with cache 'none', or lights 'light-tree' and guide 'bsdf'");
-  }
-  if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
-    throw Error(
-        "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs the "
-        "paths of each pixel; use reproject.method 'backward' or history 'accumulate'");
-  }
-}
-
-std::string refusal(const RenderSettings& settings) {
-  try {
-    check_combination(settings);
-    return {};
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
-
 FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   check_combination(settings);
   FramePasses passes;
@@ -351,7 +284,9 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
   PathPass* const paths = add_paths(builder, settings, source, octree);
-  const bool repeats = paths && !octree && settings.denoise == DenoiseChoice::asvgf;
+  // Paths alone lack the light that reservoirs add to the image.
+  const bool whole_paths = paths && !octree && settings.reuse == ReuseChoice::none;
+  const bool repeats = whole_paths && settings.denoise == DenoiseChoice::asvgf;
   const GradientPass* const gradients =
       repeats ? &builder.add_tracing<GradientPass, &RenderSettings::asvgf>(source) : nullptr;
   if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();

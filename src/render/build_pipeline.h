@@ -19,6 +19,12 @@ std::string refusal(const RenderSettings& settings);
 /// Whether light selection or guiding learn from path samples.
 bool learns(const RenderSettings& settings);
 
+/// Whether the history needs the first vertices of paths.
+bool needs_first_vertices(const RenderSettings& settings);
+
+/// Whether the frame has the passes of temporal upscaling.
+bool upscales(const RenderSettings& settings);
+
 /// Whether the denoiser's own history fills pixels without samples.
 bool denoiser_fills(const RenderSettings& settings);
 

@@ -36,7 +36,7 @@ std::string slots_of(const RenderSettings& settings) {
   RenderSettings copy = settings;
   const SettingList list = describe(copy);
   std::string text;
-  for (const char* slot : {"estimator", "lights", "guide", "cache", "allocation", "history", "denoise"})
+  for (const char* slot : {"estimator", "lights", "guide", "reuse", "cache", "allocation", "history", "denoise"})
     text += to_string(require_setting(list, slot, "")) + " ";
   return text;
 }

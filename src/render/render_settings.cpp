@@ -65,6 +65,9 @@ SettingList describe_slots(RenderSettings& s) {
       {"guide", choice(s.guide, {"bsdf", "cdq"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding)"},
+      {"reuse", choice(s.reuse, {"none", "ris", "restir-di"}),
+       "Reservoirs for direct light at primary hits: none, the best of several lights of the pixel itself (resampled "
+       "importance sampling), or also of its surface in earlier frames and of neighbouring pixels (ReSTIR DI)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
        "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, or both adaptive "
@@ -99,6 +102,8 @@ SettingList describe_transport(RenderSettings& s) {
   append(list, with_prefix("octree", describe(s.octree)));
   append(list, with_prefix("vlc", describe(s.vlc)));
   append(list, with_prefix("cdq", describe(s.cdq)));
+  append(list, with_prefix("ris", describe(s.ris)));
+  append(list, with_prefix("restir", describe(s.restir)));
   return list;
 }
 

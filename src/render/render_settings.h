@@ -20,6 +20,8 @@
 #include "techniques/radiance_cache/adaptive_psf/settings.h"
 #include "techniques/radiance_cache/path_graphs/settings.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/reuse/reservoir/settings.h"
+#include "techniques/reuse/restir_di/settings.h"
 #include "techniques/spatial/octree/settings.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
 #include "techniques/temporal/reprojection/settings.h"
@@ -38,6 +40,7 @@ inline constexpr int kMostSeed = 900'000'000;
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };
+enum class ReuseChoice : int { none, ris, restir_di };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
@@ -60,6 +63,7 @@ struct RenderSettings {
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
   GuideChoice guide = GuideChoice::bsdf;
+  ReuseChoice reuse = ReuseChoice::none;
   CacheChoice cache = CacheChoice::none;
   AllocationChoice allocation = AllocationChoice::uniform;
   HistoryChoice history = HistoryChoice::accumulate;
@@ -78,6 +82,8 @@ struct RenderSettings {
   VisibilityLightCacheSettings vlc;
   DirectionalQuadtreeSettings cdq;
   StaticLightListsSettings static_lists;
+  RisSettings ris;
+  RestirSettings restir;
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;

@@ -54,9 +54,9 @@ TEST(Settings, NamesAreKebabCaseAndUnique) {
 TEST(Settings, HaveTheNamesThatScriptsRelyOn) {
   AllSettings settings;
   const SettingList list = describe(settings);
-  for (const char* name :
-       {"width", "height", "spp", "max-bounces", "seed", "threads", "exposure", "camera", "env", "estimator", "lights",
-        "guide", "cache", "allocation", "history", "denoise", "time", "error", "tone-map"}) {
+  for (const char* name : {"width",      "height",  "spp",       "max-bounces", "seed",  "threads", "exposure",
+                           "camera",     "env",     "estimator", "lights",      "guide", "reuse",   "cache",
+                           "allocation", "history", "denoise",   "time",        "error", "tone-map"}) {
     EXPECT_NE(find_setting(list, name), nullptr) << name;
   }
 }

@@ -21,6 +21,7 @@ struct Way {
   GuideChoice guide = GuideChoice::bsdf;
   double noise = 1;      ///< factor of tolerances; above 1 without low-discrepancy sequences (adaptation, exploration)
   bool departs = false;  ///< all learning settings differ from their defaults
+  ReuseChoice reuse = ReuseChoice::none;
 };
 
 inline const Way kPower{"power"};
@@ -39,7 +40,11 @@ inline const auto kWays = ::testing::Values(
 /// Further pairs of techniques, in other combinations.
 inline const auto kOtherWays = ::testing::Values(
     Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
-    Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree});
+    Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
+    Way{"ris", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 2, false, ReuseChoice::ris},
+    Way{"ris_vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8, false, ReuseChoice::ris},
+    Way{"restir_di", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::bsdf, 8, false,
+        ReuseChoice::restir_di});
 
 /// For scenes without light selection.
 inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);
@@ -52,6 +57,7 @@ inline void take(const Way& way, RenderSettings& settings) {
   settings.estimator = way.estimator;
   settings.lights = way.lights;
   settings.guide = way.guide;
+  settings.reuse = way.reuse;
   settings.octree = {.collapse = 32, .split = 64, .scale = false};
   settings.static_lists.rays = 64;
   if (!way.departs) return;

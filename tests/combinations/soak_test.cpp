@@ -249,7 +249,8 @@ void expect_no_drift(Session& session, const std::string& when) {
 constexpr const char* kWhatRemembers[] = {
     R"({"lights": "vlc", "guide": "cdq", "denoise": "svgf"})", R"({"cache": "apsf+apg", "denoise": "bmfr"})",
     R"({"cache": "psf", "history": "reproject", "reproject.method": "backward"})",
-    R"({"lights": "static-lists", "allocation": "adaptive", "history": "reproject"})"};
+    R"({"lights": "static-lists", "allocation": "adaptive", "history": "reproject"})",
+    R"({"lights": "light-tree", "reuse": "restir-di", "denoise": "svgf"})"};
 
 /// Restores the scene and resets all state.
 void put_back(Session& session, const Stage& stage, const RenderSettings& settings) {

@@ -27,6 +27,8 @@ LIMIT = 4096
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
     (r"BdptKernel|LightSubpathKernel|VcmKernel", 2300),
+    (r"TemporalReuseKernel|SpatialReuseKernel", 3100),  # receivers of the pixel, and of its history or a neighbour
+    (r"RisKernel", 1700),
     (r"PathKernel<CellsOutput<PathGraphContext>", 2300),  # vertices of the path
     (r"PathKernel<RadianceOutput> ", 1450),
     (r"PathKernel<", 1700),

@@ -62,6 +62,8 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",
     "path_graphs": "adaptive_psf path path_space_filter",
+    "reservoir": "octree path",
+    "restir_di": "path reprojection reservoir",
 }
 
 # The parts of the viewer -> the parts that each may include, besides itself.

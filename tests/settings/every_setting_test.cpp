@@ -29,7 +29,7 @@ struct Context : SettingCheck {
 std::vector<Context> general_contexts() {
   std::vector<Context> list;
   for (const char* name : {"width", "height", "texture-filter", "seed", "stratify", "dither", "estimator", "guide",
-                           "cache", "denoise", "max-bounces"})
+                           "reuse", "cache", "denoise", "max-bounces"})
     list.push_back({{name}});
   list.push_back({{"camera", "", "side"}});
   list.push_back({{"scene-time", "max-bounces=0", "1"}, build_curtain});  // also affects random numbers

@@ -1,0 +1,125 @@
+// Combinations of settings without a meaning.
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "frame/cuda/device_choice.h"
+#include "relume/error.h"
+#include "render/build_pipeline.h"
+#include "techniques/denoise/oidn/oidn_filter.h"
+
+namespace relume {
+namespace {
+
+/// Throws if the crop would change pixels: a window only equals the full image if no technique depends on other pixels.
+void check_crop(const RenderSettings& s) {
+  const std::pair<bool, const char*> conflicts[] = {
+      {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
+      {s.lights == LightSelectionChoice::vlc,
+       "the visibility light cache, which learns from other pixels; use --lights light-tree"},
+      {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
+      {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
+      {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
+      {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
+      {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
+      {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
+      {s.denoise != DenoiseChoice::none, "a denoiser, which reads other pixels; use --denoise none"},
+      {s.firefly.limit > 0, "the firefly clamp, which reads other pixels; use --firefly.limit 0"},
+  };
+  for (const auto& [conflict, with] : conflicts) {
+    if (conflict) throw Error(fmt::format("--crop does not combine with {}, or render the whole image", with));
+  }
+}
+
+/// Throws if temporal upscaling does not combine with the other choices.
+void check_upscaling(const RenderSettings& s) {
+  if (s.allocation == AllocationChoice::adaptive) {
+    throw Error(fmt::format(
+        "upscale {} does not combine with allocation 'adaptive': both choose which pixels get a sample; use upscale 1 "
+        "or allocation 'uniform'",
+        s.upscaling.factor));
+  }
+  if (s.history == HistoryChoice::none) {
+    throw Error(fmt::format(
+        "upscale {} does not combine with history 'none': pixels without a sample in a frame would be empty; use "
+        "upscale 1, or history 'accumulate' or 'reproject'",
+        s.upscaling.factor));
+  }
+}
+
+/// Throws if reservoirs do not combine with the other choices.
+void check_reuse(const RenderSettings& s) {
+  if (s.reuse == ReuseChoice::none) return;
+  if (s.estimator != EstimatorChoice::path) {
+    throw Error(
+        "reuse 'ris' and 'restir-di' replace the direct light of estimator 'path', which 'bdpt', 'light' and 'vcm' "
+        "weight against other paths; use estimator 'path' or reuse 'none'");
+  }
+  if (s.cache != CacheChoice::none) {
+    throw Error(
+        "reuse 'ris' and 'restir-di' do not combine with a radiance cache, whose cells would lack the direct light "
+        "that "
+        "reservoirs add; use cache 'none' or reuse 'none'");
+  }
+  if (needs_first_vertices(s)) {
+    throw Error(
+        "reuse 'ris' and 'restir-di' do not combine with history 'reproject' by reproject.method 'forward', which "
+        "verifies the light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse "
+        "'none'");
+  }
+  if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
+    throw Error(
+        "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
+        "would have no reservoir for their neighbours and the next frame; use reuse 'ris', or allocation 'uniform' "
+        "with upscale 1");
+  }
+}
+
+}  // namespace
+
+void check_combination(const RenderSettings& settings) {
+  cuda::parse_device(settings.device);
+  if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);
+  if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);
+  if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {
+    throw Error(
+        "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would be "
+        "empty; use history 'accumulate' or 'reproject'");
+  }
+  if (upscales(settings)) check_upscaling(settings);
+  if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
+  if (!settings.crop.empty()) check_crop(settings);
+  const bool from_both_ends = settings.estimator != EstimatorChoice::path;
+  if (from_both_ends && settings.cache != CacheChoice::none) {
+    throw Error(
+        "estimators 'bdpt', 'light' and 'vcm' do not combine with a radiance cache: light paths add radiance to "
+        "pixels, not to cells; use estimator 'path' or cache 'none'");
+  }
+  if (from_both_ends && needs_first_vertices(settings)) {
+    throw Error(
+        "estimators 'bdpt', 'light' and 'vcm' do not combine with history 'reproject' by reproject.method 'forward', "
+        "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
+  }
+  check_reuse(settings);
+  if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
+    throw Error(
+        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "
+        "estimator 'path' with cache 'none', or lights 'light-tree' and guide 'bsdf'");
+  }
+  if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
+    throw Error(
+        "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs the "
+        "paths of each pixel; use reproject.method 'backward' or history 'accumulate'");
+  }
+}
+
+std::string refusal(const RenderSettings& settings) {
+  try {
+    check_combination(settings);
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+}  // namespace relume

@@ -1,0 +1,64 @@
+// First stage of all reservoirs for direct light: the receiver of a pixel and its own reservoir.
+#pragma once
+
+#include "techniques/reuse/reservoir/choose_light.h"
+#include "techniques/spatial/octree/path_recording.h"
+#include "techniques/transport/path/specular_part.h"
+
+namespace relume {
+
+struct CandidateStage {
+  PathContext context;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<const FirstScatter> scatters;
+  PathRecording recording;  ///< receives the chosen lights, from which light selection learns; empty: nothing learns
+  uint32_t light_candidates = 1;
+  uint32_t width = 0;
+
+  /// Fills the receiver of pixel (x, y). Returns false if it has none: no surface, or delta lobes only.
+  RELUME_HD bool receive(uint32_t x, uint32_t y, const Sampler& sampler, ReceiverRecord& record, Receiver& r) const {
+    const uint32_t pixel = y * width + x;
+    if (!hits[pixel].valid() || context.max_bounces == 0) return false;
+    record = record_of(context.scene, x, y, sampler, hits[pixel]);
+    make_receiver(context.scene, record, r);
+    r.sp.region = scatters[pixel].region;
+    return !r.sp.bsdf.empty() && has_non_delta(r.sp.bsdf);
+  }
+
+  /// Chooses among the pixel's candidates and traces a ray to the choice. The reservoir's weight is 0 if that is
+  /// hidden.
+  RELUME_HD LightReservoir choose(uint32_t pixel, const Receiver& r, Sampler& sampler, ChoiceNumbers& numbers,
+                                  uint32_t& rays) const {
+    LightReservoir own = choose_light({context, light_candidates}, r, scatters[pixel], sampler, numbers);
+    if (!(own.weight > 0.0f) || !is_finite(own.weight)) return own;
+    ++rays;
+    const bool visible = sees(context.scene, r, light_at(context.scene.lights, own.sample, r.sp.position));
+    if (!recording.samples.empty() && recording.vertices > 0)
+      recording.sample(0, pixel).light = own.sample.light | (visible ? kVisibleLight : 0u);
+    if (!visible) own.weight = 0;
+    return own;
+  }
+};
+
+/// Planes to which reservoirs add their light.
+struct ReservoirImage {
+  View<Rgb> radiance;
+  View<Rgb> specular;  ///< part from specular lobes; may be empty
+  View<uint32_t> rays;
+
+  /// Adds the light of a reservoir whose sample the receiver sees. A weight that is not finite shows as such.
+  RELUME_HD void add(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir, uint32_t pixel) const {
+    if (reservoir.weight == 0.0f) return;
+    if (!is_finite(reservoir.weight)) {
+      radiance[pixel] += Rgb(reservoir.weight);
+      return;
+    }
+    const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);
+    const Rgb value = r.path.throughput * reflected(scene, r, light) * reservoir.weight;
+    radiance[pixel] += value;
+    if (!specular.empty()) specular[pixel] += value * specular_share(r.sp, light.wi);
+  }
+};
+
+}  // namespace relume

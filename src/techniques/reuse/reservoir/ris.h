@@ -1,0 +1,31 @@
+// Direct light at primary hits by resampled importance sampling, without reuse between pixels or frames.
+#pragma once
+
+#include "techniques/reuse/reservoir/candidate_stage.h"
+
+namespace relume {
+
+/// Purposes of ChoiceNumbers.
+inline constexpr uint32_t kChoosesCandidates = 0x52495301u;
+inline constexpr uint32_t kChoosesNeighbours = 0x52495302u;
+
+/// Adds the direct light of each pixel that has a path.
+struct RisKernel {
+  CandidateStage stage;
+  View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
+  ReservoirImage image;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * stage.width + x;
+    if (!allocation.empty() && allocation[pixel] == 0) return;
+    Sampler sampler = stage.index.sampler(x, y);
+    ReceiverRecord record;
+    Receiver r;
+    if (!stage.receive(x, y, sampler, record, r)) return;
+    ChoiceNumbers numbers(stage.index.seed, stage.index.frame, pixel, kChoosesCandidates);
+    const LightReservoir own = stage.choose(pixel, r, sampler, numbers, image.rays[pixel]);
+    image.add(stage.context.scene, r, own, pixel);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,43 @@
+#include "techniques/reuse/reservoir/ris_pass.h"
+
+#include "techniques/reuse/reservoir/ris.h"
+
+namespace relume {
+
+CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const PathRecording* recording,
+                               const FrameContext& frame) {
+  CandidateStage stage;
+  stage.context = make_path_context(source, frame);
+  stage.index = frame.index;
+  stage.hits = frame.read(kPrimaryHits);
+  stage.scatters = frame.read(kFirstScatters);
+  if (recording) stage.recording = *recording;
+  stage.light_candidates = static_cast<uint32_t>(settings.candidates);
+  stage.width = frame.width();
+  return stage;
+}
+
+ReservoirImage reservoir_image(const FrameContext& frame) {
+  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays)};
+}
+
+std::vector<BufferId> reservoir_reads() { return {kPrimaryHits, kFirstScatters}; }
+std::vector<BufferId> reservoir_writes() { return {kRadiance, kRays}; }
+
+PassDeclaration RisPass::declaration() const {
+  return {.name = "ris",
+          .stage = Stage::resolve,
+          .reads = reservoir_reads(),
+          .writes = reservoir_writes(),
+          .reads_if_any = {kAllocation},
+          .writes_if_any = {kRadianceSpecular},
+          .only_sampled_pixels = true};
+}
+
+bool RisPass::run(const FrameContext& frame) {
+  const RisKernel kernel{candidate_stage(settings_, source_, recording_, frame), frame.read(kAllocation),
+                         reservoir_image(frame)};
+  return frame.launch_or_stop("ris", kernel);
+}
+
+}  // namespace relume

@@ -1,0 +1,40 @@
+// The choice "ris" of the slot reuse as a pass.
+#pragma once
+
+#include "frame/pass.h"
+#include "techniques/reuse/reservoir/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+struct CandidateStage;
+struct ReservoirImage;
+
+/// The first stage of reservoirs in this frame. `recording`: destination of samples for learning; nullptr: none.
+CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const PathRecording* recording,
+                               const FrameContext& frame);
+/// The planes to which reservoirs add light. The pass must write the buffers of reservoir_writes().
+ReservoirImage reservoir_image(const FrameContext& frame);
+
+/// Buffers of other passes that every pass of reservoirs accesses.
+std::vector<BufferId> reservoir_reads();
+std::vector<BufferId> reservoir_writes();
+
+/// Adds direct light at primary hits to the radiance of paths that leave it out (PathRecords::first_scatters).
+class RisPass final : public Pass {
+ public:
+  RisPass(const RisSettings& settings, const PathSource& source, const PathRecording* recording)
+      : settings_(settings), source_(source), recording_(recording) {}
+
+  void configure(const RisSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  RisSettings settings_;
+  PathSource source_;
+  const PathRecording* recording_;
+};
+
+}  // namespace relume

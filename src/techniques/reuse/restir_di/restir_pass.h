@@ -1,0 +1,35 @@
+// The choice "restir-di" of the slot reuse as a pass.
+#pragma once
+
+#include "frame/pass.h"
+#include "techniques/reuse/reservoir/settings.h"
+#include "techniques/reuse/restir_di/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Adds direct light at primary hits to the radiance of paths that leave it out (PathRecords::first_scatters).
+class RestirPass final : public Pass {
+ public:
+  RestirPass(const RisSettings& candidates, const RestirSettings& settings, const PathSource& source,
+             const PathRecording* recording)
+      : candidates_(candidates), settings_(settings), source_(source), recording_(recording) {}
+
+  void configure(const RisSettings& candidates) { candidates_ = candidates; }
+  void configure(const RestirSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool keeps_to_pixels() const override { return false; }
+  /// A reservoir's share in the reservoir of the k-th later frame is (cap / (cap + 1))^k. The sum over k of these
+  /// correlations, forwards and backwards, is 1 + 2 · cap.
+  uint32_t correlated_frames() const override { return 1 + 2 * static_cast<uint32_t>(settings_.cap); }
+
+ private:
+  RisSettings candidates_;
+  RestirSettings settings_;
+  PathSource source_;
+  const PathRecording* recording_;
+};
+
+}  // namespace relume
