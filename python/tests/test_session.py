@@ -183,9 +183,8 @@ def test_limits_end_a_rendering(cornell):
     reason = cornell.render_until(samples=4, progress=lambda fraction, remaining_s, samples: seen.append(fraction))
     assert (reason, len(seen), seen[-1], cornell.samples) == ("samples", 4, 1, 4)
     assert cornell.render_until(time_s=0.05) == "time"
-    assert cornell.statistics["frames"] >= 4
+    assert cornell.statistics["frames"] >= 4 and 0 < cornell.statistics["accel_s"] < cornell.statistics["build_s"]
     assert (cornell.statistics["passes"]["trace"] > 0, cornell.statistics["device"]) == (True, None)
-    assert 0 < cornell.statistics["accel_s"] < cornell.statistics["build_s"]
     cornell.render_until(samples=64)
     assert 0 < cornell.estimated_error < 1
     cornell.restart(seed=7)

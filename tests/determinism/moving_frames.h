@@ -35,8 +35,8 @@ inline uint64_t frame_hash(const Session& session) {
   return hash.value();
 }
 
-/// Hash of each frame from a restart on, while the camera moves sideways and, with `frame_s` > 0, the scene by that time
-/// per frame, seconds. Restores the camera, and then the time 0.
+/// Hash of each frame from a restart on, while the camera moves sideways and, with `frame_s` > 0, the scene by that
+/// time per frame, seconds. Restores the camera, and then the time 0.
 inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings, float frame_s = 0) {
   const CameraPose start = session.camera();
   EXPECT_TRUE(session.set_settings(settings));

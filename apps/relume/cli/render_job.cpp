@@ -346,10 +346,9 @@ void RenderJob::report(StopReason reason) const {
         fmt::format("rendering ended within the {} pilot frames of adaptive sampling, so the image is biased; give it "
                     "more time, or lower --adaptive.max",
                     pilot));
-  if (statistics.nonfinite_samples > 0) {
+  if (statistics.nonfinite_samples > 0)
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
-  }
   if (!session_->prepared()) {
     warn(fmt::format("rendering stopped before the light lists were complete: the image is noisier{}; raise --time",
                      options_.checkpoint.empty() ? "" : " and no checkpoint was written"));
