@@ -30,8 +30,8 @@ def draw():
     d.text(203, 94, "motion", role="orange", anchor="middle")
     d.arrow((256 + 3 * SIZE, 44 + 2.5 * SIZE), (482 + 2 * SIZE, 44 + 2.5 * SIZE), role="green", width=2)
     d.text(430, 94, "pairwise", role="green", anchor="middle")
-    d.box(30, 214, 270, 40, "1  candidates: ris, one shadow ray", role="blue", fill=("blue", 0.12))
-    d.box(332, 214, 270, 40, "2  history: balance heuristic, 2 rays", role="orange", fill=("orange", 0.12))
-    d.box(30, 270, 270, 40, "3  k neighbours: pairwise, 2k rays", role="orange", fill=("orange", 0.12))
-    d.box(332, 270, 270, 40, "4  light = value · W; stored", role="green", fill=("green", 0.12))
+    d.box(30, 186, 270, 56, "1. own candidates, as with ris", "one shadow ray", role="blue", fill=("blue", 0.12))
+    d.box(332, 186, 270, 56, "2. history: balance heuristic", "two shadow rays", role="orange", fill=("orange", 0.12))
+    d.box(30, 258, 270, 56, "3. k neighbours: pairwise", "2k shadow rays", role="orange", fill=("orange", 0.12))
+    d.box(332, 258, 270, 56, "4. light = f · W", "history of the next frame", role="green", fill=("green", 0.12))
     return d

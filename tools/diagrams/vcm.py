@@ -1,9 +1,12 @@
 """A pool: light and camera subpaths both enter through the water, where no connection is possible, and merge on the floor."""
 
+import math
+
 from draw import Drawing
 
 WATER = 130
 FLOOR = 250
+RADIUS = 52
 
 
 def draw():
@@ -22,15 +25,16 @@ def draw():
     d.text(540, 42, "light")
     d.text(36, 26, "camera")
     d.text(604, WATER - 10, "water", anchor="end", role="faint")
-    d.curve((248, FLOOR), (300, FLOOR - 64), (352, FLOOR), role="green", width=2, dashed=True)
+    angles = [math.pi * i / 24 for i in range(25)]
+    d.line(*((end[0] + RADIUS * math.cos(a), FLOOR - RADIUS * math.sin(a)) for a in angles), role="green", width=2, dashed=True)
     for floor in (388, 332, 282, 236):
         d.dot(floor, FLOOR, role="orange")
     d.dot(*end, role="blue")
-    d.line((end[0], FLOOR + 14), (352, FLOOR + 14), role="green")
-    d.text(326, FLOOR + 34, "r", role="green", anchor="middle")
-    for x, role, text in ((14, "blue", "camera subpath"), (186, "orange", "light subpaths")):
+    d.line((end[0], FLOOR + 14), (end[0] + RADIUS, FLOOR + 14), role="green")
+    d.text(end[0] + RADIUS / 2, FLOOR + 34, "r", role="green", anchor="middle")
+    for x, role, text in ((14, "blue", "camera subpath"), (204, "orange", "light subpaths")):
         d.line((x, 322), (x + 24, 322), role=role, width=2.5)
         d.text(x + 32, 328, text, role=role)
-    d.line((350, 322), (378, 322), role="green", dashed=True)
-    d.text(384, 328, "vertices that merge", role="green")
+    d.line((384, 322), (412, 322), role="green", dashed=True)
+    d.text(420, 328, "vertices within r merge", role="green")
     return d
