@@ -38,7 +38,7 @@ class Pipeline {
   /// Whether a frame can be stopped after a pass has changed persistent buffers.
   bool stops_late() const;
   bool keeps_to_pixels() const;
-  /// The most of all passes.
+  /// Maximum of Pass::correlated_frames() over all passes.
   uint32_t correlated_frames() const;
   bool prepared() const;
   size_t memory_bytes() const;

@@ -1,4 +1,4 @@
-// Combinations of settings without a meaning.
+// Checks that the chosen techniques combine.
 #include <utility>
 
 #include <fmt/format.h>
@@ -52,13 +52,12 @@ void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
-        "reuse 'ris' and 'restir-di' replace the direct light of estimator 'path', which 'bdpt', 'light' and 'vcm' "
-        "weight against other paths; use estimator 'path' or reuse 'none'");
+        "reuse 'ris' and 'restir-di' do not combine with estimators 'bdpt', 'light' and 'vcm', whose MIS weights do "
+        "not include reservoirs; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
-        "reuse 'ris' and 'restir-di' do not combine with a radiance cache, whose cells would lack the direct light "
-        "that "
+        "reuse 'ris' and 'restir-di' do not combine with a radiance cache: its cells would lack the direct light that "
         "reservoirs add; use cache 'none' or reuse 'none'");
   }
   if (needs_first_vertices(s)) {

@@ -66,8 +66,9 @@ SettingList describe_slots(RenderSettings& s) {
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding)"},
       {"reuse", choice(s.reuse, {"none", "ris", "restir-di"}),
-       "Reservoirs for direct light at primary hits: none, the best of several lights of the pixel itself (resampled "
-       "importance sampling), or also of its surface in earlier frames and of neighbouring pixels (ReSTIR DI)"},
+       "Reservoirs for direct light at primary hits. none; ris: chooses one of several lights by the light that the "
+       "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
+       "frames and of neighbouring pixels (ReSTIR DI)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
        "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, or both adaptive "
@@ -85,7 +86,7 @@ SettingList describe_slots(RenderSettings& s) {
       {"denoise",
        choice(s.denoise, {"none", "bmfr", "svgf", "asvgf", "oidn"}),
        "Denoiser: none, blockwise regression on surface features (BMFR), variance-guided filtering (SVGF), the same "
-       "with histories that end where paths traced again find other light (A-SVGF), or Open Image Denoise",
+       "with histories shortened where repeated paths find different light (A-SVGF), or Open Image Denoise",
        {.biases = true}},
   };
 }

@@ -30,7 +30,7 @@ class GradientPass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Whether this frame has gradients. Without, no light has changed, or histories end.
+  /// Whether this frame has gradients. If not, no light has changed, or histories end.
   bool traced() const { return traced_; }
   /// TraceGradientsKernel::gradients by stratum. Requires traced().
   View<const Vec2> gradients() const { return gradients_.view(); }

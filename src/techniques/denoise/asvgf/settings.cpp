@@ -13,13 +13,13 @@ SettingList describe(AsvgfSettings& s) {
        {.min = 0.01, .max = 1, .biases = true}},
       {"antilag",
        &s.antilag,
-       "Factor of the relative change of light that shortens the history; 1: a change to half the light weighs the "
-       "newest frame by at least one half; 0: changes of light are ignored",
+       "Sensitivity to changes of light, which shorten the history. With 1, a change to half the light gives the "
+       "newest frame at least half of the weight; 0: changes of light are ignored",
        {.min = 0, .max = 100, .biases = true}},
       {"view-changes",
        &s.view_changes,
-       "Also shorten histories where only the camera's motion changes the shading, as highlights; off: samples are "
-       "compared from the previous view",
+       "Also shorten histories where only the motion of the camera changes the shading, as in highlights; off: "
+       "compares samples from the previous view",
        {.biases = true}},
       {"gradient-levels",
        &s.gradient_levels,

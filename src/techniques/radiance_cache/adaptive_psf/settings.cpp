@@ -26,8 +26,8 @@ SettingList describe(AdaptivePsfSettings& s) {
       {"survival-v0", &s.survival_v0, "Variance below which few paths are followed", {.min = 0, .max = 1e6}},
       {"survival-v1", &s.survival_v1, "Variance above which most paths are followed", {.min = 0, .max = 1e6}},
       {"survival-measure", choice(s.survival_measure, {"variance", "standard-error"}),
-       "What survival depends on: the variance of one sample in the cell, or the squared standard error of the cell's "
-       "mean, variance / samples, which follows all paths of black and changed cells"},
+       "Measure that survival depends on: the variance of one sample in the cell, or the squared standard error of the "
+       "cell's mean (variance / samples), with which all paths of black and changed cells are followed"},
       {"error-v0", &s.error_v0, "Squared standard error below which few paths are followed", {.min = 0, .max = 1e6}},
       {"error-v1", &s.error_v1, "Squared standard error above which most paths are followed", {.min = 0, .max = 1e6}},
       {"survival-floor",

@@ -12,7 +12,7 @@ struct CandidateStage {
   SampleIndex index;
   View<const Hit> hits;
   View<const FirstScatter> scatters;
-  PathRecording recording;  ///< receives the chosen lights, from which light selection learns; empty: nothing learns
+  PathRecording recording;  ///< receives the chosen lights, from which light selection learns; may be empty
   uint32_t light_candidates = 1;
   uint32_t width = 0;
 

@@ -5,7 +5,7 @@ namespace relume {
 SettingList describe(RisSettings& s) {
   return {{"candidates",
            &s.candidates,
-           "Lights sampled per pixel and frame, of which one gets a shadow ray (reuse ris, restir-di)",
+           "Number of lights sampled per pixel and frame with reuse ris or restir-di, of which one gets a shadow ray",
            {.min = 1, .max = 256}}};
 }
 

@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Exact, RestirMode,
                                            RestirSettings{.cap = 8}),
                          mode_name);
 
-/// The mode "basic" gives no weight to hidden candidates, but its weights do not know that these were hidden.
+/// The mode "basic" gives no weight to hidden candidates, but its weights ignore that these were hidden.
 TEST(RestirBasic, LosesLightInShadows) {
   RenderSettings settings = settings_of(ReuseChoice::restir_di);
   settings.restir.correction = ReuseCorrection::basic;
@@ -146,7 +146,8 @@ TEST(RestirBasic, LosesLightInShadows) {
   EXPECT_GT(lost, -0.4 * reference().image.mean);
 }
 
-/// Lights that move without geometry keep their reservoirs in the mode "exact": targets know their previous state.
+/// Lights that move without geometry keep their reservoirs in the mode "exact": targets of the previous frame use its
+/// lights.
 TEST(RestirMovingLight, HasTheMeanOfPathTracing) {
   const Scene scene = [] {
     Scene box = cornell();

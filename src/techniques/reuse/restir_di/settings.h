@@ -5,14 +5,14 @@
 
 namespace relume {
 
-/// What keeps the mean of combined reservoirs.
+/// Weights with which reservoirs combine.
 enum class ReuseCorrection : int {
   exact,    ///< balance and pairwise weights with occlusion in the targets; reservoirs end where geometry moves
   lagging,  ///< the same, but reservoirs survive moving geometry, with rays in the current scene
   basic,    ///< weights without occlusion, which darkens shadows
 };
 
-/// What the next frame reuses.
+/// Reservoirs that the next frame reuses: those before or after the reuse of neighbouring pixels.
 enum class ReuseFeedback : int { temporal, spatial };
 
 struct RestirSettings {

@@ -65,7 +65,7 @@ struct SpatialReuseKernel {
     uint32_t count = 0;
   };
 
-  /// Pixels near (x, y) with similar surfaces. Only surfaces decide, never samples.
+  /// Pixels near (x, y) with similar surfaces. A choice by their samples would add bias.
   RELUME_HD void find(uint32_t x, uint32_t y, ChoiceNumbers& numbers, Neighbours& near) const {
     const uint32_t pixel = y * width + x;
     const float shift_x = numbers.next();

@@ -1,5 +1,5 @@
-// A small world for tests of reservoirs: 32 pixels in a ring and 24 light points, with occlusion that differs from
-// pixel to pixel. Samples move between pixels unchanged. It shows signs of biases; their sizes mean nothing elsewhere.
+// A model for tests of reservoirs: 32 pixels in a ring and 24 light points, with occlusion that differs from pixel to
+// pixel. Samples move between pixels unchanged. The model shows the signs of biases, not their sizes in real scenes.
 #pragma once
 
 #include <array>
