@@ -16,7 +16,7 @@ SettingList describe(VisibilityLightCacheSettings& s) {
        "exploration"},
       {"exploration-floor",
        &s.exploration_floor,
-       "Least fraction of samples drawn from all lights with learn-exploration",
+       "Minimum fraction of samples drawn from all lights with learn-exploration",
        {.min = 0.001, .max = 1}},
       {"hysteresis",
        &s.hysteresis,

@@ -13,7 +13,7 @@ using LightReservoir = Reservoir<LightPoint>;
 /// First dimension of the candidates, beyond those of paths and the wavelength.
 inline constexpr uint32_t kCandidateDimension = kWavelengthDimension + 64;
 
-/// What the candidates of a pixel are drawn with.
+/// Strategies that sample the candidates of a pixel, and their densities.
 struct CandidateSource {
   const PathContext& context;
   uint32_t light_candidates = 0;  ///< candidates from light selection

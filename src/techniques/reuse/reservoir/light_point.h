@@ -1,5 +1,5 @@
-// A point of a light source, independent of the receiver: what reservoirs for direct light hold. Between pixels and
-// frames it is kept as it is (identity shift); no Jacobian arises, because densities are per unit of its coordinates.
+// A point of a light source, independent of the receiver: the sample of reservoirs for direct light. Other pixels and
+// frames reuse it unchanged (identity shift) and without a Jacobian, because densities are per unit of its coordinates.
 #pragma once
 
 #include "core/octahedral.h"

@@ -114,7 +114,7 @@ TEST(LightPoint, IsFoundByRays) {
       const LightSample sample = sample_li(view, id, p, random.next_2d());
       if (!sample.valid()) continue;
       ++found;
-      // A ray knows the barycentrics of the triangle that it hits, not those of the parallelogram.
+      // A hit has the barycentrics of its triangle, not those of the parallelogram.
       const LightPoint point = point_along(view, id, p, sample.wi, Vec2(0.25f));
       ASSERT_LT(glm::length(point.coordinates - sample.barycentric), 1e-3f);
       ASSERT_NEAR(density_of(view, id, p, light_at(view, point, p)) / sample.pdf_w, 1, 1e-2f);

@@ -1,5 +1,6 @@
 // Reservoirs: one sample each, chosen from many by resampled importance sampling, and weights with which reservoirs of
-// other pixels and frames combine without bias ([Bitterli20], [Lin22]). Nothing here depends on what a sample is.
+// several domains combine without bias ([Bitterli20], [Lin22]). A domain is a pixel in one frame, with its integrand.
+// Independent of the type of samples.
 #pragma once
 
 #include "core/hash.h"
@@ -12,8 +13,8 @@ template <typename Sample>
 struct Reservoir {
   Sample sample{};
   float weight = 0;      ///< W: unbiased contribution weight of [Lin22], an estimate of 1 / density; 0: no sample
-  float target = 0;      ///< p̂ of the sample in the domain that owns the reservoir; its shown value up to a factor
-  float confidence = 0;  ///< c: number of frames of candidates behind it; 0: no reservoir
+  float target = 0;      ///< p̂ of the sample in the domain that owns the reservoir
+  float confidence = 0;  ///< c: number of frames whose candidates contributed; 0: no reservoir
 };
 
 /// Independent uniform numbers that decide choices of a pixel in a frame. Choices must not use the stratified sequences
@@ -115,9 +116,9 @@ class PairwiseCombination {
   float count_;
 };
 
-/// Combines reservoirs by the weights cᵢ p̂ Wᵢ, and divides by the candidates that could have made the chosen sample
-/// ([Bitterli20] alg. 6, the form that RTXDI calls "basic"). Unbiased only if the targets include everything that makes
-/// the integrand zero: see README.md.
+/// Combines reservoirs by the weights cᵢ p̂ Wᵢ, and normalises by the domains that could have sampled the chosen one
+/// ([Bitterli20] alg. 6, the form that RTXDI calls "basic"). Unbiased only if the targets are zero wherever the
+/// integrand is: see README.md.
 template <typename Sample>
 class BasicCombination {
  public:

@@ -19,7 +19,7 @@ struct FirstScatter {
 /// First scattering event of the path of each pixel.
 inline constexpr BufferKey<FirstScatter> kFirstScatters{"first-scatters"};
 
-/// Records the first scattering event of a path. Its recorder of regions, if any, must come before it.
+/// Records the first scattering event of a path. A policy that sets the region of vertices must precede it.
 struct FirstScatterPolicy : NoPolicy {
   FirstScatter* scatter;  ///< empty at the start
 

@@ -15,7 +15,7 @@ namespace {
 constexpr uint64_t kBytesPerVertex = sizeof(PathVertex) + sizeof(GridVertex) + 2 * sizeof(uint32_t) + 8;
 /// For each light subpath: counts of vertices and rays, and the beginnings of at most two buckets.
 constexpr uint64_t kBytesPerPath = 32;
-/// The same for each frame.
+/// Upper bound for what does not depend on the number of light subpaths.
 constexpr uint64_t kFixedBytes = 64 << 10;
 
 /// Limits of η, which keep its square within the range of floats. Any positive η gives weights that sum to one.
@@ -62,7 +62,7 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   stride_ = c.max_kept_vertices();
   const uint64_t pixels = frame.pixels();
   const uint64_t most = stride_ > 0 ? light_paths_of(vcm_, pixels, stride_) : 0;
-  // With fewer samples, as many light paths are traced per sample.
+  // If fewer pixels receive a sample, the number of light paths falls in proportion.
   paths_ = static_cast<uint32_t>(samples > 0 && most > 0 ? std::max<uint64_t>(most * samples / pixels, 1) : 0);
   reset_without_copy(light_vertices_, size_t{paths_} * stride_);
   counts_.reset(paths_, kUninitialized);
