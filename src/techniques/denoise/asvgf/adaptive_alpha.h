@@ -31,9 +31,7 @@ struct PrepareGradientsKernel {
   uint32_t height = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t middle_x = relume::min(x * kStratum + kStratum / 2, width - 1);
-    const uint32_t middle_y = relume::min(y * kStratum + kStratum / 2, height - 1);
-    const uint32_t pixel = middle_y * width + middle_x;
+    const uint32_t pixel = pixel_of(x, y);
     const bool valid = surface[pixel] != kNoSurface;
     const float footprint = (cone_width + cone_spread * depth[pixel]) * static_cast<float>(kStratum);
     *features.at(place_of(AtrousPlane::valid), x, y) = valid ? 1.0f : 0.0f;
@@ -42,12 +40,28 @@ struct PrepareGradientsKernel {
       *features.at(place_of(AtrousPlane::normal_x, c), x, y) = normal[pixel][static_cast<int>(c)];
       *features.at(place_of(AtrousPlane::position_x, c), x, y) = position[pixel][static_cast<int>(c)];
     }
-    // A stratum without a gradient adds nothing to either sum, so their quotient is that of the others.
-    const Vec2 gradient = gradients[y * features.width + x];
+    // A stratum without a gradient adds nothing to either sum, so their quotient is that of the others. In the
+    // background, where no neighbour is similar, the noise of a gradient would remain.
+    const Vec2 gradient = valid ? gradients[y * features.width + x] : Vec2(0);
     *planes.at(kGradientPlane, x, y) = gradient.x;
     *planes.at(kLargestPlane, x, y) = gradient.y;
     *planes.at(2, x, y) = 0.0f;
     *planes.at(kAtrousVariance, x, y) = 1.0f;
+  }
+
+ private:
+  /// The middle pixel of a stratum or, at a silhouette, its first one with a surface.
+  RELUME_HD uint32_t pixel_of(uint32_t x, uint32_t y) const {
+    const uint32_t end_x = relume::min((x + 1) * kStratum, width);
+    const uint32_t end_y = relume::min((y + 1) * kStratum, height);
+    const uint32_t middle_x = relume::min(x * kStratum + kStratum / 2, width - 1);
+    uint32_t pixel = relume::min(y * kStratum + kStratum / 2, height - 1) * width + middle_x;
+    for (uint32_t py = y * kStratum; py < end_y && surface[pixel] == kNoSurface; ++py) {
+      for (uint32_t px = x * kStratum; px < end_x && surface[pixel] == kNoSurface; ++px) {
+        if (surface[py * width + px] != kNoSurface) pixel = py * width + px;
+      }
+    }
+    return pixel;
   }
 };
 

@@ -125,6 +125,23 @@ TEST(Asvgf, FilterAveragesNoiseOfBothSigns) {
   for (const float lambda : wall.lambdas()) ASSERT_LT(lambda, 0.1f);
 }
 
+TEST(Asvgf, SilhouettesAgainstTheBackgroundAreFiltered) {
+  Wall wall;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (i % kWidth > 40) continue;  // the wall begins in the last column of a stratum
+    wall.surface[i] = kNoSurface;
+    wall.normal[i] = Vec3(0);
+  }
+  for (uint32_t i = 0; i < kColumns * kRows; ++i) {
+    const bool up = (i % kColumns + i / kColumns) % 2 == 0;
+    wall.gradients[i] = Vec2(up ? 0.5f : -0.5f, 1);
+  }
+  wall.filter(5);
+  const std::vector<float> lambdas = wall.lambdas();
+  for (const float lambda : lambdas) ASSERT_LT(lambda, 0.1f);
+  EXPECT_EQ(lambdas[0], 0.0f);
+}
+
 TEST(Asvgf, StrataWithoutGradientsTakeThoseAround) {
   Wall wall;
   for (uint32_t i = 0; i < kColumns * kRows; ++i) wall.gradients[i] = i % 4 == 1 ? Vec2(-0.3f, 1) : Vec2(0);
