@@ -77,6 +77,23 @@ TEST(AsvgfSession, CamerasThatMoveAloneTraceNoGradients) {
   }
 }
 
+TEST(AsvgfSession, PathsThatCannotBeRepeatedHaveNoGradients) {
+  const auto has_gradients = [](void (*change)(RenderSettings&)) {
+    RenderSettings settings = settings_of(DenoiseChoice::asvgf, 16, 16);
+    change(settings);
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    session.render_frame();
+    return buffer_table(session).find(kAsvgfLambda.name) != nullptr;
+  };
+  EXPECT_TRUE(has_gradients([](RenderSettings&) {}));
+  EXPECT_TRUE(has_gradients([](RenderSettings& s) { s.lights = LightSelectionChoice::light_tree; }));
+  EXPECT_FALSE(has_gradients([](RenderSettings& s) { s.lights = LightSelectionChoice::vlc; }));
+  EXPECT_FALSE(has_gradients([](RenderSettings& s) { s.guide = GuideChoice::cdq; }));
+  EXPECT_FALSE(has_gradients([](RenderSettings& s) { s.cache = CacheChoice::psf; }));
+  EXPECT_FALSE(has_gradients([](RenderSettings& s) { s.reuse = ReuseChoice::ris; }));
+  EXPECT_FALSE(has_gradients([](RenderSettings& s) { s.estimator = EstimatorChoice::bdpt; }));
+}
+
 TEST(AsvgfSession, DimmedLightShortensEveryHistory) {
   Scene scene = testing::plate(testing::matte(Rgb(0.5f)), 5, 1);
   scene.environment.kind = EnvironmentKind::constant;
