@@ -8,7 +8,7 @@
 namespace relume {
 
 /// Position of a light vertex, and its index.
-struct GridVertex {
+struct SortedVertex {
   Vec3 position;
   uint32_t vertex;
 };
@@ -17,16 +17,15 @@ struct GridCell {
   int32_t x = 0;
   int32_t y = 0;
   int32_t z = 0;
-
-  RELUME_HD bool operator==(const GridCell& other) const { return x == other.x && y == other.y && z == other.z; }
 };
 
 /// Grid of cells twice as wide as the merging radius. The vertices around a point are therefore in eight cells. Cells
-/// are hashed to buckets, which several cells may share.
+/// are hashed to buckets, which several cells may share. Neighbours along x have successive buckets, so four ranges of
+/// buckets contain the eight cells.
 struct MergeGrid {
   Vec3 center{0};
   float inverse_edge = 0;  ///< per metre
-  uint32_t buckets = 1;    ///< a power of two
+  uint32_t buckets = 2;    ///< a power of two, at least 2
 
   /// Cell that contains `p`, moved back along each axis by `shift` edges.
   RELUME_HD GridCell cell_at(const Vec3& p, float shift = 0.0f) const {
@@ -34,8 +33,12 @@ struct MergeGrid {
     return {coordinate(at.x), coordinate(at.y), coordinate(at.z)};
   }
   RELUME_HD uint32_t bucket_of(const GridCell& cell) const {
-    return hash(static_cast<uint32_t>(cell.x), static_cast<uint32_t>(cell.y), static_cast<uint32_t>(cell.z)) &
-           (buckets - 1);
+    const uint32_t row = hash(static_cast<uint32_t>(cell.y), static_cast<uint32_t>(cell.z));
+    return (row + static_cast<uint32_t>(cell.x)) & (buckets - 1);
+  }
+  /// Bucket of a vertex; `buckets` for those that cannot merge.
+  RELUME_HD uint32_t key_of(const PathVertex& v) const {
+    return v.connectable() ? bucket_of(cell_at(v.position)) : buckets;
   }
 
  private:
@@ -45,18 +48,36 @@ struct MergeGrid {
   }
 };
 
-/// Bucket of each slot of the light vertices, as keys of group_by_key(). Slots without a vertex that can merge have the
-/// key `grid.buckets`.
-struct VertexBuckets {
-  View<const PathVertex> vertices;
-  View<const uint32_t> counts;  ///< vertices of each light subpath
-  uint32_t stride = 1;          ///< slots of a light subpath
+/// Vertices in the order of their buckets.
+struct SortedVertices {
+  View<const SortedVertex> sorted;
+  View<const uint32_t> begins;  ///< first element of `sorted` by bucket, then their number
   MergeGrid grid;
+  float radius_squared = 0;  ///< m²
 
-  RELUME_HD uint32_t operator()(size_t i) const {
-    const auto slot = static_cast<uint32_t>(i);
-    if (slot % stride >= counts[slot / stride] || !vertices[slot].connectable()) return grid.buckets;
-    return grid.bucket_of(grid.cell_at(vertices[slot].position));
+  /// Calls visit(vertex) for the index of each vertex around `p`, in an order that only depends on the arguments.
+  template <typename Visit>
+  RELUME_HD void for_each_near(const Vec3& p, const Visit& visit) const {
+    const GridCell first = grid.cell_at(p, 0.5f);
+    // Reads the ranges of all rows before the vertices: their latencies overlap.
+    uint32_t begin[4];
+    uint32_t end[4];
+    for (int32_t row = 0; row < 4; ++row) {
+      const uint32_t bucket = grid.bucket_of({first.x, first.y + (row & 1), first.z + (row >> 1)});
+      begin[row] = begins[bucket];
+      // The last bucket continues at the first.
+      end[row] = bucket + 2 <= grid.buckets ? begins[bucket + 2] : sorted.size + begins[1];
+    }
+    for (int32_t row = 0; row < 4; ++row) {
+      for (uint32_t i = begin[row]; i < end[row]; ++i) {
+        const SortedVertex& near = sorted[i < sorted.size ? i : i - sorted.size];
+        if (length_squared(near.position - p) >= radius_squared) continue;
+        // Other cells may share the buckets.
+        const GridCell cell = grid.cell_at(near.position);
+        const bool in_row = cell.y == first.y + (row & 1) && cell.z == first.z + (row >> 1);
+        if (in_row && (cell.x == first.x || cell.x == first.x + 1)) visit(near.vertex);
+      }
+    }
   }
 };
 
@@ -64,7 +85,7 @@ struct VertexBuckets {
 struct SortVerticesKernel {
   View<const PathVertex> vertices;
   View<const uint32_t> order;
-  View<GridVertex> sorted;
+  View<SortedVertex> sorted;
 
   RELUME_HD void operator()(uint32_t i, uint32_t /*y*/) const { sorted[i] = {vertices[order[i]].position, order[i]}; }
 };
@@ -99,11 +120,8 @@ inline constexpr float kMinMergingCosine = 0.7f;
 /// connected to random ones: a light vertex cache ([Davidovic14]).
 struct LightVertexGrid {
   View<const PathVertex> vertices;
-  View<const GridVertex> sorted;  ///< empty: no vertices
-  View<const uint32_t> begins;    ///< first element of `sorted` by bucket, then their number
-  MergeGrid grid;
+  SortedVertices near;       ///< empty: no vertices; radius 0: no merging
   uint32_t stride = 1;       ///< slots of a light subpath
-  float radius_squared = 0;  ///< m²; 0: no merging
   float density = 0;         ///< 1 / (π r² n), n: number of light subpaths
   uint32_t connections = 0;  ///< random connections per camera vertex
   float scale = 0;           ///< of a connection: mean number of vertices of a light subpath over `connections`
@@ -111,9 +129,9 @@ struct LightVertexGrid {
   /// Adds the light of both to the camera subpath. `ray_id`: identity of the random choices at its last vertex.
   RELUME_HD void add(const BdptContext& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
                      ConnectionRoulette& roulette, BdptCounters& counters) const {
-    if (sorted.empty()) return;
+    if (near.sorted.empty()) return;
     for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters);
-    if (radius_squared > 0.0f) merge(c, sp, e);
+    if (near.radius_squared > 0.0f) merge(c, sp, e);
   }
 
  private:
@@ -122,7 +140,8 @@ struct LightVertexGrid {
                          ConnectionRoulette& roulette, BdptCounters& counters) const {
     constexpr uint32_t kSalt = 0x5c000000u;  // connections to one light subpath have small numbers
     const uint32_t id = hash(ray_id, kSalt + i);
-    const uint32_t vertex = sorted[static_cast<uint32_t>(uint64_t{hash(id)} * sorted.size >> 32)].vertex;
+    const auto chosen = static_cast<uint32_t>(uint64_t{hash(id)} * near.sorted.size >> 32);
+    const uint32_t vertex = near.sorted[chosen].vertex;
     if (e.count() + vertex % stride + 2 > c.max_bidirectional_vertices()) return;
     Connection connection = connect_to_vertex(c, sp, e, vertices[vertex]);
     connection.contribution *= scale;
@@ -132,29 +151,14 @@ struct LightVertexGrid {
   RELUME_HD void merge(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) const {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
-    const GridCell first = grid.cell_at(sp.position, 0.5f);
+    const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
     Rgb sum(0);
-    for (int32_t i = 0; i < 8; ++i) {
-      const GridCell cell{first.x + (i & 1), first.y + ((i >> 1) & 1), first.z + (i >> 2)};
-      sum += sum_over(cell, c, sp, e, longest - e.count());
-    }
+    near.for_each_near(sp.position, [&](uint32_t vertex) {
+      if (vertex % stride >= most) return;
+      const PathVertex& v = vertices[vertex];
+      if (std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine) sum += merged_radiance(c, sp, e, v);
+    });
     e.path.radiance += e.path.throughput * sum * density;
-  }
-
-  /// `most`: number of vertices of a light subpath, from its start, with which paths are short enough.
-  RELUME_HD Rgb sum_over(const GridCell& cell, const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                         uint32_t most) const {
-    const uint32_t bucket = grid.bucket_of(cell);
-    Rgb sum(0);
-    for (uint32_t i = begins[bucket]; i < begins[bucket + 1]; ++i) {
-      const GridVertex& near = sorted[i];
-      if (length_squared(near.position - sp.position) >= radius_squared) continue;
-      if (near.vertex % stride >= most || !(grid.cell_at(near.position) == cell)) continue;
-      const PathVertex& v = vertices[near.vertex];
-      if (std::fabs(glm::dot(v.ng, sp.ng)) < kMinMergingCosine) continue;
-      sum += merged_radiance(c, sp, e, v);
-    }
-    return sum;
   }
 };
 

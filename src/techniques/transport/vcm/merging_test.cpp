@@ -21,52 +21,48 @@ PathVertex vertex_at(const Vec3& position, bool connectable) {
 
 float random(uint32_t i, uint32_t k) { return to_unit_float(hash(i, k)); }
 
-TEST(MergeGrid, FindsEveryVertexWithinTheRadiusOnce) {
+/// Compares the vertices found around random points with all vertices. With few buckets, most contain several cells,
+/// and many rows continue from the last bucket at the first.
+void expect_all_near(uint32_t bucket_count) {
   constexpr float kRadius = 0.1f;
-  constexpr uint32_t kStride = 4;
-  constexpr uint32_t kPaths = 500;
+  constexpr uint32_t kVertices = 1000;
+  const MergeGrid grid{Vec3(0.5f), 0.5f / kRadius, bucket_count};
   std::vector<PathVertex> vertices;
-  std::vector<uint32_t> counts;
-  for (uint32_t path = 0; path < kPaths; ++path) {
-    counts.push_back(hash(path, 9u) % (kStride + 1));
-    for (uint32_t k = 0; k < kStride; ++k) {
-      const uint32_t i = path * kStride + k;
-      vertices.push_back(vertex_at({random(i, 1), random(i, 2), random(i, 3)}, hash(i, 4u) % 8 != 0));
-    }
+  std::vector<uint32_t> keys;
+  for (uint32_t i = 0; i < kVertices; ++i) {
+    vertices.push_back(vertex_at({random(i, 1), random(i, 2), random(i, 3)}, hash(i, 4u) % 8 != 0));
+    keys.push_back(grid.key_of(vertices.back()));
   }
-  // Few buckets, so that most of them contain several cells.
-  const MergeGrid grid{Vec3(0.5f), 0.5f / kRadius, 16};
-  const VertexBuckets buckets{view_of(vertices), view_of(counts), kStride, grid};
   Backend backend(1);
   PrimitiveScratch scratch;
   KeyGroups groups;
-  ASSERT_TRUE(group_by_key({backend, "test", scratch}, buckets, kPaths * kStride, grid.buckets, groups));
-  const auto order = groups.order.read();
-  const auto begins = groups.begins.read();
+  const Elements<uint32_t> by_vertex{view_of(keys)};
+  ASSERT_TRUE(group_by_key({backend, "test", scratch}, by_vertex, kVertices, grid.buckets, groups));
+  std::vector<SortedVertex> sorted;
+  for (const uint32_t i : groups.order.read()) sorted.push_back({vertices[i].position, i});
+  const SortedVertices near{view_of(sorted), groups.begins.view(), grid, sqr(kRadius)};
 
   size_t pairs = 0;
   for (uint32_t query = 0; query < 100; ++query) {
     const Vec3 p(random(query, 5), random(query, 6), random(query, 7));
     std::vector<uint32_t> expected;
-    for (uint32_t i = 0; i < vertices.size(); ++i) {
-      const bool exists = i % kStride < counts[i / kStride] && vertices[i].connectable();
-      if (exists && length_squared(vertices[i].position - p) < sqr(kRadius)) expected.push_back(i);
+    for (uint32_t i = 0; i < kVertices; ++i) {
+      if (vertices[i].connectable() && length_squared(vertices[i].position - p) < sqr(kRadius)) expected.push_back(i);
     }
     std::vector<uint32_t> found;
-    const GridCell first = grid.cell_at(p, 0.5f);
-    for (int32_t i = 0; i < 8; ++i) {
-      const GridCell cell{first.x + (i & 1), first.y + ((i >> 1) & 1), first.z + (i >> 2)};
-      const uint32_t bucket = grid.bucket_of(cell);
-      for (uint32_t k = begins[bucket]; k < begins[bucket + 1]; ++k) {
-        const Vec3& at = vertices[order[k]].position;
-        if (grid.cell_at(at) == cell && length_squared(at - p) < sqr(kRadius)) found.push_back(order[k]);
-      }
-    }
+    near.for_each_near(p, [&](uint32_t vertex) { found.push_back(vertex); });
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected);
     pairs += expected.size();
   }
   EXPECT_GT(pairs, 100u);
+}
+
+TEST(MergeGrid, FindsEveryVertexWithinTheRadiusOnce) {
+  for (const uint32_t bucket_count : {2u, 4u, 16u, 1024u}) {
+    SCOPED_TRACE(bucket_count);
+    expect_all_near(bucket_count);
+  }
 }
 
 TEST(VcmSettings, MemoryLimitsTheNumberOfLightSubpaths) {

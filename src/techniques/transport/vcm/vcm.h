@@ -14,9 +14,11 @@ struct LightSubpathKernel {
   SampleIndex index;  ///< of light subpaths: without View `taken`, because they reach all pixels
   View<PathVertex> vertices;
   View<uint32_t> counts;  ///< vertices by light subpath
+  View<uint32_t> keys;    ///< of MergeGrid, by slot; those of empty slots are `grid.buckets`; may be empty
   View<uint32_t> rays;    ///< by light subpath
   View<uint64_t> saturated;
   View<uint64_t> nonfinite;
+  MergeGrid grid;
   uint32_t stride = 1;  ///< slots of a light subpath
   uint32_t paths = 0;
 
@@ -27,6 +29,8 @@ struct LightSubpathKernel {
     BdptCounters counters;
     Sampler sampler = index.sampler(x, y);
     trace_light_subpath(context, sampler, kept, counters);
+    for (uint32_t i = 0; !keys.empty() && i < stride; ++i)
+      keys[path * stride + i] = i < kept.count ? grid.key_of(kept.vertices[i]) : grid.buckets;
     counts[path] = kept.count;
     rays[path] = counters.rays;
     if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});

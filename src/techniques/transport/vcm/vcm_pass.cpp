@@ -10,9 +10,9 @@
 namespace relume {
 namespace {
 
-/// Upper bounds of the memory for light vertices, bytes: the vertex, its elements of the grid and of the order by
-/// bucket, which is copied while it grows, and its share of the counts of group_by_key().
-constexpr uint64_t kBytesPerVertex = sizeof(PathVertex) + sizeof(GridVertex) + 2 * sizeof(uint32_t) + 8;
+/// Upper bounds of the memory for light vertices, bytes: the vertex, its key, its elements of the grid and of the order
+/// by bucket, which is copied while it grows, and its share of the counts of group_by_key().
+constexpr uint64_t kBytesPerVertex = sizeof(PathVertex) + sizeof(SortedVertex) + 3 * sizeof(uint32_t) + 8;
 /// For each light subpath: counts of vertices and rays, and the beginnings of at most two buckets.
 constexpr uint64_t kBytesPerPath = 32;
 /// Upper bound for what does not depend on the number of light subpaths.
@@ -83,16 +83,19 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   return paths_;
 }
 
-bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel) {
+bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const MergeGrid& grid) {
+  reset_without_copy(keys_, sorts() ? light_vertices_.size() : 0);
   LightSubpathKernel light;
   light.context = kernel.context;
   light.index = kernel.index;
   light.index.taken = {};
   light.vertices = light_vertices_.mutable_view();
   light.counts = counts_.mutable_view();
+  light.keys = keys_.mutable_view();
   light.rays = rays_.mutable_view();
   light.saturated = kernel.saturated;
   light.nonfinite = kernel.nonfinite;
+  light.grid = grid;
   light.stride = stride_;
   light.paths = paths_;
   const uint32_t rows = (paths_ - 1) / frame.width() + 1;
@@ -103,19 +106,17 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   constexpr uint32_t kVerticesPerTile = 1024;
   grid.vertices = light_vertices_.view();
   grid.stride = stride_;
-  grid.grid = {frame.scene.lights.bounds.center, 0.0f, std::bit_ceil(paths_)};
   if (radius_ > 0.0f) {
-    grid.grid.inverse_edge = 0.5f / radius_;
-    grid.radius_squared = sqr(radius_);
+    grid.near.radius_squared = sqr(radius_);
     grid.density = 1.0f / (kPi * sqr(radius_) * static_cast<float>(paths_));
   }
-  const VertexBuckets buckets{grid.vertices, counts_.view(), stride_, grid.grid};
   const PrimitiveLaunch at{frame.backend, "merging", grid_scratch_};
-  if (!group_by_key(at, buckets, grid.vertices.size, grid.grid.buckets, groups_, frame.stop)) return false;
+  const Elements<uint32_t> keys{keys_.view()};
+  if (!group_by_key(at, keys, keys.values.size, grid.near.grid.buckets, groups_, frame.stop)) return false;
   reset_without_copy(sorted_, groups_.order.size());
   const SortVerticesKernel sort{grid.vertices, groups_.order.view(), sorted_.mutable_view()};
-  grid.sorted = sorted_.view();
-  grid.begins = groups_.begins.view();
+  grid.near.sorted = sorted_.view();
+  grid.near.begins = groups_.begins.view();
   grid.connections = static_cast<uint32_t>(vcm_.connections);
   const float tried = static_cast<float>(paths_) * static_cast<float>(vcm_.connections);
   if (tried > 0.0f) grid.scale = static_cast<float>(sorted_.size()) / tried;
@@ -125,8 +126,12 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
 bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
   VcmKernel camera;
   if (paths_ > 0) {
-    if (!trace_light_subpaths(frame, kernel)) return false;
-    if ((radius_ > 0.0f || vcm_.connections > 0) && !sort_vertices(frame, camera.grid)) return false;
+    MergeGrid& grid = camera.grid.near.grid;
+    grid.center = frame.scene.lights.bounds.center;
+    grid.inverse_edge = radius_ > 0.0f ? 0.5f / radius_ : 0.0f;
+    grid.buckets = std::bit_ceil(std::max(paths_, 2u));
+    if (!trace_light_subpaths(frame, kernel, grid)) return false;
+    if (sorts() && !sort_vertices(frame, camera.grid)) return false;
   }
   camera.context = kernel.context;
   camera.index = kernel.index;

@@ -32,6 +32,7 @@ class VcmPass final : public BdptPass {
         accumulates_(accumulates),
         light_vertices_(memory),
         counts_(memory),
+        keys_(memory),
         rays_(memory),
         sorted_(memory),
         groups_(memory) {}
@@ -41,8 +42,8 @@ class VcmPass final : public BdptPass {
   size_t memory_bytes() const override { return BdptPass::memory_bytes() + light_vertex_bytes(); }
   /// Bytes that VcmSettings::memory_mib limits.
   size_t light_vertex_bytes() const {
-    return light_vertices_.memory_bytes() + counts_.memory_bytes() + rays_.memory_bytes() + sorted_.memory_bytes() +
-           groups_.memory_bytes() + grid_scratch_.memory_bytes();
+    return light_vertices_.memory_bytes() + counts_.memory_bytes() + keys_.memory_bytes() + rays_.memory_bytes() +
+           sorted_.memory_bytes() + groups_.memory_bytes() + grid_scratch_.memory_bytes();
   }
   std::vector<PassStatistic> statistics() const override;
 
@@ -51,15 +52,18 @@ class VcmPass final : public BdptPass {
   bool trace(const FrameContext& frame, const BdptKernel& kernel) override;
 
  private:
-  bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel);
+  /// Whether the frame sorts its light vertices.
+  bool sorts() const { return paths_ > 0 && (radius_ > 0.0f || vcm_.connections > 0); }
+  bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const MergeGrid& grid);
   bool sort_vertices(const FrameContext& frame, LightVertexGrid& grid);
 
   VcmSettings vcm_;
   bool accumulates_;
   Array<PathVertex> light_vertices_;  ///< `stride_` slots per light subpath
   Array<uint32_t> counts_;            ///< vertices by light subpath
+  Array<uint32_t> keys_;              ///< of the grid, by slot; empty: the frame does not sort
   Array<uint32_t> rays_;              ///< by light subpath
-  Array<GridVertex> sorted_;          ///< of all vertices that can merge
+  Array<SortedVertex> sorted_;        ///< of all vertices that can merge
   KeyGroups groups_;
   PrimitiveScratch grid_scratch_;
   uint32_t stride_ = 0;
