@@ -1,4 +1,4 @@
-// Compares bidirectional path tracing and light tracing with path tracing.
+// Compares bidirectional path tracing, light tracing, and vertex connection and merging with path tracing.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -158,6 +158,51 @@ TEST_P(BdptBuiltin, AgreesWithPathTracing) {
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, BdptBuiltin, ::testing::ValuesIn(kQuick), builtin_name);
 INSTANTIATE_TEST_SUITE_P(SlowBuiltin, BdptBuiltin, ::testing::ValuesIn(kSharp), builtin_name);
+
+/// A built-in scene for vertex connection and merging. Merging needs a radius with several light vertices per disc,
+/// also in small images.
+struct MergingCase {
+  const char* scene;
+  int width;
+  int height;
+  float time_s;
+  int path;  ///< samples per pixel of path tracing
+  int vcm;   ///< the same for vertex connection and merging
+  float radius;
+  double blocks = 0.1;  ///< ImageTestOptions::detectable
+  double mean = 0.05;   ///< ImageTestOptions::detectable_mean
+};
+
+const MergingCase kQuickMerging[] = {{"cornell", 32, 32, 0, 64, 32, 0.02f},
+                                     {"turntable", 32, 18, 1.3f, 32, 16, 0.005f}};
+
+// Excludes cornell-water and cornell-glass: path tracing lacks most of the light that only merging finds.
+const MergingCase kSharpMerging[] = {{"cornell", 32, 32, 0, 512, 256, 0.02f},
+                                     {"cornell-closed", 32, 32, 0, 512, 256, 0.02f},
+                                     {"cornell-spheres", 32, 32, 0, 1024, 64, 0.01f},
+                                     {"cornell-mirror", 32, 32, 0, 1024, 64, 0.01f},
+                                     {"corridor", 32, 32, 0, 256, 128, 0.003f, 0.35, 0.17},
+                                     {"turntable", 48, 27, 1.3f, 256, 128, 0.005f},
+                                     {"door", 32, 24, 0, 256, 128, 0.003f}};
+
+class VcmBuiltin : public ::testing::TestWithParam<MergingCase> {};
+
+TEST_P(VcmBuiltin, AgreesWithPathTracing) {
+  const MergingCase& c = GetParam();
+  const Scene scene = find_builtin_scene(c.scene)->build();
+  RenderSettings settings = small_settings(c.width, c.height);
+  settings.time_s = c.time_s;
+  const Moments path = measure(scene, settings, c.path, kSeeds, 1);
+  settings.estimator = EstimatorChoice::vcm;
+  settings.vcm.radius = c.radius;
+  // The blur of merging is a bias, largest for pixels at edges.
+  expect_same_image(std::string("vcm-") + c.scene, path, measure(scene, settings, c.vcm, kSeeds, 1001),
+                    {.pixels = false, .tolerance = 0.02, .detectable = c.blocks, .detectable_mean = c.mean});
+}
+
+std::string merging_name(const ::testing::TestParamInfo<MergingCase>& info) { return test_name(info.param.scene); }
+INSTANTIATE_TEST_SUITE_P(Builtin, VcmBuiltin, ::testing::ValuesIn(kQuickMerging), merging_name);
+INSTANTIATE_TEST_SUITE_P(SlowBuiltin, VcmBuiltin, ::testing::ValuesIn(kSharpMerging), merging_name);
 
 }  // namespace
 }  // namespace relume::support
