@@ -11,7 +11,7 @@ namespace relume {
 /// rows.
 struct LightSubpathKernel {
   BdptContext context;
-  SampleIndex index;  ///< of light subpaths: without View `taken`, because they reach all pixels
+  SampleIndex index;  ///< of light subpaths: without `taken` and `tile`, because they reach all pixels
   View<PathVertex> vertices;
   View<uint32_t> counts;  ///< vertices by light subpath
   View<uint32_t> keys;    ///< of MergeGrid, by slot; those of empty slots are `grid.buckets`; may be empty

@@ -89,6 +89,7 @@ bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& 
   light.context = kernel.context;
   light.index = kernel.index;
   light.index.taken = {};
+  light.index.tile = {};  // light subpaths would repeat with the tile, and merging needs all of them
   light.vertices = light_vertices_.mutable_view();
   light.counts = counts_.mutable_view();
   light.keys = keys_.mutable_view();

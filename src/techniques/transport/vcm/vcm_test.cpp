@@ -236,6 +236,19 @@ TEST(Vcm, TracesFewerLightPathsWhereMemoryIsShort) {
                mean_of_frames(scene, settings_of(EstimatorChoice::bdpt, kSize), 24), 0.02, "cornell");
 }
 
+/// Dithered light subpaths would repeat with the tile.
+TEST(Vcm, DoesNotDitherLightSubpaths) {
+  const auto vertices = [](bool dither) {
+    RenderSettings settings = vcm_settings(0.03f, 40);
+    settings.dither = dither;
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    session.render_frame();
+    return statistic(session, "merging-vertices");
+  };
+  EXPECT_GT(vertices(true), 1000);
+  EXPECT_EQ(vertices(true), vertices(false));
+}
+
 TEST(Vcm, HasTheSameBitsWithAnyThreadsAndForms) {
   const auto image = [](int threads, bool scalar_kernels) {
     RenderSettings settings = vcm_settings(0.03f, 40);
