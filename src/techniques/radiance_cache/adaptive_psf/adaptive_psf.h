@@ -40,15 +40,17 @@ struct AdaptivePsf {
 
   /// Decides at the filter vertex whether the path is followed. Sets slot, survival, blend and culled. A culled pixel
   /// shows its cell with any blend function, because it has no sample. Paths at vertices with delta lobes always
-  /// survive. `u` in [0, 1).
-  RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u) const {
+  /// survive. `u` in [0, 1). `others`: the other cells of a split pixel; else not read.
+  RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u,
+                        const View<OtherCells>& others = {}) const {
     if (!enabled) return true;
     if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
-    // The cell's own moments: all pixels with the same key must have the same probability.
+    // The cell's own moments: all pixels with the same key should have the same probability, or their samples differ in
+    // weight.
     const CellMoments cell = grid.own_moments(pixel.slot);
     float v = variance(grid, cell);
     pixel.survival = pixel.divided ? 1.0f : survival_in(grid, pixel.slot, cell, v);
-    if (pixel.split) consider_specular(grid, pixel, v);
+    if (pixel.split) consider_specular(grid, pixel, others[0], v);
     pixel.blend = blend(blend_function, blend_thresholds, v);
     pixel.culled = u >= pixel.survival;
     if (pixel.culled) pixel.blend = 1.0f;
@@ -57,11 +59,12 @@ struct AdaptivePsf {
 
  private:
   /// Raises survival and the variance `v` to those of the specular cell. Sets its slot.
-  RELUME_HD void consider_specular(const HashGridView& grid, FilteredPixel& pixel, float& v) const {
-    pixel.specular_slot = grid.find(grid.keys.address(pixel.specular_point()));
-    const CellMoments cell = grid.own_moments(pixel.specular_slot);
+  RELUME_HD void consider_specular(const HashGridView& grid, FilteredPixel& pixel, OtherCells& others,
+                                   float& v) const {
+    others.specular_slot = grid.find(grid.keys.address(others.specular_point(pixel.point)));
+    const CellMoments cell = grid.own_moments(others.specular_slot);
     const float specular = variance(grid, cell);
-    pixel.survival = relume::max(pixel.survival, survival_in(grid, pixel.specular_slot, cell, specular));
+    pixel.survival = relume::max(pixel.survival, survival_in(grid, others.specular_slot, cell, specular));
     v = relume::max(v, specular);
   }
 };
@@ -91,7 +94,10 @@ class AdaptiveVertex : public NoPolicy {
     const bool before = vertex_.reached();
     vertex_.arrived(sp, path);
     if (before || !vertex_.reached()) return true;
-    return context_->adaptive.decide(context_->filter.grid, vertex_.pixel(), u_survival_);
+    FilteredPixel& pixel = vertex_.pixel();
+    View<OtherCells> others;
+    if (pixel.split) others = view_of_one(vertex_.others());
+    return context_->adaptive.decide(context_->filter.grid, pixel, u_survival_, others);
   }
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
     vertex_.connected(sp, path, c, visible);

@@ -11,6 +11,7 @@ struct CellEdges {
   PathContext context;
   SampleIndex index;
   View<const FilteredPixel> pixels;
+  View<const OtherCells> others;  ///< as FilterContext::others
   uint32_t rays = 0;  ///< camera rays per pixel at an edge; 0: no pixel has more
   uint32_t width = 0;
   uint32_t height = 0;
@@ -20,7 +21,7 @@ struct CellEdges {
     const float contrast =
         emission_contrast(x, y, width, height, [&](uint32_t i) { return luminance(pixels[i].seen); });
     if (!(contrast > 0.0f)) return false;
-    const auto radiance = [&](uint32_t i) { return luminance(shown(grid, pixels[i])); };
+    const auto radiance = [&](uint32_t i) { return luminance(shown(grid, i)); };
     return contrast > kEmissionContrast * darkest_around(x, y, width, height, radiance);
   }
 
@@ -39,13 +40,16 @@ struct CellEdges {
   }
 
  private:
-  RELUME_HD static Rgb shown(const HashGridView& grid, const FilteredPixel& p) {
+  RELUME_HD Rgb shown(const HashGridView& grid, uint32_t i) const {
+    const FilteredPixel& p = pixels[i];
     if (!p.filtered) return p.seen;
     // The path may have missed a cell that another thread inserted later, so kNoCell is looked up again.
     const uint32_t slot = grid.find(p.point, p.slot);
     const Rgb shown = p.seen + p.factor * grid.own_moments(slot).mean;
     if (!p.split) return shown;
-    return shown + p.specular_factor * grid.own_moments(grid.find(p.specular_point(), p.specular_slot)).mean;
+    const OtherCells& other = others[i];
+    const uint32_t specular = grid.find(other.specular_point(p.point), other.specular_slot);
+    return shown + other.specular_factor * grid.own_moments(specular).mean;
   }
 };
 

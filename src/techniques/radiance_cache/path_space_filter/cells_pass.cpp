@@ -31,8 +31,7 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
-  const uint32_t parts = (settings_.split ? 2u : 1u) + (settings_.refine > 0.0f ? 1u : 0u);
-  const uint32_t depths = parts * depths_;
+  const uint32_t depths = depths_ + (splits() ? 1u : 0u) + (refine() > 0.0f ? 1u : 0u);
   const HashGridBounds bounds =
       bounds_for(frame.pixels(), depths, physical_memory_bytes(), settings_.grid.undersampled_cells);
   if (!ready_)
@@ -44,8 +43,20 @@ bool CellsPass::run(const FrameContext& frame) {
   watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
-  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness), settings_.split, settings_.refine > 0.0f};
+  allocate_others(frame.pixels());
+  filter_ = {.grid = grid_.view(frame.scene.camera),
+             .narrow_alpha = sqr(settings_.min_roughness),
+             .split = splits(),
+             .refine = refine() > 0.0f,
+             .others = others_.mutable_view(),
+             .width = frame.width()};
   return true;
+}
+
+void CellsPass::allocate_others(uint32_t pixels) {
+  const bool needed = splits() || refine() > 0.0f;
+  if (!needed) others_ = Array<OtherCells>(others_.memory());
+  if (needed && others_.size() != pixels) others_.reset(pixels, kUninitialized);  // paths write before they read
 }
 
 void CellsPass::abandon() {
@@ -58,7 +69,7 @@ void CellsPass::advance(const FrameContext& frame) {
   filter_.grid = grid_.view(frame.scene.camera);
 }
 
-size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes; }
+size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes + others_.memory_bytes(); }
 
 std::vector<PassStatistic> CellsPass::statistics() const {
   const HashGridStatistics s = grid_.statistics();
@@ -179,8 +190,14 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.width = frame.width();
   kernel.rays = frame.write(kRays);
   kernel.refine = cells_.refine();
-  kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
-                  sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
+  kernel.others = cells_.others();
+  kernel.edges = {.context = make_path_context(source_, frame),
+                  .index = frame.index,
+                  .pixels = kernel.pixels,
+                  .others = kernel.others,
+                  .rays = sharpens_edges_ ? cells_.edge_rays() : 0u,
+                  .width = frame.width(),
+                  .height = frame.height()};
   frame.launch("resolve", kernel);
   cells_.adjust_size(frame.backend);
   return true;

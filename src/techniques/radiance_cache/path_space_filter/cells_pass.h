@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
@@ -26,7 +27,7 @@ class CellsPass final : public Pass {
  public:
   /// `depths`: number of path vertices with separate cells, for the size of the table.
   CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory)
-      : settings_(settings), depths_(depths), grid_(memory) {}
+      : settings_(settings), depths_(depths), grid_(memory), others_(memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
@@ -43,13 +44,18 @@ class CellsPass final : public Pass {
   /// Valid after the first run().
   const FilterContext& filter() const { return filter_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
-  float refine() const { return settings_.refine; }
+  /// The setting split, and the setting refine or 0. Cells of every vertex have neither.
+  bool splits() const { return depths_ == 1 && settings_.split; }
+  float refine() const { return depths_ == 1 ? settings_.refine : 0.0f; }
+  View<const OtherCells> others() const { return others_.view(); }
   /// Call after all samples of the frame. Moments that filter() reads then include them.
   void advance(const FrameContext& frame);
   /// Call when no slot is in use.
   void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
 
  private:
+  void allocate_others(uint32_t pixels);
+
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
   HashGrid grid_;
@@ -57,6 +63,7 @@ class CellsPass final : public Pass {
   uint32_t watched_before_ = 0;  ///< the same before this frame
   bool ready_ = false;
   FilterContext filter_;
+  Array<OtherCells> others_;  ///< by pixel; empty without split and finer cells
 };
 
 /// Computes pixels from paths and cells. Owns the layers that show cells.

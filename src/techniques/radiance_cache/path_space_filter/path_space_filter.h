@@ -23,6 +23,8 @@ struct FilterContext {
   float narrow_alpha = 0.04f;  ///< α below which lobes are not filtered
   bool split = false;          ///< whether diffuse and specular lobes have cells of their own ([Binder19] §3.1.2)
   bool refine = false;         ///< whether finer cells receive samples, too
+  View<OtherCells> others;     ///< by pixel, with `split` or `refine`; else empty
+  uint32_t width = 0;          ///< pixels per row of `others`
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -37,6 +39,8 @@ class FilterVertex : public NoPolicy {
 
   RELUME_HD bool reached() const { return pixel_.filtered; }
   RELUME_HD FilteredPixel& pixel() { return pixel_; }
+  /// The pixel's other cells. Only with split or finer cells.
+  RELUME_HD OtherCells& others() const { return context_->others[y_ * context_->width + x_]; }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
@@ -51,10 +55,8 @@ class FilterVertex : public NoPolicy {
     pixel_.factor = path.throughput * d.albedo;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
     pixel_.point = context_->grid.keys.point(sp, jitter, 0, d.glossy, 0, d.roughness);
-    if (context_->split) split(d, path.throughput);
-    if (context_->refine) pixel_.finer = finer_offset(context_->grid.keys, pixel_.point, sp.position);
+    if (context_->split || context_->refine) find_others(d, path.throughput, sp.position);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
-    if (pixel_.split) context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.specular_point()));
     anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);
     path.throughput = 1.0f / d.divisor();
@@ -65,7 +67,7 @@ class FilterVertex : public NoPolicy {
   }
 
   RELUME_HD void connected(const SurfacePoint& sp, const PathState&, const Connection& c, bool visible) {
-    if (visible && pixel_.split && !left_) specular_ += c.contribution * specular_share(sp, c.ray.direction);
+    if (visible && pixel_.split && !left_) others().specular += c.contribution * specular_share(sp, c.ray.direction);
   }
 
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
@@ -73,8 +75,8 @@ class FilterVertex : public NoPolicy {
     left_ = true;
     if (!path.delta) {
       if (!pixel_.split) return;
-      share_ = specular_share(sp, s.wi);
-      before_ = path.radiance;
+      others().share = specular_share(sp, s.wi);
+      others().before = path.radiance;
       return;
     }
     apart_ = true;
@@ -102,6 +104,14 @@ class FilterVertex : public NoPolicy {
   }
 
  private:
+  RELUME_HD void find_others(const Demodulation& d, const Rgb& throughput, const Vec3& position) {
+    const HashGridView& grid = context_->grid;
+    others() = {};
+    if (context_->split) split(d, throughput);
+    if (context_->refine) others().finer = finer_offset(grid.keys, pixel_.point, position);
+    if (pixel_.split) grid.prefetch_sums(grid.keys.address(others().specular_point(pixel_.point)));
+  }
+
   /// Gives diffuse and specular lobes a cell each, unless one of them reflects hardly anything.
   RELUME_HD void split(const Demodulation& d, const Rgb& throughput) {
     const float specular = luminance(d.specular);
@@ -111,33 +121,35 @@ class FilterVertex : public NoPolicy {
       pixel_.point.layer = kSpecularLayer;
       return;
     }
-    pixel_.specular_direction = pixel_.point.direction;
+    others().specular_direction = pixel_.point.direction;
     pixel_.point.direction = 0;
     if (!pixel_.split) return;
     pixel_.factor = throughput * glm::max(d.albedo - d.specular, Rgb(0));
-    pixel_.specular_factor = throughput * d.specular;
-    to_diffuse_ = d.divisor() / positive_or_one(d.raised - d.specular);
-    to_specular_ = d.divisor() / positive_or_one(d.specular);
+    others().specular_factor = throughput * d.specular;
+    others().to_diffuse = d.divisor() / positive_or_one(d.raised - d.specular);
+    others().to_specular = d.divisor() / positive_or_one(d.specular);
   }
 
   RELUME_HD void insert_finer(const Rgb& sample) const {
-    if (pixel_.finer == 0) return;
+    if (!context_->refine) return;
     const HashGridView& grid = context_->grid;
-    grid.insert_finer(finer_point(grid.keys, pixel_.point, pixel_.finer), sample, 1.0f / pixel_.survival);
+    grid.insert_finer(finer_point(grid.keys, pixel_.point, others().finer), sample, 1.0f / pixel_.survival);
   }
 
   /// Adds the diffuse and the specular part of the path's sample to their cells.
   RELUME_HD void insert_parts(const PathState& path, float u) {
-    if (left_ && !apart_) specular_ += (path.radiance - before_) * share_;
-    const Rgb diffuse = glm::max(sample_ - specular_, Rgb(0)) * to_diffuse_;
-    const Rgb specular = specular_ * to_specular_;
+    OtherCells& other = others();
+    if (left_ && !apart_) other.specular += (path.radiance - other.before) * other.share;
+    const Rgb diffuse = glm::max(sample_ - other.specular, Rgb(0)) * other.to_diffuse;
+    const Rgb specular = other.specular * other.to_specular;
     const float weight = 1.0f / pixel_.survival;
     const HashGridView& grid = context_->grid;
     pixel_.slot = grid.insert(pixel_.point, diffuse, weight, u, pixel_.slot);
     insert_finer(diffuse);
-    pixel_.specular_slot = grid.insert(pixel_.specular_point(), specular, weight, u, pixel_.specular_slot);
+    const CellPoint point = other.specular_point(pixel_.point);
+    other.specular_slot = grid.insert(point, specular, weight, u, other.specular_slot);
     if (is_finite(diffuse) && is_finite(specular))
-      pixel_.traced = pixel_.factor * diffuse + pixel_.specular_factor * specular;
+      pixel_.traced = pixel_.factor * diffuse + other.specular_factor * specular;
   }
 
   const FilterContext* context_ = nullptr;
@@ -147,12 +159,6 @@ class FilterVertex : public NoPolicy {
   FilteredPixel pixel_;
   Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
-  // Only with split cells:
-  Rgb specular_{0};        ///< part of the sample from specular lobes
-  Rgb share_{0};           ///< share of specular lobes in the BSDF along the sampled direction
-  Rgb before_{0};          ///< radiance before the path left the vertex
-  Rgb to_diffuse_{1};      ///< ratio of the demodulations of diffuse and of all lobes
-  Rgb to_specular_{1};     ///< the same for specular lobes
   bool scatters_ = false;  ///< whether the path has hit a surface
   bool left_ = false;
   bool apart_ = false;  ///< whether the path left through a delta lobe
@@ -188,6 +194,7 @@ struct ResolveCellsKernel {
   CellEdges edges;
   View<uint32_t> rays;  ///< rays of this sample, to which edge rays are added
   float refine = 0;     ///< standard errors by which a finer cell must differ to be shown; 0: never
+  View<const OtherCells> others;  ///< as FilterContext::others
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
@@ -197,7 +204,7 @@ struct ResolveCellsKernel {
     if (p.filtered) {
       const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
-      value += p.blend * shown(p, cell);
+      value += p.blend * shown(i, cell);
       if (p.blend < 1.0f) value += (1.0f - p.blend) * p.traced;
       write_cell(i, p, slot);
     } else {
@@ -216,25 +223,29 @@ struct ResolveCellsKernel {
   }
 
  private:
-  /// Reflected radiance by the cells; `cell`: the (diffuse) one. The path's own where a cell has no samples.
-  RELUME_HD Rgb shown(const FilteredPixel& p, const CellMoments& cell) const {
+  /// Reflected radiance by the cells of pixel `i`; `cell`: the (diffuse) one. The path's own where a cell has no
+  /// samples.
+  RELUME_HD Rgb shown(uint32_t i, const CellMoments& cell) const {
+    const FilteredPixel& p = pixels[i];
     if (!(cell.count > 0.0f)) return p.traced;
-    const Rgb diffuse = p.factor * refined(p, cell);
+    const Rgb diffuse = p.factor * refined(i, cell);
     if (!p.split) return diffuse;
-    const CellPoint point = p.specular_point();
-    const CellMoments specular = grid.moments(point, grid.find(point, p.specular_slot));
-    return specular.count > 0.0f ? diffuse + p.specular_factor * specular.mean : p.traced;
+    const OtherCells& other = others[i];
+    const CellPoint point = other.specular_point(p.point);
+    const CellMoments specular = grid.moments(point, grid.find(point, other.specular_slot));
+    return specular.count > 0.0f ? diffuse + other.specular_factor * specular.mean : p.traced;
   }
 
   /// Mean of the (diffuse) cell `cell`, moved to that of the finer cell by the share of their squared difference that
-  /// exceeds the noise of the latter.
-  RELUME_HD Rgb refined(const FilteredPixel& p, const CellMoments& cell) const {
-    if (!(refine > 0.0f) || p.finer == 0) return cell.mean;
-    const CellPoint point = finer_point(grid.keys, p.point, p.finer);
+  /// exceeds the noise of the latter. Its own variance alone is too low if it missed rare bright samples: the pixel
+  /// would be too dark.
+  RELUME_HD Rgb refined(uint32_t i, const CellMoments& cell) const {
+    if (!(refine > 0.0f)) return cell.mean;
+    const CellPoint point = finer_point(grid.keys, pixels[i].point, others[i].finer);
     const CellMoments finer = grid.own_moments(grid.find(grid.keys.address(point, -1)));
     if (grid.undersampled(finer)) return cell.mean;
     const float difference = sqr(luminance(finer.mean) - luminance(cell.mean));
-    const float noise = sqr(refine) * finer.variance() / finer.count;
+    const float noise = sqr(refine) * relume::max(finer.variance(), cell.variance()) / finer.count;
     return difference > noise ? finer.mean + (cell.mean - finer.mean) * (noise / difference) : cell.mean;
   }
 

@@ -44,12 +44,13 @@ TEST(FinerCells, AreShownByTheirDifferenceBeyondTheNoise) {
   FilteredPixel pixel;
   pixel.filtered = true;
   pixel.factor = Rgb(1);
+  OtherCells others;
   const auto fill = [&](float spread) {
     const HashGridView view = grid.view(camera);
     pixel.point.position = Vec3(0.1f, 0.2f, 2);
     pixel.point.normal = 1;
-    pixel.finer = finer_offset(view.keys, pixel.point, pixel.point.position);
-    const CellPoint finer = finer_point(view.keys, pixel.point, pixel.finer);
+    others.finer = finer_offset(view.keys, pixel.point, pixel.point.position);
+    const CellPoint finer = finer_point(view.keys, pixel.point, others.finer);
     for (int i = 0; i < 64; ++i) {
       const float noise = i % 2 == 0 ? spread : -spread;
       view.insert(pixel.point, Rgb(2), 1.0f, 0.9f);
@@ -65,6 +66,7 @@ TEST(FinerCells, AreShownByTheirDifferenceBeyondTheNoise) {
     kernel.radiance = {&radiance, 1};
     kernel.width = 1;
     kernel.refine = refine;
+    kernel.others = {&others, 1};
     kernel(0, 0);
     return radiance.g;
   };

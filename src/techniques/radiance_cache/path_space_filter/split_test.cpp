@@ -71,9 +71,10 @@ TEST(SplitCells, PixelsShowBothCells) {
     if (!p.split) continue;
     ++split;
     EXPECT_EQ(p.point.direction, 0u);
-    EXPECT_NE(p.specular_direction, 0u);
+    const OtherCells& other = frames.others()[i];
+    EXPECT_NE(other.specular_direction, 0u);
     const Rgb diffuse = p.factor * grid.moments(p.point).mean;
-    const Rgb specular = p.specular_factor * grid.moments(p.specular_point()).mean;
+    const Rgb specular = other.specular_factor * grid.moments(other.specular_point(p.point)).mean;
     const Rgb shown = p.unfiltered + diffuse + specular;
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(frames.radiance()[i][c], shown[c], 1e-5f * (1.0f + shown[c])) << i;
   }

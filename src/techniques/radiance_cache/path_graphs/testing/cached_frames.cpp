@@ -13,6 +13,7 @@ CachedFrames::CachedFrames(Scene scene, const CachedFrameSettings& settings)
   const auto pixels = static_cast<size_t>(settings.width) * static_cast<size_t>(settings.height);
   hits_.resize(pixels);
   pixels_.resize(pixels);
+  if (settings.psf.split || settings.psf.refine > 0.0f) others_.resize(pixels);
   rays_.resize(pixels);
   radiance_.resize(pixels);
 }
@@ -56,8 +57,9 @@ void CachedFrames::trace() {
   context.selector.power = {{view_of(power_)}};
   context.max_bounces = settings_.max_bounces;
   context.russian_roulette = settings_.russian_roulette;
-  FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness), settings_.psf.split,
-                       settings_.psf.refine > 0.0f};
+  const FilterContext filter{grid_.view(view.camera),      sqr(settings_.psf.min_roughness),
+                             settings_.psf.split,          settings_.psf.refine > 0.0f,
+                             mutable_view_of(others_),     width()};
   const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
   AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
   switch (settings_.kind) {
@@ -88,7 +90,8 @@ void CachedFrames::resolve() {
                                     width(),
                                     {},
                                     {},
-                                    settings_.psf.refine});
+                                    settings_.psf.refine,
+                                    view_of(others_)});
 }
 
 }  // namespace relume::testing

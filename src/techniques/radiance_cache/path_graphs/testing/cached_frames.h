@@ -46,6 +46,8 @@ class CachedFrames {
   CompiledScene& scene() { return scene_; }
   Backend& backend() { return backend_; }
   const std::vector<FilteredPixel>& pixels() const { return pixels_; }
+  /// By pixel; empty without split and finer cells.
+  const std::vector<OtherCells>& others() const { return others_; }
   const std::vector<Rgb>& radiance() const { return radiance_; }
   CellLayers& layers() { return layers_; }
   uint64_t rays() const {
@@ -78,6 +80,7 @@ class CachedFrames {
   std::vector<AliasEntry> power_;
   std::vector<Hit> hits_;
   std::vector<FilteredPixel> pixels_;
+  std::vector<OtherCells> others_;
   std::vector<uint32_t> rays_;
   std::vector<Rgb> radiance_;
   std::vector<FirstVertex> first_vertices_;
