@@ -59,8 +59,7 @@ struct AdaptivePsf {
 
  private:
   /// Raises survival and the variance `v` to those of the specular cell. Sets its slot.
-  RELUME_HD void consider_specular(const HashGridView& grid, FilteredPixel& pixel, OtherCells& others,
-                                   float& v) const {
+  RELUME_HD void consider_specular(const HashGridView& grid, FilteredPixel& pixel, OtherCells& others, float& v) const {
     others.specular_slot = grid.find(grid.keys.address(others.specular_point(pixel.point)));
     const CellMoments cell = grid.own_moments(others.specular_slot);
     const float specular = variance(grid, cell);

@@ -12,7 +12,7 @@ struct CellEdges {
   SampleIndex index;
   View<const FilteredPixel> pixels;
   View<const OtherCells> others;  ///< as FilterContext::others
-  uint32_t rays = 0;  ///< camera rays per pixel at an edge; 0: no pixel has more
+  uint32_t rays = 0;              ///< camera rays per pixel at an edge; 0: no pixel has more
   uint32_t width = 0;
   uint32_t height = 0;
 

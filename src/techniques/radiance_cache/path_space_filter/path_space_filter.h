@@ -192,8 +192,8 @@ struct ResolveCellsKernel {
   CellLayers layers;
   uint32_t width = 0;
   CellEdges edges;
-  View<uint32_t> rays;  ///< rays of this sample, to which edge rays are added
-  float refine = 0;     ///< standard errors by which a finer cell must differ to be shown; 0: never
+  View<uint32_t> rays;            ///< rays of this sample, to which edge rays are added
+  float refine = 0;               ///< standard errors by which a finer cell must differ to be shown; 0: never
   View<const OtherCells> others;  ///< as FilterContext::others
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {

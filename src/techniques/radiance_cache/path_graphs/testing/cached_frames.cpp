@@ -57,9 +57,8 @@ void CachedFrames::trace() {
   context.selector.power = {{view_of(power_)}};
   context.max_bounces = settings_.max_bounces;
   context.russian_roulette = settings_.russian_roulette;
-  const FilterContext filter{grid_.view(view.camera),      sqr(settings_.psf.min_roughness),
-                             settings_.psf.split,          settings_.psf.refine > 0.0f,
-                             mutable_view_of(others_),     width()};
+  const FilterContext filter{grid_.view(view.camera),     sqr(settings_.psf.min_roughness), settings_.psf.split,
+                             settings_.psf.refine > 0.0f, mutable_view_of(others_),         width()};
   const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
   AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
   switch (settings_.kind) {
