@@ -1,4 +1,6 @@
 // [Schipek22 §6.1], figures 6.5 to 6.14: measures the bias of the average frame.
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -27,11 +29,11 @@ const FrameAverages* quiet_graph(const SceneAverages& scene) {
 
 /// Claims that a's bias² is below `factor` times b's.
 void claim_less_bias(std::string id, std::string claim, const FrameAverages& a, const FrameAverages& b, double factor,
-                     const std::string& note, std::vector<Claim>& claims) {
-  claims.push_back({std::move(id), kPaper, std::move(claim),
+                     const std::string& note, std::vector<Claim>& claims, const char* source = kPaper) {
+  claims.push_back({std::move(id), source, std::move(claim),
                     fmt::format("{}: bias² {} against {} of {}, difference {}{}", a.name, with_noise(a.bias2),
                                 with_noise(b.bias2), b.name, with_noise(difference(a.bias2, b.bias2)), note),
-                    factor == 1 ? kBeyondNoise : fmt::format("below {} times psf's beyond the noise", factor),
+                    factor == 1 ? kBeyondNoise : fmt::format("below {} times {}'s beyond the noise", factor, b.name),
                     verdict_below(difference(a.bias2, scaled(b.bias2, factor)))});
 }
 
@@ -83,6 +85,52 @@ void claim_light(const SceneAverages& scene, std::vector<Claim>& claims) {
                                  share_text(ratio) + " of psf's", kOnePercent, {ratio}, 0.99, 1.01));
 }
 
+std::string option_bias_id(const CacheOption& option, const std::string& scene) {
+  return fmt::format("option-bias-{}-{}", option.name, scene);
+}
+std::string option_light_id(const CacheOption& option, const std::string& scene) {
+  return fmt::format("option-light-{}-{}", option.name, scene);
+}
+
+/// Guards are for less bias; the other options may have as much as without them.
+bool is_for_bias(const CacheOption& option) { return option.basis == std::string_view("apg"); }
+
+std::string option_bias_text(const CacheOption& option, const std::string& scene) {
+  return fmt::format("{}: {} has {} bias than {}.", scene, option.name, is_for_bias(option) ? "less" : "no more",
+                     option.basis);
+}
+std::string option_light_text(const CacheOption& option, const std::string& scene) {
+  return fmt::format("{}: {} shows as much light as psf.", scene, option.name);
+}
+
+void claim_options(const SceneAverages& scene, std::vector<Claim>& claims) {
+  if (scene.options.empty()) return;
+  const FrameAverages& psf = named(scene.caches, "cache", "psf");
+  for (const CacheOption& option : kCacheOptions) {
+    const FrameAverages& a = named(scene.options, "option", option.name);
+    const FrameAverages& basis = named(scene.caches, "cache", option.basis);
+    claim_less_bias(option_bias_id(option, scene.name), option_bias_text(option, scene.name), a, basis,
+                    is_for_bias(option) ? 1 : 1.05,
+                    fmt::format("; variance {} against {}", with_noise(a.variance), with_noise(basis.variance)), claims,
+                    kOurs);
+    if (is_for_bias(option)) continue;
+    const Ratio light = paired_error_ratio(a.light, psf.light);
+    claims.push_back(judged_within(option_light_id(option, scene.name), kOurs, option_light_text(option, scene.name),
+                                   share_text(light) + " of psf's", kOnePercent, {light}, 0.99, 1.01));
+  }
+}
+
+/// The same claims about Sponza, if it is missing.
+std::vector<SponzaClaim> option_claims_about_sponza() {
+  std::vector<SponzaClaim> list;
+  for (const CacheOption& option : kCacheOptions) {
+    list.push_back({option_bias_id(option, "Sponza"), option_bias_text(option, "Sponza"), kBeyondNoise});
+    if (!is_for_bias(option))
+      list.push_back({option_light_id(option, "Sponza"), option_light_text(option, "Sponza"), kOnePercent});
+  }
+  return list;
+}
+
 ExperimentResult run_psf_bias(const ExperimentContext& context) {
   std::vector<SceneAverages> scenes;
   for (const ExperimentScene& scene : cache_scenes(context))
@@ -93,6 +141,7 @@ ExperimentResult run_psf_bias(const ExperimentContext& context) {
     claim_primary(scene, result.claims);
     claim_interpolation(scene, result.claims);
     claim_light(scene, result.claims);
+    claim_options(scene, result.claims);
   }
   claim_without_sponza(
       context, kPaper,
@@ -102,6 +151,7 @@ ExperimentResult run_psf_bias(const ExperimentContext& context) {
        {"interpolation-bias-Sponza", interpolation_text("Sponza"), kBeyondNoise}},
       result.claims);
   claim_without_sponza(context, kOurs, {{"primary-light-Sponza", light_text("Sponza"), kOnePercent}}, result.claims);
+  claim_without_sponza(context, kOurs, option_claims_about_sponza(), result.claims);
   show_averages(context, scenes, result);
   return result;
 }

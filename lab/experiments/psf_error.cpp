@@ -27,6 +27,14 @@ constexpr const char* kContenders =
     "psf-accumulated=cache:psf,history:accumulate,apsf=cache:apsf,history:none,apg=cache:apg,history:none,"
     "apg.feed:1,apg+apsf=cache:apsf+apg,history:none,apg.feed:1";
 
+/// The contenders of kCacheOptions, in the same syntax, each after a comma.
+std::string option_contenders_text() {
+  std::string text;
+  for (const CacheOption& option : kCacheOptions)
+    text += fmt::format(",{}={},history:none", option.name, option.settings);
+  return text;
+}
+
 /// MSE per repetition after `frames` frames, without the reference's noise. The curves must have a point there.
 std::vector<double> errors_at(const Comparison& c, std::string_view name, uint32_t frames) {
   std::vector<double> errors;
@@ -75,6 +83,14 @@ std::string apsf_text(const std::string& scene) {
 std::string apg_text(const std::string& scene) {
   return scene + ": adaptive path graphs have roughly the MSE of psf, too.";
 }
+std::string option_text(const CacheOption& option, const std::string& scene) {
+  return fmt::format("{}: {} has no more MSE than {}, in the first frame and after 16.", scene, option.name,
+                     option.basis);
+}
+std::string option_id(const CacheOption& option, const std::string& scene) {
+  return fmt::format("option-{}-{}", option.name, scene);
+}
+constexpr const char* kNoMore = "at most 1.02 in both";
 constexpr const char* kHalf = "at most 0.5";
 constexpr const char* kBelow = "at most 1 in each frame";
 constexpr const char* kSimilar = "at most 1.1";
@@ -154,6 +170,39 @@ void claim_similar(const Comparison& c, std::vector<Claim>& claims) {
   claim("apg", apg_text(scene), kRoughlySimilar, 2);
 }
 
+/// In the mine, most cells of the first frame have few samples.
+void claim_mine(const Comparison& c, std::vector<Claim>& claims) {
+  const Ratio neighbours = ratio_at(c, "psf-neighbours", "path", 1);
+  const Ratio both = ratio_at(c, "psf-neighbours-coarser", "path", 1);
+  claims.push_back(judged_within(
+      "option-first-frame-mine", kOurs,
+      "mine: cells pooled with neighbours and a coarser cell quarter the MSE of path tracing in the first frame.",
+      fmt::format("{} of path tracing's; with neighbours alone {}", share_text(both), share_text(neighbours)),
+      "at most 0.25", {both}, 0, 0.25));
+}
+
+void claim_options(const Comparison& c, std::vector<Claim>& claims) {
+  const std::string& scene = c.options.scene_name;
+  for (const CacheOption& option : kCacheOptions) {
+    const Ratio first = ratio_at(c, option.name, option.basis, 1);
+    const Ratio late = ratio_at(c, option.name, option.basis, 16);
+    claims.push_back(judged_within(
+        option_id(option, scene), kOurs, option_text(option, scene),
+        fmt::format("in the first frame {} of {}'s, after 16 frames {}; {} and {} of path tracing's", share_text(first),
+                    option.basis, share_text(late), share_text(ratio_at(c, option.name, "path", 1)),
+                    share_text(ratio_at(c, option.name, "path", 16))),
+        kNoMore, {first, late}, 0, 1.02));
+  }
+  if (scene == "mine") claim_mine(c, claims);
+}
+
+std::vector<SponzaClaim> option_claims_about_sponza() {
+  std::vector<SponzaClaim> list;
+  for (const CacheOption& option : kCacheOptions)
+    list.push_back({option_id(option, "Sponza"), option_text(option, "Sponza"), kNoMore});
+  return list;
+}
+
 /// MSE per repetition, averaged over the frames, without the reference's noise.
 std::vector<double> errors_of(const Comparison& c, std::string_view name) {
   return values_of(contender_named(c, name), [&](const Repetition& r) { return r.mse - c.reference_noise.mse; });
@@ -185,8 +234,9 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
   ExperimentResult result;
   const int repetitions = context.choose(8, 3);
   for (const ExperimentScene& scene : cache_scenes(context)) {
+    const bool options = measures_options(context, scene);
     const Comparison c = study(context, scene,
-                               {.techniques = kContenders,
+                               {.techniques = kContenders + (options ? option_contenders_text() : std::string()),
                                 .reference = {{"lights", "light-tree"}},
                                 .spp = context.choose(24, 16),
                                 .repetitions = repetitions});
@@ -194,6 +244,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
     claim_filter_alone(context, scene, result.claims);
     claim_accumulation(c, result.claims);
     claim_similar(c, result.claims);
+    if (options) claim_options(c, result.claims);
     const std::vector<Block> blocks = study_blocks(scene.name, c);
     result.blocks.insert(result.blocks.end(), blocks.begin(), blocks.end());
   }
@@ -206,6 +257,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
       context, kPaper,
       {{"apsf-Sponza", apsf_text("Sponza"), kSimilar}, {"apg-Sponza", apg_text("Sponza"), kRoughlySimilar}},
       result.claims);
+  claim_without_sponza(context, kOurs, option_claims_about_sponza(), result.claims);
   measure_walk(context, "corridor", 10, result);
   result.setup = {common_setup(context).front(),
                   {"Samples", "1 per pixel and frame"},

@@ -1,5 +1,5 @@
-// [Schipek22 §6.2]: measures the time of a one-sample frame with two and ten levels of indirection, and the cost of psf
-// and apg in Sponza with six.
+// [Schipek22 §6.2]: measures the time of a one-sample frame with two and ten levels of indirection, and with six the
+// cost of psf and apg in Sponza, and of settings that may become defaults.
 #include <cmath>
 #include <ctime>
 #include <memory>
@@ -150,8 +150,9 @@ TableBlock table(const ExperimentContext& context, const std::vector<Timing>& ti
   return block;
 }
 
-TableBlock cost_table(const Timing& t) {
-  TableBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces),
+/// `title_end`: what distinguishes the table from another of the same scene.
+TableBlock cost_table(const Timing& t, const char* title_end = "") {
+  TableBlock block{fmt::format("{}, {} bounces{}", t.scene, t.bounces, title_end),
                    "Time as above, rays by frame; cells, table and probes after the last.",
                    "technique",
                    {{"time over path tracing's", "", Better::lower},
@@ -240,6 +241,44 @@ void measure_cost(const ExperimentContext& context, const ExperimentScene& scene
   result.blocks.emplace_back(cost_table(t));
 }
 
+std::string option_id(const CacheOption& option, const std::string& scene) {
+  return fmt::format("option-cost-{}-{}", option.name, scene);
+}
+std::string option_text(const CacheOption& option, const std::string& scene) {
+  return fmt::format("{}, 6 bounces: {} takes at most {} of path tracing's time.", scene, option.name,
+                     option.most_time);
+}
+std::string option_threshold(const CacheOption& option) { return fmt::format("at most {}", option.most_time); }
+
+/// Sponza and the mine; in a quick run the box.
+bool times_options(const ExperimentContext& context, const ExperimentScene& scene) {
+  return context.quick ? scene.name == "cornell" : scene.name == "Sponza" || scene.name == "mine";
+}
+
+/// Measures the costs of kCacheOptions beside those of the caches without them.
+void measure_options(const ExperimentContext& context, const ExperimentScene& scene, ExperimentResult& result) {
+  std::vector<NamedSettings> list = cache_contenders(context, scene);
+  list.pop_back();  // apg+apsf is the basis of no option
+  for (NamedSettings& contender : option_contenders(context, scene)) list.push_back(std::move(contender));
+  for (NamedSettings& contender : list) contender.settings.apg.feed = PathGraphSettings().feed;
+  const Timing t = measure(context, scene, 6, std::move(list));
+  for (const CacheOption& option : kCacheOptions) {
+    const Ratio path = t.ratio(option.name, "path");
+    result.claims.push_back(judged_within(option_id(option, scene.name), kOurs, option_text(option, scene.name),
+                                          fmt::format("{} of path tracing's time, {} of {}'s", share_text(path),
+                                                      share_text(t.ratio(option.name, option.basis)), option.basis),
+                                          option_threshold(option), {path}, 0, option.most_time));
+  }
+  result.blocks.emplace_back(cost_table(t, ": settings that may become defaults"));
+}
+
+std::vector<SponzaClaim> option_claims_about_sponza() {
+  std::vector<SponzaClaim> list;
+  for (const CacheOption& option : kCacheOptions)
+    list.push_back({option_id(option, "Sponza"), option_text(option, "Sponza"), option_threshold(option)});
+  return list;
+}
+
 ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   std::vector<Timing> few;
   std::vector<Timing> many;
@@ -248,11 +287,13 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
     few.push_back(measure(context, scene, 2, cache_contenders(context, scene)));
     many.push_back(measure(context, scene, 10, cache_contenders(context, scene)));
     if (scene.name == "Sponza") measure_cost(context, scene, result);
+    if (times_options(context, scene)) measure_options(context, scene, result);
   }
   claim_without_sponza(context, kOurs,
                        {{"cost-psf", "Sponza, 6 bounces: psf adds at most 20 %.", "at most 1.2"},
                         {"cost-apg", "Sponza, 6 bounces: apg adds at most 20 %.", "at most 1.2"}},
                        result.claims);
+  claim_without_sponza(context, kOurs, option_claims_about_sponza(), result.claims);
   std::vector<Timing> all = few;
   all.insert(all.end(), many.begin(), many.end());
   result.claims.push_back(claim_ratio("primary-faster", "apsf is faster than path tracing.", all, "apsf", "path", 0, 1,
@@ -267,10 +308,9 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   result.claims.push_back(claim_growth(few, many));
   result.blocks.insert(result.blocks.begin(), table(context, all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
-  result.setup = {
-      {"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
-      {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
-      {"Settings", "the defaults of each technique; apg.feed 1, as in the thesis, except for the costs in Sponza"}};
+  result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
+                  {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
+                  {"Settings", "the defaults of each technique; apg.feed 1, as in the thesis, except with 6 bounces"}};
   return result;
 }
 

@@ -43,6 +43,7 @@ TableBlock table(const SceneAverages& scene) {
   };
   for (size_t i = 0; i < scene.caches.size(); ++i) add(scene.caches[i], static_cast<int>(i));
   for (const FrameAverages& a : scene.graphs) add(a, kNeutralColor);
+  for (const FrameAverages& a : scene.options) add(a, kNeutralColor);
   return block;
 }
 
@@ -75,7 +76,7 @@ ViewerBlock images(const std::vector<SceneAverages>& scenes) {
 
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches) {
   SceneAverages result{
-      scene.name, make_reference(context, plainly_sampled(scene), context.choose(kReferenceSpp, 16)), {}, {}, {}};
+      scene.name, make_reference(context, plainly_sampled(scene), context.choose(kReferenceSpp, 16)), {}, {}, {}, {}};
   const bool all = caches == CacheSet::techniques;
   const PixelMask surfaces = surfaces_of(context, scene);
   std::vector<NamedSettings> list = cache_contenders(context, scene);
@@ -95,6 +96,9 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
     result.constants.push_back(constant);
     result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   }
+  if (!all || !measures_options(context, scene)) return result;
+  for (const NamedSettings& contender : option_contenders(context, scene))
+    result.options.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   return result;
 }
 

@@ -16,7 +16,7 @@ inline constexpr const char* kBeyondNoise = "a difference beyond the noise (95 %
 
 /// Set of measured caches.
 enum class CacheSet {
-  techniques,  ///< all and blends of cells and paths, with path graphs of moderate constants
+  techniques,  ///< all, blends of cells and paths, and options, with path graphs of moderate constants
   constants,   ///< all, with path graphs of all constants
 };
 
@@ -26,6 +26,8 @@ struct SceneAverages {
   std::vector<FrameAverages> caches;  ///< path tracing first
   std::vector<FrameAverages> graphs;  ///< apg for each of `constants`
   std::vector<float> constants;       ///< ascending
+  /// Of kCacheOptions, with CacheSet::techniques in scenes where they are measured.
+  std::vector<FrameAverages> options;
 };
 
 /// Measures the averages of a scene. Throws ExperimentStopped.

@@ -3,7 +3,9 @@
 #include <optional>
 #include <utility>
 
+#include "compare/contender.h"
 #include "experiments/setup/references.h"
+#include "settings/setting.h"
 
 namespace relume {
 
@@ -39,6 +41,24 @@ std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, co
     contenders.push_back(std::move(contender));
   }
   return contenders;
+}
+
+std::vector<NamedSettings> option_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  std::vector<NamedSettings> contenders;
+  for (const CacheOption& option : kCacheOptions) {
+    NamedSettings contender{option.name, scene.settings};
+    set_size_and_device(context, contender.settings);
+    contender.settings.history = HistoryChoice::none;
+    const SettingList list = describe(contender.settings);
+    for (const auto& [name, text] : parse_settings(option.settings, option.name))
+      assign(require_setting(list, name, option.name), text, option.name);
+    contenders.push_back(std::move(contender));
+  }
+  return contenders;
+}
+
+bool measures_options(const ExperimentContext& context, const ExperimentScene& scene) {
+  return !context.quick || scene.name == "cornell";
 }
 
 std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context) {

@@ -19,6 +19,27 @@ std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, co
 /// "apsf, one-over-square", which follow every path.
 std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
+/// A setting that may become a default, or replace one.
+struct CacheOption {
+  const char* name;      ///< of its contender
+  const char* basis;     ///< the contender of the cache without it
+  const char* settings;  ///< in the syntax of `relume compare`; path graphs have the feed kThesisFeed
+  double most_time;      ///< largest frame time over path tracing's with which it may become a default
+};
+
+inline constexpr CacheOption kCacheOptions[] = {
+    {"psf-neighbours", "psf", "cache:psf,psf.undersampled-cells:neighbours", 1.15},
+    {"psf-neighbours-coarser", "psf", "cache:psf,psf.undersampled-cells:neighbours+coarser", 1.15},
+    {"psf-split", "psf", "cache:psf,psf.split:true", 1.15},
+    {"apsf-standard-error", "apsf", "cache:apsf,apsf.survival-measure:standard-error", 0.9},
+    {"apg-guards", "apg", "cache:apg,apg.guards:true,apg.feed:1", 1.2}};
+
+/// The contenders of kCacheOptions, without a history.
+std::vector<NamedSettings> option_contenders(const ExperimentContext& context, const ExperimentScene& scene);
+
+/// Whether the options are measured in this scene: in a quick run, only in the box.
+bool measures_options(const ExperimentContext& context, const ExperimentScene& scene);
+
 /// Scenes of the cache experiments: the box, the corridor, the mine, the warehouse, and Sponza if available.
 std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context);
 
