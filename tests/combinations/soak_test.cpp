@@ -105,6 +105,8 @@ constexpr std::array kDetails = {
     Detail{"psf.max-cells", {"0", "64", "4096"}},
     Detail{"psf.edge-rays", {"0", "1", "16"}},
     Detail{"psf.min-roughness", {"0", "0.2", "1"}},
+    Detail{"psf.split", {"off", "on", "on"}},
+    Detail{"psf.refine", {"0", "1", "2"}},
     Detail{"apg.feed", {"0", "0.25", "1"}},
     Detail{"apg.guards", {"off", "on", "on"}},
     Detail{"apg.variance-constant", {"0", "0.1", "10"}},

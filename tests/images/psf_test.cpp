@@ -159,6 +159,34 @@ TEST(RefinedCells, BlurTheEdgeOfAShadowLess) {
   }
 }
 
+TEST(OtherCells, CanBeSwitchedInARunningSession) {
+  Scene scene = build("cornell");
+  for (Material& m : scene.materials) {
+    m.specular = 1;
+    m.roughness = 0.4f;
+  }
+  RenderSettings plain = settings_of(CacheChoice::apsf, HistoryChoice::none, 32, 32);
+  plain.apsf.min_samples = 16;
+  RenderSettings both = plain;
+  both.psf.split = true;
+  both.psf.refine = 2;
+  const auto expect_like_new = [&](const RenderSettings& before, const RenderSettings& after) {
+    Session running(scene, before);
+    Session fresh(scene, after);
+    for (int frame = 0; frame < 3; ++frame) running.render_frame();
+    ASSERT_TRUE(running.set_settings(after));
+    running.restart(7);
+    fresh.restart(7);
+    for (int frame = 0; frame < 3; ++frame) {
+      running.render_frame();
+      fresh.render_frame();
+      EXPECT_TRUE(running.image().pixels == fresh.image().pixels) << frame;
+    }
+  };
+  expect_like_new(plain, both);
+  expect_like_new(both, plain);
+}
+
 TEST_P(Caches, LightDoesNotGoThroughAPanel) {
   // A panel without thickness, lit from behind and seen from the front; a mirror shows its back.
   Scene scene;
