@@ -1,12 +1,16 @@
 // [Dittebrandt20 §7.1]: compares adapted directions from a compressed quadtree with BSDF sampling at one sample per
 // pixel, and measures each deviation from the paper.
 #include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
+#include "experiments/measure/learning_modes.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
@@ -39,9 +43,27 @@ constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
 /// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
 constexpr size_t kSampled = 3;
 
+/// Settings measured besides BSDF sampling, the paper's and lasting quadtrees.
+enum class Extent {
+  guided,      ///< none
+  departures,  ///< single departures from both; none in a quick run
+  modes,       ///< the paper's with each mode, and both with all modes
+};
+
+/// Adds the modes whose defaults are open.
+void add_modes(const ExperimentContext& context, const RenderSettings& paper, const RenderSettings& lasting,
+               std::vector<NamedSettings>& list) {
+  const auto add = [&](const RenderSettings& base, const char* name, const LearningMode& mode) {
+    list.push_back({with_mode(name, mode), base});
+    mode.apply(list.back().settings);
+  };
+  for (const LearningMode& mode : modes_to_measure(context, guiding_modes())) add(paper, kGuided[0].name, mode);
+  add(lasting, kGuided[1].name, guiding_modes().back());
+}
+
 /// Contenders: the BSDF, the paper's settings and lasting quadtrees. Next event estimation of the environment is added
-/// if the scene disables it. Then follow single departures from the paper's settings and from lasting ones.
-std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
+/// if the scene disables it. The `extent` follows.
+std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
   RenderSettings settings = scene.settings;
   set_size_and_device(context, settings, scene.scale);
   std::vector<NamedSettings> list{{"BSDF", settings}};
@@ -59,7 +81,8 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   list.push_back({kGuided[0].name, paper});
   list.push_back({kGuided[1].name, lasting});
   if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
-  if (!departures) return list;
+  if (extent == Extent::modes) add_modes(context, paper, lasting, list);
+  if (extent != Extent::departures || context.quick) return list;
   for (const int migrations : {4, 16})
     add(paper, fmt::format("{} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
   add(paper, "stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
@@ -77,7 +100,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   return list;
 }
 
-SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
+SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
   const Reference reference = make_reference(context, plainly_sampled(scene), learning_reference_spp(context));
   SceneResult result{scene.name, {surfaces_of(context, scene)}, {}, {}};
   if (scene.name.starts_with("mine")) {
@@ -86,8 +109,8 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
     result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(512, 16)).image,
                                   result.regions.front());
   }
-  result.errors = measure_adapted(context, scene, contenders(context, scene, departures && !context.quick), reference,
-                                  result.regions, adapted_options(context));
+  result.errors = measure_adapted(context, scene, contenders(context, scene, extent), reference, result.regions,
+                                  adapted_options(context));
   result.images = adapted_images(scene.name, result.errors, reference.image);
   return result;
 }
@@ -197,6 +220,22 @@ ExperimentScene mine(std::string name, bool environment, int scale) {
   return scene;
 }
 
+/// A built-in mine with a smaller sun, large enough that regions have the paper's number of samples.
+ExperimentScene built_in_mine(const char* name) {
+  ExperimentScene scene = learning_scene(name);
+  scene.settings.light_selection.environment = false;
+  scene.scale = kMineScale;
+  return scene;
+}
+
+/// The room with holes in its ceiling, with the environment sampled.
+ExperimentScene skylight(const char* suffix, int scale) {
+  ExperimentScene scene = learning_scene("skylight");
+  scene.name += suffix;
+  scene.scale = scale;
+  return scene;
+}
+
 /// Mine with a smaller sun of the same power: guiding gains more when fewer directions matter.
 ExperimentScene mine_with_sun(float degrees) {
   ExperimentScene scene = mine(fmt::format("mine, a sun of {}°, environment not sampled, small", degrees), false, 1);
@@ -217,26 +256,106 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
                                  measured, ratios, 30));
 }
 
-ExperimentResult run_guiding(const ExperimentContext& context) {
-  const SceneResult paper_result = measure(context, mine("mine, environment not sampled", false, kMineScale), false);
-  const SceneResult sampled_result = measure(context, mine("mine, environment sampled", true, kMineScale), false);
-  // A quick run has no departures, and only small images.
-  const SceneResult departures =
-      context.quick ? paper_result : measure(context, mine("mine, environment not sampled, small", false, 1), true);
-  std::vector<SceneResult> suns;
-  for (const float degrees : {5.0f, 2.5f}) {
-    if (!context.quick || suns.empty()) suns.push_back(measure(context, mine_with_sun(degrees), false));
+/// The region where guiding pays: of the sun in mines, otherwise all surfaces.
+size_t region_of(const SceneResult& scene) { return scene.regions.size() > 1 ? 1 : 0; }
+
+/// Claims about guiding with all modes where light comes from few directions.
+void claim_few_directions(const std::vector<SceneResult>& scenes, std::vector<Claim>& claims) {
+  for (const SceneResult& scene : scenes) {
+    const bool mine = scene.regions.size() > 1;
+    const double least = mine ? 25 : scene.name == "skylight" ? 2.3 : 1;
+    const std::string id = mine ? scene.name : scene.name == "skylight" ? "skylight" : "skylight-small";
+    for (const Guided& guided : kGuided) {
+      const auto add = [&](const std::string& contender, const std::string& suffix) {
+        const Ratio ratio = error_ratio(scene.errors[0].mse[region_of(scene)],
+                                        named(scene.errors, "contender", contender).mse[region_of(scene)]);
+        claims.push_back(
+            judged_ratios(id + suffix, kOurs,
+                          fmt::format("`{}`{}: guiding ({}) has at least {} times less error.", scene.name,
+                                      mine ? ", where the sun shines and is not sampled" : "", contender, least),
+                          to_text(ratio), {ratio}, least));
+      };
+      const LearningMode& all = guiding_modes().back();
+      add(guided.name, guided.suffix);
+      add(with_mode(guided.name, all), fmt::format("{}-{}", guided.suffix, all.id));
+    }
   }
-  std::vector<SceneResult> others;
+}
+
+/// Factors by which a mode of the paper's quadtrees lowers the error.
+std::vector<ModeGain> gains_of(const std::vector<SceneResult>& scenes, const LearningMode& mode) {
+  std::vector<ModeGain> gains;
+  for (const SceneResult& scene : scenes) {
+    const AdaptedError& with = named(scene.errors, "contender", with_mode(kGuided[0].name, mode));
+    gains.push_back({scene.name, error_ratio(scene.errors[kGuided[0].contender].mse[region_of(scene)],
+                                             with.mse[region_of(scene)])});
+  }
+  return gains;
+}
+
+/// Claims that decide the modes' defaults, and that guiding with all of them does no harm where light is uniform.
+void claim_modes(const ExperimentContext& context, const std::vector<SceneResult>& few,
+                 const std::vector<SceneResult>& others, std::vector<Claim>& claims) {
+  for (const LearningMode& mode : modes_to_measure(context, guiding_modes())) {
+    claim_gain("mode", mode, kGuided[0].name, "where light comes from few directions", gains_of(few, mode), claims);
+    claim_harmless("mode", mode, kGuided[0].name, gains_of(others, mode), claims);
+  }
+  for (const Guided& guided : kGuided) {
+    const std::string name = with_mode(guided.name, guiding_modes().back());
+    std::vector<Ratio> ratios;
+    std::string measured;
+    for (const SceneResult& scene : others) {
+      ratios.push_back(error_ratio(scene.errors[0].mse[0], named(scene.errors, "contender", name).mse[0]));
+      measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratios.back()));
+    }
+    claims.push_back(judged_ratios(fmt::format("never-worse{}-all", guided.suffix), kOurs,
+                                   fmt::format("Guiding ({}) has at most 1.02 times the error anywhere else.", name),
+                                   measured, ratios, 1 / 1.02));
+  }
+}
+
+/// Scenes with light from few directions, for the modes.
+std::vector<SceneResult> measure_few_directions(const ExperimentContext& context) {
+  std::vector<ExperimentScene> scenes{built_in_mine("mine-sun-5"), skylight(", small", 1)};
+  if (!context.quick) {
+    scenes.push_back(built_in_mine("mine-sun-1"));
+    scenes.push_back(skylight("", kMineScale));
+  }
+  std::vector<SceneResult> results;
+  for (const ExperimentScene& scene : scenes) results.push_back(measure(context, scene, Extent::modes));
+  return results;
+}
+
+std::vector<SceneResult> measure_others(const ExperimentContext& context) {
+  std::vector<SceneResult> results;
   std::vector<const char*> names{"warehouse"};
   if (!context.quick) names = {"warehouse", "cover", "turntable", "slit"};
   for (const char* name : names) {
     ExperimentScene scene = learning_scene(name);
     scene.settings.lights = LightSelectionChoice::vlc;
-    others.push_back(measure(context, scene, false));
+    results.push_back(measure(context, scene, Extent::modes));
   }
   if (const std::optional<ExperimentScene> hall = sponza_with_lamps(context))
-    others.push_back(measure(context, *hall, false));
+    results.push_back(measure(context, *hall, Extent::modes));
+  return results;
+}
+
+ExperimentResult run_guiding(const ExperimentContext& context) {
+  const SceneResult paper_result =
+      measure(context, mine("mine, environment not sampled", false, kMineScale), Extent::guided);
+  const SceneResult sampled_result =
+      measure(context, mine("mine, environment sampled", true, kMineScale), Extent::guided);
+  // A quick run has no departures, and only small images.
+  const SceneResult departures =
+      context.quick ? paper_result
+                    : measure(context, mine("mine, environment not sampled, small", false, 1), Extent::departures);
+  const std::vector<SceneResult> few = measure_few_directions(context);
+  std::vector<SceneResult> suns;
+  if (context.quick) suns.push_back(few.front());
+  for (const float degrees : {5.0f, 2.5f}) {
+    if (!context.quick) suns.push_back(measure(context, mine_with_sun(degrees), Extent::guided));
+  }
+  const std::vector<SceneResult> others = measure_others(context);
 
   ExperimentResult result;
   for (const Guided& guided : kGuided) {
@@ -244,19 +363,22 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
     claim_elsewhere(others, guided, result.claims);
   }
   claim_suns(departures, suns, result.claims);
-  std::vector<ImageSet> images{paper_result.images, sampled_result.images, departures.images};
-  for (const SceneResult& scene : others) images.push_back(scene.images);
+  claim_few_directions(few, result.claims);
+  claim_modes(context, few, others, result.claims);
+  std::vector<SceneResult> all{paper_result, sampled_result, departures};
+  if (!context.quick) all.insert(all.end(), suns.begin(), suns.end());
+  all.insert(all.end(), few.begin(), few.end());
+  all.insert(all.end(), others.begin(), others.end());
+  std::vector<ImageSet> images;
+  for (const SceneResult& scene : all) images.push_back(scene.images);
   result.blocks.emplace_back(
       ViewerBlock{"Images", "One frame of one sample per pixel, adapted.", image_layer_kinds(), std::move(images)});
-  result.blocks.emplace_back(table(paper_result));
-  result.blocks.emplace_back(table(sampled_result));
-  result.blocks.emplace_back(table(departures));
-  for (const SceneResult& scene : suns) result.blocks.emplace_back(table(scene));
-  for (const SceneResult& scene : others) result.blocks.emplace_back(table(scene));
+  for (const SceneResult& scene : all) result.blocks.emplace_back(table(scene));
   result.setup = adapted_setup(context);
   if (!context.quick) {
     result.setup.emplace_back(
-        "Mine", fmt::format("{} times as large along each edge, except for departures and smaller suns", kMineScale));
+        "Mine",
+        fmt::format("{} times as large along each edge, except for departures and the small images", kMineScale));
   }
   result.setup.emplace_back("Regions",
                             "sun: direct light above a tenth of its 99.5th percentile; spot: more than half of the "
