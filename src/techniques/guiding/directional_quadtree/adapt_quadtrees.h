@@ -117,15 +117,20 @@ struct AdaptQuadtreesKernel {
   }
 
   /// Factor of a sample's value, 1 if the sampled tree is `tree` (`guided` 0). It multiplies the square by the ratio of
-  /// the two mixture densities. In expectation, the sums of squares are then those of samples from `tree`.
+  /// the two mixture densities. In expectation, the sums of squares are then those of samples from `tree`. Records
+  /// without the BSDF's density were sampled with the same fraction.
   RELUME_HD float value_scale(const DirectionalQuadtree& tree, uint32_t region, const VertexSample& s,
                               float guided) const {
     if (guided == 0.0f || !(s.value > 0.0f)) return 1.0f;
     constexpr float kLeastRatio = 0.02f;  // about the precision of packed densities
     const float pdf_w = unpack_density(s.densities);
-    const float change =
-        tree.pdf(direction_from_square(unpack_square(s.direction))) - unpack_guide_density(s.densities);
-    if (region < fractions.size) guided = 1.0f - fractions[region];
+    const float pdf_tree = tree.pdf(direction_from_square(unpack_square(s.direction)));
+    if (region < fractions.size && s.bsdf != 0) {
+      const float fraction = fractions[region];
+      const float mixture = fraction * unpack_guide_density(s.bsdf) + (1.0f - fraction) * pdf_tree;
+      return 1.0f / std::sqrt(relume::max(mixture / pdf_w, kLeastRatio));
+    }
+    const float change = pdf_tree - unpack_guide_density(s.densities);
     return 1.0f / std::sqrt(relume::max(1.0f + guided * change / pdf_w, kLeastRatio));
   }
 };
