@@ -50,9 +50,11 @@ RELUME_HD inline float best_fraction(const MixtureMoments& m, const FractionPrio
 
 /// Adds the samples of a region to its moments; one call per region and fraction. A sample with the contribution x,
 /// drawn with density p, has the second moment x² p / p_α under the mixture p_α = α p_bsdf + (1 − α) p_tree. x is the
-/// luminance of the sampled radiance times that of the BSDF. Sums keep kKept of their value in each frame.
+/// luminance of the sampled radiance times that of the BSDF. Sums keep kKept of their value in each frame. At most
+/// kMostSamples are read, spread evenly: while regions are few, each has more than one thread should read.
 struct LearnFractionsKernel {
   static constexpr float kKept = 15.0f / 16;
+  static constexpr uint32_t kMostSamples = 4096;
 
   SampleGroupsView samples;
   View<MixtureMoments> moments;  ///< by region
@@ -60,11 +62,12 @@ struct LearnFractionsKernel {
   RELUME_HD void operator()(uint32_t region, uint32_t k) const {
     const uint32_t count = samples.counts[region];
     if (count == 0) return;
+    const uint32_t read = relume::min(count, kMostSamples);
     const float alpha = MixtureMoments::fraction(k);
     float sum = 0;
     float used = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-      const VertexSample& s = samples.sample(region, i);
+    for (uint32_t i = 0; i < read; ++i) {
+      const VertexSample& s = samples.sample(region, static_cast<uint32_t>(uint64_t{i} * count / read));
       const float x = s.value * unpack_density(s.bsdf);
       if (!(x > 0.0f)) continue;
       const float mixture = alpha * unpack_guide_density(s.bsdf) + (1.0f - alpha) * unpack_guide_density(s.densities);

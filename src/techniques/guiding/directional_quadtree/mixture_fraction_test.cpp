@@ -57,6 +57,7 @@ TEST_F(Fractions, MinimiseTheSecondMoment) {
     add(1, 0, 2 / sampled, static_cast<int>(200000 * sampled), sampled);
     add(0, 1, 1 / (1 - sampled), static_cast<int>(200000 * (1 - sampled)), sampled);
     EXPECT_NEAR(learn(), 2.0f / 3, 0.02f) << sampled;
+    EXPECT_EQ(moments_[0].samples, 4096.0f);  // spread over both parts
   }
 }
 
