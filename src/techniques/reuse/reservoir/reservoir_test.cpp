@@ -111,7 +111,7 @@ struct Spread {
   double error = 0;
 };
 
-Spread measure(const ToyMode& mode, int runs = 3000) {
+Spread measure(const ToyMode& mode, int runs = 4000) {
   const ReuseToy toy;
   double sum = 0;
   double squares = 0;

@@ -172,7 +172,7 @@ TEST(Vcm, AgreesOnColoursBehindDispersiveGlass) {
   expect_mean_of_path_tracing(dispersive(make_zoo(ZooLight::triangles, ZooCamera::pinhole), 10), 1, 192, "dispersion");
 }
 
-TEST(Vcm, AgreesInTintedMedia) { expect_mean_of_path_tracing(make_lamp_in_glass(), 1, 128, "lamp in glass"); }
+TEST(Vcm, AgreesInTintedMedia) { expect_mean_of_path_tracing(make_lamp_in_glass(), 1, 256, "lamp in glass"); }
 
 /// L = e Σ ρ^k, k = 0 … D. A chord of length r cuts a cap of area π r² off a sphere, so merging has no bias here.
 TEST(Vcm, ClosedFurnaceAtEveryDepth) {
