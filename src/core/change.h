@@ -9,12 +9,13 @@ namespace relume {
 /// A set of flags.
 enum class Change : uint32_t {
   none = 0,
-  camera = 1,     ///< position, direction, lens or projection
-  geometry = 2,   ///< an instance moved
-  lights = 4,     ///< a light moved, or its emission changed
-  materials = 8,  ///< the appearance of a surface changed
-  settings = 16,  ///< a setting that resets the history
-  scene = camera | geometry | lights | materials,
+  camera = 1,       ///< position, direction, lens or projection
+  geometry = 2,     ///< an instance moved
+  lights = 4,       ///< a light moved, or its emission changed
+  materials = 8,    ///< the appearance of a surface changed
+  settings = 16,    ///< a setting that resets the history
+  light_list = 32,  ///< the environment was replaced, or lights were renumbered
+  scene = camera | geometry | lights | materials | light_list,
   any = scene | settings,
 };
 

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
@@ -59,6 +61,22 @@ TEST_F(EmptyScene, PartsCanBeAddedAndRemoved) {
   EXPECT_EQ(scene_.remove_node(node), std::vector<Index>{node});
   scene_.commit_edits();
   EXPECT_FALSE(meets(scene_, 5.2f, 0.2f));
+}
+
+/// Lights at infinity come last.
+TEST(CompiledScene, TellsThatLightsWereRenumbered) {
+  Scene scene = find_builtin_scene("cornell")->build();
+  PunctualLight light{"lamp", PunctualType::point, Rgb(1)};
+  scene.lights.push_back(light);
+  const auto index = static_cast<Index>(scene.lights.size()) - 1;
+  Node node;
+  node.light = index;
+  scene.add_node(node);
+  CompiledScene compiled(std::move(scene), {.camera = {}, .width = 8, .height = 8});
+  light.type = PunctualType::spot;
+  EXPECT_EQ(compiled.set_light(index, light), Change::lights);
+  light.type = PunctualType::directional;
+  EXPECT_EQ(compiled.set_light(index, light), Change::lights | Change::light_list);
 }
 
 TEST_F(EmptyScene, NodesMayShareMeshesAndHaveChildren) {

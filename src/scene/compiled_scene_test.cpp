@@ -104,9 +104,9 @@ TEST(CompiledScene, EnvironmentsAndMaterialsCanBeReplaced) {
   const uint32_t lights = compiled.view().lights.lights.size;
   Environment environment;
   environment.kind = EnvironmentKind::constant;
-  EXPECT_EQ(compiled.set_environment(environment), Change::lights);
+  EXPECT_EQ(compiled.set_environment(environment), Change::lights | Change::light_list);
   EXPECT_EQ(compiled.view().lights.lights.size, lights + 1);
-  EXPECT_EQ(compiled.set_environment(Environment{}), Change::lights);
+  EXPECT_EQ(compiled.set_environment(Environment{}), Change::lights | Change::light_list);
   EXPECT_EQ(compiled.view().lights.lights.size, lights);
   EXPECT_TRUE(includes(compiled.set_material(0, red), Change::materials));
   EXPECT_EQ(compiled.view().materials[0].base_color, Rgb(1, 0, 0));

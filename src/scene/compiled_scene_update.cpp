@@ -9,6 +9,7 @@
 #include "relume/error.h"
 #include "scene/animation.h"
 #include "scene/compiled_scene.h"
+#include "scene/light_parameters.h"
 #include "scene/medium.h"
 #include "scene/mixtures.h"
 #include "scene/placement.h"
@@ -122,12 +123,14 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
   validate(value, error_place(source_));
   open_for_host();
   return updated([&] {
-    source_.lights[static_cast<size_t>(light)] = value;
+    PunctualLight& target = source_.lights[static_cast<size_t>(light)];
+    const bool renumbers = type_of(target).at_infinity != type_of(value).at_infinity;  // those at infinity come last
+    target = value;
     end_parameter_animation(AnimatedPart::light, light);
     if (is_stale_) return place_everything();
     collect_lights();
     was_moved_ = true;
-    return Change::lights;
+    return renumbers ? Change::lights | Change::light_list : Change::lights;
   });
 }
 
@@ -144,7 +147,7 @@ Change CompiledScene::set_environment(const Environment& environment) {
       throw;
     }
     was_moved_ = true;
-    return Change::lights;
+    return Change::lights | Change::light_list;
   });
 }
 
