@@ -13,7 +13,7 @@ struct ReceiverRecord {
   Vec3 origin{0};     ///< of the camera ray
   Vec3 direction{0};  ///< of the camera ray
   float wavelength_nm = kNoWavelength;
-  uint32_t ray_id = 0;  ///< seed of stochastic alpha along the receiver's shadow rays
+  uint32_t ray_id = 0;  ///< reservoir_ray_id()
 
   RELUME_HD bool valid() const { return hit.valid(); }
 };
@@ -27,10 +27,9 @@ struct Receiver {
 /// Record of pixel (x, y) with this primary hit, without testing whether the surface scatters.
 RELUME_HD inline ReceiverRecord record_of(const SceneView& scene, uint32_t x, uint32_t y, const Sampler& sampler,
                                           const Hit& hit) {
-  constexpr uint32_t kShadowRays = 0x6a09e667u;  // independent of the path's rays
   Sampler camera = sampler;
   const Ray ray = lone_camera_ray(scene.camera, x, y, camera);
-  return {hit, ray.origin, ray.direction, path_wavelength(scene, sampler), hash(sampler.camera_ray_id(), kShadowRays)};
+  return {hit, ray.origin, ray.direction, path_wavelength(scene, sampler), reservoir_ray_id(sampler)};
 }
 
 /// Fills the receiver of a record. `camera`: that of its frame. `instance`: of the hit, as placed in that frame.

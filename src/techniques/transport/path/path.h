@@ -2,6 +2,7 @@
 // ch. 9 and 10). Each step is a separate function; trace_path() runs them in order.
 #pragma once
 
+#include "core/hash.h"
 #include "sampling/mis.h"
 #include "scene/dispersion.h"
 #include "scene/medium.h"
@@ -85,6 +86,18 @@ RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const LightSample& light
   Ray ray = shadow_ray(sp, light.wi, light.distance);
   ray.t_max = relume::min(ray.t_max, relume::max(light.distance - light.clearance, 0.0f));
   return ray;
+}
+
+/// Seed of stochastic alpha along the shadow rays of reservoirs at a primary hit; independent of the camera ray's.
+RELUME_HD inline uint32_t reservoir_ray_id(const Sampler& sampler) {
+  constexpr uint32_t kSalt = 0x6a09e667u;
+  return hash(sampler.camera_ray_id(), kSalt);
+}
+
+/// Seed of stochastic alpha along the path's ray. Where that ray finds candidates for reservoirs, it is the seed of
+/// their shadow rays: a second draw at the same surface would count its opacity twice.
+RELUME_HD inline uint32_t ray_id_of(const PathContext& c, const PathState& path, const Sampler& sampler) {
+  return path.bounce <= c.first_nee_bounce ? reservoir_ray_id(sampler) : sampler.ray_id();
 }
 
 /// Sampler dimension of the wavelength, beyond those of the longest camera and light paths.
@@ -343,7 +356,7 @@ RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint& sp, Path
     const BsdfSample s = c.directions.sample(sp, sampler);
     if (!follow(c, sp, s, path, sampler)) break;
     policy.scattered(sp, s, path);
-    hit = intersect(c.scene, path.ray, sampler.ray_id());
+    hit = intersect(c.scene, path.ray, ray_id_of(c, path, sampler));
     ++path.rays;
   }
   policy.finished(path);

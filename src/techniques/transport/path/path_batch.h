@@ -67,7 +67,7 @@ inline void add_visible(const AccelView& accel, const SurfacePoint* points, Path
 }
 
 /// Nearest hits of the rays of all active paths.
-inline void intersect_all(const AccelView& accel, PathBatch& b) {
+inline void intersect_all(const PathContext& c, PathBatch& b) {
   for (uint32_t first = 0; first < b.count; first += kPacketSize) {
     const int size = static_cast<int>(relume::min(b.count - first, static_cast<uint32_t>(kPacketSize)));
     Ray rays[kPacketSize];
@@ -76,10 +76,10 @@ inline void intersect_all(const AccelView& accel, PathBatch& b) {
     for (int k = 0; k < size; ++k) {
       const uint32_t i = b.active[first + k];
       rays[k] = b.paths[i].ray;
-      ids[k] = b.samplers[i].ray_id();
+      ids[k] = ray_id_of(c, b.paths[i], b.samplers[i]);
       ++b.paths[i].rays;
     }
-    intersect_packet(accel, rays, ids, hits, size);
+    intersect_packet(c.scene.accel, rays, ids, hits, size);
     for (int k = 0; k < size; ++k) b.hits[b.active[first + k]] = hits[k];
   }
 }
@@ -125,7 +125,7 @@ inline void trace(const PathContext& c, PathBatch& b, Policy* policies, const Fi
       policies[i].scattered(points[i], s, b.paths[i]);
       return true;
     });
-    intersect_all(c.scene.accel, b);
+    intersect_all(c, b);
   }
 }
 
