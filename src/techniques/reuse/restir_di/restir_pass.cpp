@@ -12,9 +12,10 @@ constexpr BufferKey<LightReservoir> kReservoirs{"restir-reservoirs"};
 constexpr BufferKey<LightReservoir> kReservoirHistory{"restir-history"};
 constexpr BufferKey<ReceiverRecord> kReceivers{"restir-receivers"};
 
-/// Changes after which reservoirs of the previous frame are not reused. Lights may move: their previous state is known.
+/// Changes after which reservoirs of the previous frame are not reused. Lights may move: their previous state is known,
+/// except that of the environment.
 Change ends_reservoirs(const RestirSettings& settings) {
-  const Change always = Change::materials | Change::settings;
+  const Change always = Change::materials | Change::settings | Change::light_list;
   return settings.correction == ReuseCorrection::exact ? always | Change::geometry : always;
 }
 

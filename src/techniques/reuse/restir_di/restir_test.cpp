@@ -9,6 +9,7 @@
 #include "frame/pipeline.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
+#include "scene/testing/media.h"
 #include "techniques/reuse/restir_di/spatial_reuse.h"
 #include "testing/chi2.h"
 
@@ -148,6 +149,19 @@ TEST(RestirBasic, LosesLightInShadows) {
   EXPECT_GT(deviation(basic, exact), -0.4 * exact.mean);
 }
 
+template <typename Value>
+Measured mean_over_seeds(int seeds, const Value& value_of) {
+  double sum = 0;
+  double squares = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const double value = value_of(seed);
+    sum += value;
+    squares += value * value;
+  }
+  const double mean = sum / seeds;
+  return {mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
+}
+
 /// Lights that move without geometry keep their reservoirs in the mode "exact": targets of the previous frame use its
 /// lights.
 TEST(RestirMovingLight, HasTheMeanOfPathTracing) {
@@ -175,23 +189,54 @@ TEST(RestirMovingLight, HasTheMeanOfPathTracing) {
     settings.history = HistoryChoice::none;
     settings.restir.radius = 6;
     Session session(Scene(scene), settings);
-    double sum = 0;
-    double squares = 0;
-    for (int seed = 1; seed <= seeds; ++seed) {
+    return mean_over_seeds(seeds, [&](int seed) {
       session.set_time(0);
       session.restart(seed);
       for (int frame = 0; frame < 10; ++frame) {
         session.set_time(0.08f * static_cast<float>(frame));
         session.render_frame();
       }
-      const double mean = means_of(session.image()).image;
-      sum += mean;
-      squares += mean * mean;
-    }
-    const double mean = sum / seeds;
-    return Measured{mean, std::sqrt((squares / seeds - mean * mean) / (seeds - 1))};
+      return means_of(session.image()).image;
+    });
   };
   const Measured truth = measure(ReuseChoice::none, 80);
+  const Measured reused = measure(ReuseChoice::restir_di, 40);
+  EXPECT_LT(error_of(reused, truth), 0.02 * truth.mean);
+  EXPECT_NEAR(reused.mean, truth.mean, 4.5 * error_of(reused, truth));
+}
+
+/// A map that is bright on one half of the horizon, and black on the other.
+Environment half_sky(bool left) {
+  Environment sky;
+  sky.kind = EnvironmentKind::map;
+  sky.width = 8;
+  sky.height = 4;
+  for (int i = 0; i < sky.width * sky.height; ++i)
+    sky.map.push_back(Rgb((i % sky.width < sky.width / 2) == left ? 1.0f : 0.0f));
+  return sky;
+}
+
+/// What the environment was in the previous frame is not known, so a replaced one ends all reservoirs.
+TEST(RestirEnvironment, MayBeReplacedAndRemoved) {
+  const auto measure = [](ReuseChoice reuse, int seeds) {
+    RenderSettings settings = settings_of(reuse);
+    settings.history = HistoryChoice::none;
+    settings.restir.radius = 6;
+    Session session(testing::plate(testing::matte(Rgb(0.5f)), 3, 1), settings);
+    return mean_over_seeds(seeds, [&](int seed) {
+      session.set_environment(half_sky(true));
+      session.restart(seed);
+      for (int frame = 0; frame < 5; ++frame) session.render_frame();
+      session.set_environment(half_sky(false));
+      session.render_frame();
+      const double mean = means_of(session.image()).image;
+      session.set_environment({});
+      session.render_frame();
+      EXPECT_EQ(means_of(session.image()).image, 0);
+      return mean;
+    });
+  };
+  const Measured truth = measure(ReuseChoice::none, 40);
   const Measured reused = measure(ReuseChoice::restir_di, 40);
   EXPECT_LT(error_of(reused, truth), 0.02 * truth.mean);
   EXPECT_NEAR(reused.mean, truth.mean, 4.5 * error_of(reused, truth));
