@@ -54,6 +54,16 @@ const std::vector<Preset>& presets() {
        R"({"estimator": "bdpt", "bdpt.connection-roulette": 0, "lights": "power", "guide": "bsdf", "cache": "none",
            "reuse": "none", "allocation": "uniform", "history": "accumulate", "denoise": "bmfr",
            "features.edge-rays": 0, "bmfr.alpha": 0.2, "bmfr.detail": 0})"},
+      {"restir-research", "ReSTIR DI, unbiased, with the parameters of the research code [Bitterli20, Lin22]",
+       R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none", "reuse": "restir-di",
+           "ris.candidates": 32, "restir.correction": "exact", "restir.feedback": "spatial", "restir.cap": 20,
+           "restir.neighbours": 5, "restir.radius": 30, "allocation": "uniform", "history": "none",
+           "denoise": "none"})"},
+      {"restir-rtxdi", "ReSTIR DI with the default parameters of RTXDI, without its filters: darker in shadows",
+       R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none", "reuse": "restir-di",
+           "ris.candidates": 8, "restir.correction": "basic", "restir.feedback": "spatial", "restir.cap": 20,
+           "restir.neighbours": 1, "restir.radius": 32, "allocation": "uniform", "history": "none",
+           "denoise": "none"})"},
   };
   return list;
 }

@@ -66,6 +66,17 @@ TEST(PaperPresets, AccumulateAsKoskelaBeforeRegression) {
   EXPECT_EQ(bmfr.detail, 0) << "the restored details are an addition to the paper";
 }
 
+TEST(ReusePresets, HaveTheParametersOfTheirPrograms) {
+  const RenderSettings research = resolve({.preset = "restir-research"}).render;
+  EXPECT_EQ(research.ris.candidates, 32);
+  EXPECT_EQ(research.restir.neighbours, 5);
+  EXPECT_EQ(research.restir.correction, ReuseCorrection::exact);
+  const RenderSettings rtxdi = resolve({.preset = "restir-rtxdi"}).render;
+  EXPECT_EQ(rtxdi.ris.candidates, 8);
+  EXPECT_EQ(rtxdi.restir.neighbours, 1);
+  EXPECT_EQ(rtxdi.restir.correction, ReuseCorrection::basic);
+}
+
 TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
   const std::string scene = R"({"firefly.limit": 8})";
   EXPECT_EQ(resolve({.scene_json = scene, .scene_place = "view.json"}).render.firefly.limit, 8);
