@@ -271,7 +271,8 @@ TEST(DirectionSampler, ResamplingKeepsTheMean) {
 }
 
 TEST(DirectionSampler, ResamplingFollowsTheProductOfBsdfAndTree) {
-  // Light as the tree has learned it. The uniform part of the target keeps some variance: 0.51 were measured with eight.
+  // Light as the tree has learned it. The uniform part of the target keeps some variance: 0.51 were measured with
+  // eight.
   int compared = 0;
   for (const testing::BsdfCase& c : materials({0.3f})) {
     const SurfacePoint sp = make_point(c);
