@@ -86,8 +86,8 @@ class WalledMemory final : public Memory {
   using Blocks = std::map<std::byte*, Block>;
 
   static void on_fault(int signal, siginfo_t* info, void* context);
-  /// Opens the block of an address after an access while it was closed. `foreign`: the address is in no block, or behind
-  /// its end.
+  /// Opens the block of an address after an access while it was closed. `foreign`: the address is in no block, or
+  /// behind its end.
   Fault open_after_fault(const std::byte* address);
   Blocks::iterator find(const std::byte* address);
   void open(const std::byte* address, Access access);

@@ -65,7 +65,7 @@ class Recorder {
   }
 
   Session& session_;
-  std::vector<TaskStep> steps_;
+  std::vector<TaskStep> steps_ = std::vector<TaskStep>(1);
   double last_s_ = 0;
   bool is_task_ = false;
 };

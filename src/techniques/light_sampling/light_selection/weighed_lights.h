@@ -10,16 +10,8 @@ namespace relume {
 /// Maximum number of lights weighed at a point.
 inline constexpr uint32_t kMaxWeighedLights = 64;
 
-/// Expected visibility of lights at infinity. The last element is that of all further ones.
-struct InfinityVisibility {
-  static constexpr uint32_t kCount = 4;
-  float of[kCount] = {1, 1, 1, 1};
-
-  RELUME_HD static uint32_t index_of(uint32_t infinite_light) { return relume::min(infinite_light, kCount - 1); }
-};
-
-/// Lights, and what their importance is computed from. `id_at(i)`: the light i < `count`. `compact` has an element for
-/// each of these lights.
+/// Finite lights, and what their importance is computed from. `id_at(i)`: the light i < `count`. `compact` has an
+/// element for each of these lights.
 template <typename IdAt>
 struct LightCandidates {
   const LtcTable& ltc;
@@ -27,42 +19,29 @@ struct LightCandidates {
   const View<const CompactLight>& compact;
   uint32_t count;
   IdAt id_at;
-  InfinityVisibility visibility = {};  ///< factor of the importance of lights at infinity
 
   /// Calls use(i, weight) for each light, in order: with the importance at `sp`; then with 1 if the sum of importances
   /// is zero or overflows. Returns the sum of the weights, above 0 if there are lights.
   template <typename Use>
   RELUME_HD float weigh(const SurfacePoint& sp, const Use& use) const {
     const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
-    float sum = 0;
-    for_each_importance(receiver, lights, compact, count, id_at, [&](uint32_t i, float importance) {
-      const LightId id = id_at(i);
-      const float weight = id < lights.first_infinite ? importance : from_infinity(receiver, id);
-      use(i, weight);
-      sum += weight;
-    });
+    const float sum = for_each_importance(receiver, lights, compact, count, id_at, use);
     if (sum > 0.0f && is_finite(sum)) return sum;
     for (uint32_t i = 0; i < count; ++i) use(i, 1.0f);
     return static_cast<float>(count);
   }
-
- private:
-  RELUME_HD float from_infinity(const LightReceiver& receiver, LightId id) const {
-    const float visible = visibility.of[InfinityVisibility::index_of(id - lights.first_infinite)];
-    return visible * infinite_importance(receiver, lights, id);
-  }
 };
 
-/// Weight of one light, and the sum over all candidates.
+/// Weight of one light, and the sum over all candidates. `Candidates` below: LightCandidates, or a type with the same
+/// count and weigh().
 struct WeighedLight {
   float weight = 0;
   float sum = 0;
 };
 
 /// The weight of light `place` alone, so that a thread stores no others.
-template <typename IdAt>
-RELUME_HD inline WeighedLight weigh_light(const LightCandidates<IdAt>& candidates, const SurfacePoint& sp,
-                                          uint32_t place) {
+template <typename Candidates>
+RELUME_HD inline WeighedLight weigh_light(const Candidates& candidates, const SurfacePoint& sp, uint32_t place) {
   WeighedLight result;
   result.sum = candidates.weigh(sp, [&](uint32_t i, float weight) {
     if (i == place) result.weight = weight;
@@ -77,8 +56,8 @@ struct WeighedLights {
   uint32_t count = 0;
   float sum = 0;  ///< of the weights; above 0 if there are lights
 
-  template <typename IdAt>
-  RELUME_HD WeighedLights(const LightCandidates<IdAt>& candidates, const SurfacePoint& sp) : count(candidates.count) {
+  template <typename Candidates>
+  RELUME_HD WeighedLights(const Candidates& candidates, const SurfacePoint& sp) : count(candidates.count) {
     weights[0] = 0;
     sum = candidates.weigh(sp, [&](uint32_t i, float weight) { weights[i] = weight; });
   }

@@ -7,7 +7,7 @@
 #include "techniques/light_sampling/light_selection/light_selection.h"
 #include "techniques/light_sampling/light_selection/weighed_lights.h"
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
-#include "techniques/light_sampling/visibility_light_cache/light_shares.h"
+#include "techniques/light_sampling/visibility_light_cache/listed_lights.h"
 
 namespace relume {
 
@@ -113,13 +113,12 @@ struct VisibilityLightCache {
   };
 
   /// The lights of a bucket.
-  RELUME_HD LightCandidates<IdsOfBucket> candidates(const SurfacePoint& sp, const LightBuckets& b,
-                                                    uint32_t bucket) const {
+  RELUME_HD ListedLights<IdsOfBucket> candidates(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket) const {
     const uint32_t* const entry = entries.data + b.first + bucket * bucket_size;
     uint32_t count = 0;
     while (count < bucket_size && entry[count] != CachedLight::kNone) ++count;
     const InfinityVisibility visibility = sp.region < shares.size ? shares[sp.region].visibility : InfinityVisibility{};
-    return {ltc, lights, compact, count, {entry}, visibility};
+    return {{ltc, lights, compact, count, {entry}}, lists_infinite, visibility};
   }
 
   /// Probability of `light`, given its bucket. Weighs the bucket only if needed, because most explored lights are not
