@@ -192,7 +192,7 @@ RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsV
 /// Calls use(i, importance) for the finite lights id_at(i) with i < `count`, in this order. Returns the sum of the
 /// importances.
 template <typename IdAt, typename Use>
-RELUME_HD inline float for_each_importance(const LightReceiver& r, const LightsView& lights,
+RELUME_HD_INLINE float for_each_importance(const LightReceiver& r, const LightsView& lights,
                                            const View<const CompactLight>& compact, uint32_t count, const IdAt& id_at,
                                            const Use& use) {
   float sum = 0;

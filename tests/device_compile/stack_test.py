@@ -34,7 +34,9 @@ BOUNDS = (
     (r"PathKernel<", 1700),
     (r"DepthVoteKernel", 1600),
     (r"IncidentLightKernel", 1600),
-    (r"ResolveCellsKernel", 1300),
+    (r"ResolveCellsKernel", 1450),  # a surface point of an edge ray, beside the cells of a pixel
+    (r"RecordSamplesKernel", 1350),
+    (r"TraceGradientsKernel", 1500),
     (r"device::run<SurfaceKernel>", 1250),
 )
 OTHERS = 1100

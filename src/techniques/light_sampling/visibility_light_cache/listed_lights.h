@@ -8,8 +8,9 @@ namespace relume {
 /// LightCandidates with the visibility of lights at infinity. `compact` has an element for each light of the list.
 template <typename IdAt>
 struct ListedLights : LightCandidates<IdAt> {
-  bool lists_infinite = false;    ///< otherwise all lights are finite
-  InfinityVisibility visibility;  ///< factor of the importance of lights at infinity
+  bool lists_infinite;                    ///< otherwise all lights are finite
+  const View<const LightShares>& shares;  ///< with the visibility of lights at infinity, by region; empty: 1
+  uint32_t region;
 
   /// As LightCandidates::weigh().
   template <typename Use>
@@ -31,8 +32,9 @@ struct ListedLights : LightCandidates<IdAt> {
 
  private:
   RELUME_HD float from_infinity(const LightReceiver& receiver, LightId id) const {
-    const float visible = visibility.of[InfinityVisibility::index_of(id - this->lights.first_infinite)];
-    return visible * infinite_importance(receiver, this->lights, id);
+    const float importance = infinite_importance(receiver, this->lights, id);
+    if (region >= shares.size) return importance;
+    return shares[region].visibility.of[InfinityVisibility::index_of(id - this->lights.first_infinite)] * importance;
   }
 };
 

@@ -117,13 +117,13 @@ struct VisibilityLightCache {
     const uint32_t* const entry = entries.data + b.first + bucket * bucket_size;
     uint32_t count = 0;
     while (count < bucket_size && entry[count] != CachedLight::kNone) ++count;
-    const InfinityVisibility visibility = sp.region < shares.size ? shares[sp.region].visibility : InfinityVisibility{};
-    return {{ltc, lights, compact, count, {entry}}, lists_infinite, visibility};
+    return {{ltc, lights, compact, count, {entry}}, lists_infinite, shares, sp.region};
   }
 
   /// Probability of `light`, given its bucket. Weighs the bucket only if needed, because most explored lights are not
   /// in it.
-  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, LightId light) const {
+  RELUME_HD_INLINE float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket,
+                                 LightId light) const {
     WeighedLight w;
     if (buckets.count > 0) {
       const auto known = candidates(sp, buckets, bucket);

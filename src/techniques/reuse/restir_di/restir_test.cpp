@@ -153,7 +153,7 @@ TEST(RestirBasic, LosesLightInShadows) {
   RenderSettings settings = settings_of(ReuseChoice::restir_di);
   settings.restir.correction = ReuseCorrection::basic;
   settings.restir.radius = 6;
-  const Measured basic = lower_half(over_seeds(cornell(), settings, 2 * kSeeds, kMoving, kKept));
+  const Measured basic = lower_half(over_seeds(cornell(), settings, 4 * kSeeds, kMoving, kKept));
   const Measured truth = lower_half(reference());
   EXPECT_LT(deviation(basic, truth), -4.5 * error_of(basic, truth));
   EXPECT_GT(deviation(basic, truth), -0.4 * truth.mean);
