@@ -181,6 +181,7 @@ Lag lag_of(DenoiseChoice denoise, const Scene& scene, const Image& truth) {
   return lag;
 }
 
+/// In `turntable`, the lag of A-SVGF exceeds that of SVGF (README, Measured).
 class AsvgfLag : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
@@ -199,7 +200,7 @@ TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
   EXPECT_LT(gradients.stopped, blocks.stopped);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slow, AsvgfLag, ::testing::Values("turntable", "slit"),
+INSTANTIATE_TEST_SUITE_P(Slow, AsvgfLag, ::testing::Values("slit"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
