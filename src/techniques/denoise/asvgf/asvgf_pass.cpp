@@ -2,12 +2,13 @@
 
 #include "frame/primitives/fill.h"
 #include "techniques/denoise/asvgf/adaptive_alpha.h"
+#include "techniques/denoise/svgf/atrous_levels.h"
 
 namespace relume {
 namespace {
 
-AtrousImage strata_of(Array<float>& values, const FrameContext& frame) {
-  return {values.mutable_view(), strata(frame.width()), strata(frame.height())};
+AtrousLevels levels_of(const AsvgfSettings& settings, const FrameContext& frame) {
+  return {strata(frame.width()), strata(frame.height()), settings.gradient_levels, settings.plane_tolerance, kAnyLight};
 }
 
 }  // namespace
@@ -34,14 +35,15 @@ size_t AsvgfPass::memory_bytes() const {
 bool AsvgfPass::find_changes(const FrameContext& frame) {
   if (!gradients_) return true;
   if (!gradients_->traced()) return fill(frame.backend, "asvgf-filter", frame.write(kAsvgfLambda), 0.0f);
-  if (!prepare_gradients(frame) || !filter_gradients(frame)) return false;
+  const AtrousLevels levels = levels_of(settings_, frame);
+  if (!prepare_gradients(frame) || !levels.filter(frame, "asvgf-filter", features_, planes_, filtered_)) return false;
   LambdaKernel kernel;
-  kernel.filtered = strata_of(planes_, frame);
+  kernel.filtered = levels.image(planes_);
   kernel.lambdas = frame.write(kAsvgfLambda);
   kernel.antilag = settings_.antilag;
   kernel.width = frame.width();
   kernel.height = frame.height();
-  return frame.launch_or_stop("asvgf-filter", kernel, {kernel.filtered.width, kernel.filtered.height});
+  return frame.launch_or_stop("asvgf-filter", kernel, {levels.width, levels.height});
 }
 
 void AsvgfPass::limit_history(const FrameContext& frame, LightPart part, LightHistory& history) {
@@ -50,44 +52,23 @@ void AsvgfPass::limit_history(const FrameContext& frame, LightPart part, LightHi
 }
 
 bool AsvgfPass::prepare_gradients(const FrameContext& frame) {
-  const auto size_of = [&](uint32_t planes) {
-    return AtrousImage::size(planes, strata(frame.width()), strata(frame.height()));
-  };
-  const auto resize = [&](Array<float>& image, uint32_t planes) {
-    if (image.size() != size_of(planes)) relume::resize(frame.backend, "asvgf-filter", image, size_of(planes));
-  };
-  resize(features_, kAtrousPlanes);
-  resize(planes_, kAtrousChannels);
-  resize(filtered_, kAtrousChannels);
+  const AtrousLevels levels = levels_of(settings_, frame);
+  levels.resize(frame.backend, "asvgf-filter", features_, kAtrousPlanes);
+  levels.resize(frame.backend, "asvgf-filter", planes_, kAtrousChannels);
+  levels.resize(frame.backend, "asvgf-filter", filtered_, kAtrousChannels);
   PrepareGradientsKernel kernel;
   kernel.gradients = gradients_->gradients();
   kernel.position = frame.read(kFeature.position);
   kernel.normal = frame.read(kFeature.normal);
   kernel.depth = frame.read(kFeature.depth);
   kernel.surface = frame.read(kFeature.surface);
-  kernel.features = strata_of(features_, frame);
-  kernel.planes = strata_of(planes_, frame);
+  kernel.features = levels.image(features_);
+  kernel.planes = levels.image(planes_);
   kernel.cone_width = frame.scene.camera.cone_width();
   kernel.cone_spread = frame.scene.camera.cone_spread();
   kernel.width = frame.width();
   kernel.height = frame.height();
   return frame.launch_or_stop("asvgf-filter", kernel, {kernel.features.width, kernel.features.height});
-}
-
-/// Replaces the planes by the result.
-bool AsvgfPass::filter_gradients(const FrameContext& frame) {
-  for (int level = 0; level < settings_.gradient_levels; ++level) {
-    AtrousKernel kernel;
-    kernel.features = strata_of(features_, frame);
-    kernel.light = strata_of(planes_, frame);
-    kernel.filtered = strata_of(filtered_, frame);
-    kernel.step = 1u << level;
-    kernel.plane_tolerance = settings_.plane_tolerance;
-    kernel.light_tolerance = kAnyLight;
-    if (!frame.launch_or_stop("asvgf-filter", kernel, {kernel.light.width, kernel.light.height})) return false;
-    planes_.swap(filtered_);
-  }
-  return true;
 }
 
 }  // namespace relume

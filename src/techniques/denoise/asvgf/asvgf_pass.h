@@ -30,9 +30,8 @@ class AsvgfPass final : public SvgfPass {
  private:
   bool find_changes(const FrameContext& frame) override;
   void limit_history(const FrameContext& frame, LightPart part, LightHistory& history) override;
-  // These return false if a stop was requested first.
+  // Returns false if a stop was requested first.
   bool prepare_gradients(const FrameContext& frame);
-  bool filter_gradients(const FrameContext& frame);
 
   AsvgfSettings settings_;
   const GradientPass* gradients_;

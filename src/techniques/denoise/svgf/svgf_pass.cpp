@@ -1,6 +1,7 @@
 #include "techniques/denoise/svgf/svgf_pass.h"
 
 #include "techniques/denoise/shared/denoiser_buffers.h"
+#include "techniques/denoise/svgf/atrous_levels.h"
 #include "techniques/denoise/svgf/svgf.h"
 
 namespace relume {
@@ -49,8 +50,8 @@ void add_parts(PassDeclaration& declaration) {
   add_split_buffers(declaration.reads);
 }
 
-AtrousImage image_of(Array<float>& values, const FrameContext& frame) {
-  return {values.mutable_view(), frame.width(), frame.height()};
+AtrousLevels levels_of(const SvgfSettings& settings, const FrameContext& frame) {
+  return {frame.width(), frame.height(), settings.levels, settings.plane_tolerance, settings.light_tolerance};
 }
 
 }  // namespace
@@ -79,7 +80,8 @@ bool SvgfPass::run(const FrameContext& frame) {
   if (!find_changes(frame)) return false;
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) {
-    if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i]) || !filter(frame, light_[i])) return false;
+    if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i])) return false;
+    if (!levels_of(settings_, frame).filter(frame, "svgf-filter", features_, light_[i], filtered_)) return false;
   }
   if (!split_) return present(frame);
   if (!reflecting_.now()) clear_specular(frame);
@@ -109,13 +111,10 @@ void SvgfPass::limit_history(const FrameContext& frame, LightPart part, LightHis
 bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   Array<float>& light = light_[place_of(part)];
-  const auto resize = [&](Array<float>& image, uint32_t planes) {
-    const size_t size = AtrousImage::size(planes, frame.width(), frame.height());
-    if (image.size() != size) relume::resize(frame.backend, "svgf-prepare", image, size);
-  };
-  resize(features_, kAtrousPlanes);
-  resize(light, kAtrousChannels);
-  resize(filtered_, kAtrousChannels);
+  const AtrousLevels levels = levels_of(settings_, frame);
+  levels.resize(frame.backend, "svgf-prepare", features_, kAtrousPlanes);
+  levels.resize(frame.backend, "svgf-prepare", light, kAtrousChannels);
+  levels.resize(frame.backend, "svgf-prepare", filtered_, kAtrousChannels);
   SvgfPrepareKernel kernel;
   kernel.position = frame.read(buffers.position);
   kernel.normal = frame.read(buffers.normal);
@@ -124,8 +123,8 @@ bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   kernel.light = frame.read(buffers.light);
   kernel.moments = frame.read(buffers.moments);
   kernel.count = frame.read(buffers.samples);
-  kernel.features = image_of(features_, frame);
-  kernel.planes = image_of(light, frame);
+  kernel.features = levels.image(features_);
+  kernel.planes = levels.image(light);
   kernel.cone_width = frame.scene.camera.cone_width();
   kernel.cone_spread = frame.scene.camera.cone_spread();
   kernel.correlated_frames = static_cast<float>(frame.correlated_frames);
@@ -134,26 +133,10 @@ bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   return frame.launch_or_stop("svgf-prepare", kernel);
 }
 
-/// Replaces `light` by the result.
-bool SvgfPass::filter(const FrameContext& frame, Array<float>& light) {
-  for (int level = 0; level < settings_.levels; ++level) {
-    AtrousKernel kernel;
-    kernel.features = image_of(features_, frame);
-    kernel.light = image_of(light, frame);
-    kernel.filtered = image_of(filtered_, frame);
-    kernel.step = 1u << level;
-    kernel.plane_tolerance = settings_.plane_tolerance;
-    kernel.light_tolerance = settings_.light_tolerance;
-    if (!frame.launch_or_stop("svgf-filter", kernel)) return false;
-    light.swap(filtered_);
-  }
-  return true;
-}
-
 bool SvgfPass::present(const FrameContext& frame) {
   SvgfPresentKernel kernel;
   kernel.samples = surface_light(frame);
-  kernel.filtered = image_of(light_[0], frame);
+  kernel.filtered = levels_of(settings_, frame).image(light_[0]);
   kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
@@ -164,8 +147,8 @@ bool SvgfPass::present(const FrameContext& frame) {
 bool SvgfPass::present_parts(const FrameContext& frame) {
   SvgfPresentPartsKernel kernel;
   kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
-  kernel.diffuse = image_of(light_[0], frame);
-  kernel.specular = image_of(light_[1], frame);
+  kernel.diffuse = levels_of(settings_, frame).image(light_[0]);
+  kernel.specular = levels_of(settings_, frame).image(light_[1]);
   kernel.shown = frame.write(kSvgfShown);
   kernel.shown_specular = frame.write(kSvgfSpecularShown);
   kernel.width = frame.width();

@@ -41,7 +41,6 @@ class SvgfPass : public Pass {
   // These return false if a stop was requested first.
   bool accumulate(const FrameContext& frame, LightPart part);
   bool prepare(const FrameContext& frame, LightPart part);
-  bool filter(const FrameContext& frame, Array<float>& light);
   bool present(const FrameContext& frame);
   void clear_specular(const FrameContext& frame) const;
   bool present_parts(const FrameContext& frame);
