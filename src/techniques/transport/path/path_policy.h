@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <type_traits>
 
 #include "scene/surface_point.h"
 
@@ -28,6 +29,47 @@ struct NoPolicy {
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
   /// Called when the path is complete.
   RELUME_HD void finished(const PathState&) {}
+
+  // Events. A modifying policy reports them to the policies before it in the list, which its arrived(), goes_on() and
+  // scattered() take as a last argument.
+
+  /// The radiance of the path, `found`, was set to zero. Radiance and throughput now count `unit` times in the image.
+  RELUME_HD void rebased(const Rgb& /*found*/, const Rgb& /*unit*/) {}
+  /// A cell replaces the light that the current vertex reflects, except from its delta lobes. In the image, it counts
+  /// `radiance`.
+  RELUME_HD void ended_in_cell(const Rgb& /*radiance*/) {}
+  /// The path continues from the current vertex. `probability`: of this, from the camera on.
+  RELUME_HD void survived(float /*probability*/) {}
+  /// A random number ends the path at the current vertex, whatever light the rest would find.
+  RELUME_HD void culled() {}
+};
+
+/// Whether policies precede the one that reports events to `Earlier`.
+template <typename Earlier>
+inline constexpr bool kHasEarlier = !std::is_same_v<Earlier, NoPolicy>;
+
+/// Reports events to `first` and `last`.
+template <typename First, typename Last>
+struct PathEvents {
+  First& first;
+  Last& last;
+
+  RELUME_HD void rebased(const Rgb& found, const Rgb& unit) {
+    first.rebased(found, unit);
+    last.rebased(found, unit);
+  }
+  RELUME_HD void ended_in_cell(const Rgb& radiance) {
+    first.ended_in_cell(radiance);
+    last.ended_in_cell(radiance);
+  }
+  RELUME_HD void survived(float probability) {
+    first.survived(probability);
+    last.survived(probability);
+  }
+  RELUME_HD void culled() {
+    first.culled();
+    last.culled();
+  }
 };
 
 /// A policy that decides in goes_on(), not in arrived(), whether the path continues. Its arrived() prefetches the data
@@ -35,10 +77,49 @@ struct NoPolicy {
 template <typename Policy>
 concept DecidesLater = requires(Policy& policy, PathState& path) {
   { policy.goes_on(path) } -> std::same_as<bool>;
+}
+|| requires(Policy& policy, PathState& path, NoPolicy& earlier) {
+  { policy.goes_on(path, earlier) } -> std::same_as<bool>;
 };
 
+namespace path_policy {
+
+// Calls of one policy, which reports events to `earlier` if it takes them.
+
+template <typename Policy, typename Earlier>
+RELUME_HD inline bool arrived(Policy& policy, SurfacePoint& sp, PathState& path, Earlier& earlier) {
+  if constexpr (requires { policy.arrived(sp, path, earlier); }) {
+    return policy.arrived(sp, path, earlier);
+  } else {
+    return policy.arrived(sp, path);
+  }
+}
+
+template <typename Policy, typename Earlier>
+RELUME_HD inline bool goes_on(Policy& policy, PathState& path, Earlier& earlier) {
+  if constexpr (requires { policy.goes_on(path, earlier); }) {
+    return policy.goes_on(path, earlier);
+  } else if constexpr (DecidesLater<Policy>) {
+    return policy.goes_on(path);
+  } else {
+    return true;
+  }
+}
+
+template <typename Policy, typename Earlier>
+RELUME_HD inline void scattered(Policy& policy, const SurfacePoint& sp, const BsdfSample& s, PathState& after,
+                                Earlier& earlier) {
+  if constexpr (requires { policy.scattered(sp, s, after, earlier); }) {
+    policy.scattered(sp, s, after, earlier);
+  } else {
+    policy.scattered(sp, s, after);
+  }
+}
+
+}  // namespace path_policy
+
 /// Combines any number of policies for one path. Each hook calls them in the order of the template arguments. If one
-/// policy ends the path, it ends for all.
+/// policy ends the path, it ends for all. Events of a policy reach those before it.
 template <typename... Policies>
 struct PathPolicies;
 
@@ -59,22 +140,39 @@ struct PathPolicies<First, Others...> {
     others.emitted(path, covered_by_nee);
   }
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
-    const bool first_continues = first.arrived(sp, path);
-    return others.arrived(sp, path) && first_continues;
+    NoPolicy none;
+    return arrived(sp, path, none);
+  }
+  template <typename Earlier>
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path, Earlier& earlier) {
+    const bool first_continues = path_policy::arrived(first, sp, path, earlier);
+    PathEvents<Earlier, First> events{earlier, first};
+    return path_policy::arrived(others, sp, path, events) && first_continues;
   }
   RELUME_HD bool goes_on(PathState& path) requires(DecidesLater<First> || DecidesLater<PathPolicies<Others...>>) {
-    bool continues = true;
-    if constexpr (DecidesLater<First>) continues = first.goes_on(path);
-    if constexpr (DecidesLater<PathPolicies<Others...>>) continues = others.goes_on(path) && continues;
-    return continues;
+    NoPolicy none;
+    return goes_on(path, none);
+  }
+  template <typename Earlier>
+  RELUME_HD bool goes_on(PathState& path,
+                         Earlier& earlier) requires(DecidesLater<First> || DecidesLater<PathPolicies<Others...>>) {
+    const bool first_continues = path_policy::goes_on(first, path, earlier);
+    PathEvents<Earlier, First> events{earlier, first};
+    return path_policy::goes_on(others, path, events) && first_continues;
   }
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
     first.connected(sp, path, c, visible);
     others.connected(sp, path, c, visible);
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& after) {
-    first.scattered(sp, s, after);
-    others.scattered(sp, s, after);
+    NoPolicy none;
+    scattered(sp, s, after, none);
+  }
+  template <typename Earlier>
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& after, Earlier& earlier) {
+    path_policy::scattered(first, sp, s, after, earlier);
+    PathEvents<Earlier, First> events{earlier, first};
+    path_policy::scattered(others, sp, s, after, events);
   }
   RELUME_HD void finished(PathState& path) {
     first.finished(path);
