@@ -108,13 +108,16 @@ struct AdaptQuadtreesKernel {
     const uint32_t region = pooled.regions[0];
     if (i < pooled.ends[0]) {
       const VertexSample& s = samples.sample(region, i);
-      return {s.direction, s.value * value_scale(before, region, s, guided_fraction)};
+      return {s.direction, weighted_value(s) * value_scale(before, region, s, guided_fraction)};
     }
     uint32_t k = 1;
     while (i >= pooled.ends[k]) ++k;
     const VertexSample& s = samples.sample(pooled.regions[k], i - pooled.ends[k - 1]);
-    return {s.direction, s.value * value_scale(before, region, s, pool.guided_fraction) * pooled.factor};
+    return {s.direction, weighted_value(s) * value_scale(before, region, s, pool.guided_fraction) * pooled.factor};
   }
+
+  /// The value whose square is that of the record times its weight.
+  RELUME_HD static float weighted_value(const VertexSample& s) { return s.value * std::sqrt(s.weight); }
 
   /// Factor of a sample's value, 1 if the sampled tree is `tree` (`guided` 0). It multiplies the square by the ratio of
   /// the two mixture densities. In expectation, the sums of squares are then those of samples from `tree`. Records

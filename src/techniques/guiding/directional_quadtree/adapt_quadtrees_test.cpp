@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -179,6 +180,26 @@ TEST_F(Pool, CountsEachRegionOnceAndByNeed) {
   EXPECT_FLOAT_EQ(PooledSamples(samples(), pool, 0).factor, 0.5f);  // squares count a quarter
   EXPECT_EQ(PooledSamples(samples(), pool, 1).size(), 500u);
   EXPECT_EQ(PooledSamples(samples(), pool, 10).size(), 0u);
+}
+
+/// The sums of squares, from which trees migrate.
+TEST(AdaptQuadtreesWeights, RecordsCountByTheirWeight) {
+  constexpr QuadtreeAdaption kNoMigrations{.migrations = 0, .kept = 1};
+  Samples once({40, 0}, 2);
+  for (VertexSample& s : once.records) s.weight = 4;
+  Samples four_times({160, 0}, 2);
+  for (uint32_t i = 0; i < 160; ++i) four_times.records[i] = Samples({40, 0}, 2).records[i / 4];
+  std::vector<Trees> trees(2, Trees(64, 2, true));
+  Backend backend(1);
+  launch(backend, "adapt", trees[0].kernel(once, kNoMigrations, 0), 2, 1);
+  launch(backend, "adapt", trees[1].kernel(four_times, kNoMigrations, 0), 2, 1);
+  float largest = 0;
+  for (uint32_t bit = 0; bit < QuadtreeWeights::kBits; ++bit) {
+    const float expected = trees[1].weights[0].found[bit];
+    EXPECT_NEAR(trees[0].weights[0].found[bit], expected, 1e-4f * expected) << bit;
+    largest = std::max(largest, expected);
+  }
+  EXPECT_GT(largest, 1.0f);
 }
 
 TEST(AdaptQuadtreesForms, AgreeOnThreads) {

@@ -50,8 +50,9 @@ RELUME_HD inline float best_fraction(const MixtureMoments& m, const FractionPrio
 
 /// Adds the samples of a region to its moments; one call per region and fraction. A sample with the contribution x,
 /// drawn with density p, has the second moment x² p / p_α under the mixture p_α = α p_bsdf + (1 − α) p_tree. x is the
-/// luminance of the sampled radiance times that of the BSDF. Sums keep kKept of their value in each frame. At most
-/// kMostSamples are read, spread evenly: while regions are few, each has more than one thread should read.
+/// luminance of the sampled radiance times that of the BSDF. Records count by their weight. Sums keep kKept of their
+/// value in each frame. At most kMostSamples are read, spread evenly: while regions are few, each has more than one
+/// thread should read.
 struct LearnFractionsKernel {
   static constexpr float kKept = 15.0f / 16;
   static constexpr uint32_t kMostSamples = 4096;
@@ -71,7 +72,7 @@ struct LearnFractionsKernel {
       const float x = s.value * unpack_density(s.bsdf);
       if (!(x > 0.0f)) continue;
       const float mixture = alpha * unpack_guide_density(s.bsdf) + (1.0f - alpha) * unpack_guide_density(s.densities);
-      const float moment = x * x * unpack_density(s.densities) / mixture;
+      const float moment = x * x * unpack_density(s.densities) / mixture * s.weight;
       if (!is_finite(moment)) continue;
       sum += moment;
       ++used;

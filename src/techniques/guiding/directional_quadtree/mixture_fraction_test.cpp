@@ -97,6 +97,17 @@ TEST_F(Fractions, ForgetEarlierFrames) {
   EXPECT_GT(learn(), 0.8f);
 }
 
+TEST_F(Fractions, CountRecordsByTheirWeight) {
+  add(1, 0, 2, 1000);
+  add(0, 1, 1, 3000);
+  const float expected = learn();
+  moments_[0] = {};
+  add(1, 0, 2, 250);
+  for (VertexSample& s : records_) s.weight = 4;
+  add(0, 1, 1, 3000);
+  EXPECT_NEAR(learn(), expected, 1e-3f);
+}
+
 TEST_F(Fractions, AreInherited) {
   add(0.001f, 4, 1, 4000);
   const float learned = learn();

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "core/math.h"
 #include "frame/group.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 
 namespace relume {
 
-/// Updates the shares of each region. Earlier frames count as kEarlier rays. One group per region.
+/// Updates the shares of each region. Earlier frames count as kEarlier rays. A ray counts by the weight of its record,
+/// in fixed point. One group per region.
 ///
 /// Visibility: the fraction of shadow rays towards a light at infinity that reached it.
 ///
@@ -18,7 +20,8 @@ struct LearnSharesKernel {
   static constexpr float kEarlier = 64;
   static constexpr float kLeastVisibility = 1.0f / 256;
   static constexpr float kMostExploration = 0.5f;
-  struct Shared {
+  static constexpr float kUnitsPerRay = 16;
+  struct Shared {  // numbers of rays, in units
     uint32_t tried[InfinityVisibility::kCount];
     uint32_t seen[InfinityVisibility::kCount];
     uint32_t listed;  ///< rays that reached lights of the list
@@ -42,24 +45,32 @@ struct LearnSharesKernel {
       shared.listed = shared.found = 0;
     });
     const uint32_t read = relume::min(samples.counts[region], max_samples);
-    group.each(read, [&](uint32_t i) { count(shared, region, light_at(region, i, read)); });
+    group.each(read, [&](uint32_t i) { count(shared, region, sample_at(region, i, read), read); });
     group.each(1, [&](uint32_t) { finish(shared, region); });
   }
 
  private:
-  RELUME_HD uint32_t light_at(uint32_t region, uint32_t i, uint32_t read) const {
-    return samples.sample(region, static_cast<uint32_t>(uint64_t{i} * samples.counts[region] / read)).light;
+  RELUME_HD const VertexSample& sample_at(uint32_t region, uint32_t i, uint32_t read) const {
+    return samples.sample(region, static_cast<uint32_t>(uint64_t{i} * samples.counts[region] / read));
   }
 
-  RELUME_HD void count(Shared& shared, uint32_t region, uint32_t light) const {
-    const LightId id = light & ~kVisibleLight;
-    if (light == kNoLight || id >= light_count) return;
-    const bool visible = (light & kVisibleLight) != 0;
-    if (visible && exploration.learns) atomic_add(is_listed(region, id) ? &shared.listed : &shared.found, 1u);
+  /// Units of a record, of which `read` are added: their sum fits into 32 bits.
+  RELUME_HD static uint32_t units_of(const VertexSample& sample, uint32_t read) {
+    const float most = static_cast<float>(0x80000000u / read);
+    return math::truncate_to_uint(relume::min(sample.weight * kUnitsPerRay + 0.5f, most));
+  }
+  RELUME_HD static float rays(uint32_t units) { return static_cast<float>(units) / kUnitsPerRay; }
+
+  RELUME_HD void count(Shared& shared, uint32_t region, const VertexSample& sample, uint32_t read) const {
+    const LightId id = sample.light & ~kVisibleLight;
+    if (sample.light == kNoLight || id >= light_count) return;
+    const bool visible = (sample.light & kVisibleLight) != 0;
+    const uint32_t units = units_of(sample, read);
+    if (visible && exploration.learns) atomic_add(is_listed(region, id) ? &shared.listed : &shared.found, units);
     if (id < first_infinite) return;
     const uint32_t k = InfinityVisibility::index_of(id - first_infinite);
-    atomic_add(&shared.tried[k], 1u);
-    if (visible) atomic_add(&shared.seen[k], 1u);
+    atomic_add(&shared.tried[k], units);
+    if (visible) atomic_add(&shared.seen[k], units);
   }
 
   RELUME_HD LightList list_of(uint32_t region) const {
@@ -90,8 +101,7 @@ struct LearnSharesKernel {
     if (region < old.size) result = old[region];
     for (uint32_t k = 0; k < InfinityVisibility::kCount; ++k) {
       float& visible = result.visibility.of[k];
-      visible =
-          (kEarlier * visible + static_cast<float>(shared.seen[k])) / (kEarlier + static_cast<float>(shared.tried[k]));
+      visible = (kEarlier * visible + rays(shared.seen[k])) / (kEarlier + rays(shared.tried[k]));
       visible = relume::max(visible, kLeastVisibility);
     }
     if (exploration.learns) result.exploration = explore_by(shared, region, result.exploration);
@@ -99,8 +109,8 @@ struct LearnSharesKernel {
   }
 
   RELUME_HD float explore_by(const Shared& shared, uint32_t region, float before) const {
-    const auto listed = static_cast<float>(shared.listed);
-    const auto found = static_cast<float>(shared.found);
+    const float listed = rays(shared.listed);
+    const float found = rays(shared.found);
     float unlisted = 0;  // fraction of visible light
     if (list_of(region).count == 0) {
       unlisted = 1;  // all rays explored
@@ -108,8 +118,8 @@ struct LearnSharesKernel {
       const float rare = found / before;
       unlisted = rare / (rare + listed / (1.0f - relume::min(before, kMostExploration)));
     }
-    const float rays = listed + found;
-    const float next = (kEarlier * before + rays * unlisted) / (kEarlier + rays);
+    const float reached = listed + found;
+    const float next = (kEarlier * before + reached * unlisted) / (kEarlier + reached);
     return clamp(next, exploration.floor, relume::max(kMostExploration, exploration.floor));
   }
 };

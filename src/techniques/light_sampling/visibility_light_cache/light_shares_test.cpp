@@ -62,6 +62,23 @@ TEST_F(Shares, SunsAreListedWithTheirVisibility) {
   EXPECT_LT(caches_.shares()[7].visibility.of[0], 0.01f);
 }
 
+TEST_F(Shares, CountRecordsByTheirWeight) {
+  options_.exploration = {.learns = true, .start = 0.1f, .floor = 0.02f};
+  see(0, kSun, true, 10);
+  for (VertexSample& s : samples_) s.weight = 3.5f;
+  see(0, kSun, false, 65);
+  see(1, kSun, true, 35);
+  see(1, kSun, false, 65);
+  see(7, kSun, true, 10);
+  for (VertexSample& s : samples_) s.weight = s.region == 7 ? 0 : s.weight;  // culled
+  build();
+  EXPECT_FLOAT_EQ(caches_.shares()[0].visibility.of[0], caches_.shares()[1].visibility.of[0]);
+  EXPECT_NE(caches_.shares()[0].visibility.of[0], 0.5f);
+  EXPECT_FLOAT_EQ(caches_.shares()[0].exploration, caches_.shares()[1].exploration);
+  EXPECT_EQ(caches_.shares()[7].visibility.of[0], 0.5f);
+  EXPECT_EQ(known(7), std::vector<LightId>{});
+}
+
 TEST_F(Shares, ArePartOfCheckpoints) {
   see(0, kSun, true, 30);
   build();

@@ -24,6 +24,7 @@ struct VertexSample {
   float value = 0;              ///< luminance of Li cos θ / pdf_w · BsdfSample::resampling; 0 if the path ended
   uint32_t densities = 0;       ///< pdf_w of the mixture and of the guiding distribution (pack_densities())
   uint32_t bsdf = 0;            ///< luminance and pdf_w of the BSDF along `direction`; 0: not guided, or delta lobes
+  float weight = 1;  ///< number of paths that the record stands for; 0: none, it only names the region (culled paths)
 };
 
 /// Packs two numbers, not negative, with 8 bits of precision each.
@@ -48,11 +49,14 @@ struct SampleGroupsView {
   }
 };
 
-/// The region of each record.
+/// The region of each record; kNoRegion for those of culled paths.
 struct SampleRegions {
   View<const VertexSample> samples;
 
-  RELUME_HD uint32_t operator()(size_t i) const { return samples.data[i].region; }
+  RELUME_HD uint32_t operator()(size_t i) const {
+    const VertexSample& sample = samples.data[i];
+    return sample.weight > 0.0f ? sample.region : kNoRegion;
+  }
 };
 
 /// Writes the number of each region's records.
