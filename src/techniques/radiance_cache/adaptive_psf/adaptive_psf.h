@@ -68,6 +68,21 @@ struct AdaptivePsf {
   }
 };
 
+/// Reports the decision about a path at its filter vertex. The radiance of the path must be rebased. `others`: as for
+/// AdaptivePsf::decide().
+template <typename Earlier>
+RELUME_HD inline void report_decision(const HashGridView& grid, const FilteredPixel& pixel,
+                                      const View<OtherCells>& others, Earlier& earlier) {
+  if (!pixel.culled) {
+    if (pixel.survival < 1.0f) earlier.survived(pixel.survival);
+    return;
+  }
+  Rgb shown = pixel.factor * grid.own_moments(pixel.slot).mean;
+  if (pixel.split) shown += others[0].specular_factor * grid.own_moments(others[0].specular_slot).mean;
+  earlier.ended_in_cell(shown);
+  earlier.culled();
+}
+
 class AdaptiveVertex;
 
 /// Path space filtering with survival and blend.
@@ -89,20 +104,25 @@ class AdaptiveVertex : public NoPolicy {
 
   RELUME_HD const FilteredPixel& pixel() { return vertex_.pixel(); }
 
-  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+  template <typename Earlier>
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path, Earlier& earlier) {
     const bool before = vertex_.reached();
-    vertex_.arrived(sp, path);
+    vertex_.arrived(sp, path, earlier);
     if (before || !vertex_.reached()) return true;
     FilteredPixel& pixel = vertex_.pixel();
     View<OtherCells> others;
     if (pixel.split) others = view_of_one(vertex_.others());
-    return context_->adaptive.decide(context_->filter.grid, pixel, u_survival_, others);
+    const HashGridView& grid = context_->filter.grid;
+    const bool follows = context_->adaptive.decide(grid, pixel, u_survival_, others);
+    if constexpr (kHasEarlier<Earlier>) report_decision(grid, pixel, others, earlier);
+    return follows;
   }
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
     vertex_.connected(sp, path, c, visible);
   }
-  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
-    vertex_.scattered(sp, s, path);
+  template <typename Earlier>
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path, Earlier& earlier) {
+    vertex_.scattered(sp, s, path, earlier);
   }
   RELUME_HD void finished(const PathState& path) { vertex_.finished(path); }
 

@@ -65,13 +65,20 @@ class PathGraph : public NoPolicy {
     return true;
   }
 
-  RELUME_HD bool goes_on(PathState& path) {
+  template <typename Earlier>
+  RELUME_HD bool goes_on(PathState& path, Earlier& earlier) {
     const Demodulation& d = demodulation_;
     if (!d.filtered) return true;
     const bool first = !pixel_.filtered;
     const uint32_t slot = grid().find(address_);
-    if (first && !begin(slot, path)) return false;
+    const Rgb found = path.radiance;
+    const bool ends = first && !begin(slot, path);
     if (!first) advance(path);
+    earlier.rebased(found, arriving_ * d.albedo);
+    if constexpr (kHasEarlier<Earlier>) {
+      if (first) report_decision(grid(), pixel_, {}, earlier);
+    }
+    if (ends) return false;
     at_first_ = first;
     before_ = now_;
     // Beyond the first vertex no other cell replaces an undersampled one. Rarely reached cells would receive the light
@@ -83,7 +90,8 @@ class PathGraph : public NoPolicy {
     if (!passes && !grid().undersampled(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
-      if (now_.share <= 0.0f && !is_followed(d)) return false;
+      earlier.ended_in_cell(arriving_ * d.albedo * cell.mean);
+      if (now_.share <= 0.0f && !follows(d, earlier)) return false;
     }
     const bool wanted = now_.share > 0.0f || feeds_;
     // Whether a vertex takes a sample must not depend on the rest of the path, or the samples would be biased.
@@ -100,7 +108,8 @@ class PathGraph : public NoPolicy {
     return true;
   }
 
-  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
+  template <typename Earlier>
+  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path, Earlier& earlier) {
     if (!at_anchor_) return;
     at_anchor_ = false;
     if (!path.delta) {
@@ -108,6 +117,7 @@ class PathGraph : public NoPolicy {
       return;
     }
     // Cells exclude the light of delta lobes. The sample is complete, and the path continues as if without a cell.
+    earlier.rebased(path.radiance, arriving_);
     settle(path);
     closed_ = false;
     if (has_own_) insert(own_);
@@ -242,6 +252,17 @@ class PathGraph : public NoPolicy {
     if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < feed_share();
     decided_ = true;
     return feeds_ || d.has_delta;
+  }
+
+  /// The same, reported to earlier policies. Where only feeding continues the path, it does so with that probability.
+  template <typename Earlier>
+  RELUME_HD bool follows(const Demodulation& d, Earlier& earlier) {
+    if (!is_followed(d)) {
+      earlier.culled();
+      return false;
+    }
+    if (!d.has_delta) earlier.survived(pixel_.survival * feed_share());
+    return true;
   }
 
   /// Probability of feeding: `feed`, raised where weights would exceed kCellWeightMax; 0: never.

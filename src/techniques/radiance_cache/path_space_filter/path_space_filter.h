@@ -42,7 +42,8 @@ class FilterVertex : public NoPolicy {
   /// The pixel's other cells. Only with split or finer cells.
   RELUME_HD OtherCells& others() const { return context_->others[y_ * context_->width + x_]; }
 
-  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+  template <typename Earlier>
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path, Earlier& earlier) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     // Paths behind a dispersive interface differ in wavelength, over which a cell would average.
@@ -58,6 +59,7 @@ class FilterVertex : public NoPolicy {
     if (context_->split || context_->refine) find_others(d, path.throughput, sp.position);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.divisor();
+    earlier.rebased(path.radiance, path.throughput * d.albedo);
     path.radiance = Rgb(0);
     path.throughput = 1.0f / d.divisor();
     // Russian roulette compares with the throughput after this vertex, about 1.
@@ -70,7 +72,8 @@ class FilterVertex : public NoPolicy {
     if (visible && pixel_.split && !left_) others().specular += c.contribution * specular_share(sp, c.ray.direction);
   }
 
-  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
+  template <typename Earlier>
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path, Earlier& earlier) {
     if (!reached() || left_) return;
     left_ = true;
     if (!path.delta) {
@@ -81,6 +84,7 @@ class FilterVertex : public NoPolicy {
     }
     apart_ = true;
     sample_ = path.radiance;
+    earlier.rebased(sample_, Rgb(1));
     path.radiance = Rgb(0);
     path.throughput *= anchor_;
     path.rr_reference *= max_component(anchor_);

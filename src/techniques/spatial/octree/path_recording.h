@@ -102,14 +102,21 @@ struct PathRecorder {
       if (v >= reached) {
         out = {};
       } else if (factor[v] > 0.0f) {
-        const Rgb found = path.radiance - radiance[v];
-        Rgb incident(0);
-        for (int c = 0; c < 3; ++c) {
-          if (throughput[v][c] > 0.0f) incident[c] = found[c] / throughput[v][c];
-        }
-        out.value = relume::max(luminance(incident) * factor[v], 0.0f);
+        out.value = value_of(v, path.radiance);
       }
     }
+  }
+
+ protected:
+  /// Value of the light that the path found between its choice of a direction at vertex v and its radiance `all`. The
+  /// factor of the vertex must be positive.
+  RELUME_HD float value_of(uint32_t v, const Rgb& all) const {
+    const Rgb found = all - radiance[v];
+    Rgb incident(0);
+    for (int c = 0; c < 3; ++c) {
+      if (throughput[v][c] > 0.0f) incident[c] = found[c] / throughput[v][c];
+    }
+    return relume::max(luminance(incident) * factor[v], 0.0f);
   }
 
  private:

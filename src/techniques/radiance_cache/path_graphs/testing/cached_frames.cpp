@@ -2,25 +2,47 @@
 
 #include <utility>
 
+#include "scene/world_triangles.h"
+#include "techniques/transport/path/recording_output.h"
+
 namespace relume::testing {
+namespace {
+
+OctreeTree tree_around(const SceneView& scene) {
+  const Box box = world_box(scene);
+  return OctreeTree(box.center(), 1.001f * max_component(box.extent()));
+}
+
+}  // namespace
 
 CachedFrames::CachedFrames(Scene scene, const CachedFrameSettings& settings)
     : settings_(settings),
       scene_(std::move(scene), CompileOptions{.camera = {}, .width = settings.width, .height = settings.height}),
       backend_(settings.threads),
       grid_(settings.psf.grid, settings.expected_cells),
-      power_(build_power_lights(scene_.view().lights)) {
+      power_(build_power_lights(scene_.view().lights)),
+      tree_(tree_around(scene_.view())) {
   const auto pixels = static_cast<size_t>(settings.width) * static_cast<size_t>(settings.height);
   hits_.resize(pixels);
   pixels_.resize(pixels);
   if (settings.psf.split || settings.psf.refine > 0.0f) others_.resize(pixels);
+  if (settings.recorded) records_.resize(kRecordedVertices * pixels);
   rays_.resize(pixels);
   radiance_.resize(pixels);
+}
+
+PathRecording CachedFrames::recording() {
+  return {.octree = tree_.view(),
+          .sampled = tree_.view(),
+          .samples = mutable_view_of(records_),
+          .vertices = kRecordedVertices,
+          .pixels = static_cast<uint32_t>(pixels_.size())};
 }
 
 template <typename Cache>
 void CachedFrames::trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache) {
   const CellsOutput<Cache> cells{cache, mutable_view_of(pixels_)};
+  if (settings_.recorded) return trace(context, index, CachedRecordingOutput{recording()}, cells);
   if (!settings_.watched) return trace(context, index, cells);
   first_vertices_.resize(pixels_.size());
   specular_.resize(pixels_.size());
@@ -62,7 +84,15 @@ void CachedFrames::trace() {
   const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
   AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
   switch (settings_.kind) {
-    case CacheKind::none: trace(context, index, RadianceOutput{mutable_view_of(radiance_)}); break;
+    case CacheKind::none: {
+      const RadianceOutput radiance{mutable_view_of(radiance_)};
+      if (settings_.recorded) {
+        trace(context, index, radiance, RecordingOutput{recording()});
+      } else {
+        trace(context, index, radiance);
+      }
+      break;
+    }
     case CacheKind::psf: trace_cells(context, index, filter); break;
     case CacheKind::apsf: trace_cells(context, index, AdaptiveFilterContext{filter, adaptive}); break;
     case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];

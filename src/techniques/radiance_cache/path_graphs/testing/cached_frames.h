@@ -10,6 +10,8 @@
 #include "techniques/radiance_cache/path_graphs/settings.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
+#include "techniques/spatial/octree/octree_tree.h"
+#include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
 
@@ -31,7 +33,8 @@ struct CachedFrameSettings {
   uint32_t max_bounces = 8;
   uint32_t seed = 0;
   bool russian_roulette = true;
-  bool watched = false;  ///< whether two policies observe the paths that the cache modifies
+  bool watched = false;   ///< whether two policies observe the paths that the cache modifies
+  bool recorded = false;  ///< whether paths leave records for learning; excludes `watched`
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
@@ -40,6 +43,8 @@ struct CachedFrameSettings {
 
 class CachedFrames {
  public:
+  static constexpr uint32_t kRecordedVertices = 3;
+
   CachedFrames(Scene scene, const CachedFrameSettings& settings);
 
   HashGrid& grid() { return grid_; }
@@ -50,6 +55,8 @@ class CachedFrames {
   const std::vector<OtherCells>& others() const { return others_; }
   const std::vector<Rgb>& radiance() const { return radiance_; }
   CellLayers& layers() { return layers_; }
+  /// Record of vertex v at pixel p: element v · pixels + p. Only with `recorded`.
+  const std::vector<VertexSample>& records() const { return records_; }
   uint64_t rays() const {
     uint64_t sum = 0;
     for (const uint32_t r : rays_) sum += r;
@@ -66,6 +73,7 @@ class CachedFrames {
  private:
   uint32_t width() const { return static_cast<uint32_t>(settings_.width); }
 
+  PathRecording recording();
   template <typename Cache>
   void trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache);
   template <typename... Outputs>
@@ -83,6 +91,8 @@ class CachedFrames {
   std::vector<OtherCells> others_;
   std::vector<uint32_t> rays_;
   std::vector<Rgb> radiance_;
+  OctreeTree tree_;  ///< of regions for records
+  std::vector<VertexSample> records_;
   std::vector<FirstVertex> first_vertices_;
   std::vector<Rgb> specular_;
   CellLayers layers_;
