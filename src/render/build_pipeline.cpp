@@ -155,26 +155,28 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
                                                                                            needs_splat_image(settings));
   }
   if (settings.estimator != EstimatorChoice::path) return nullptr;
+  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
+  if (octree) builder.add<RegionViewPass>(*octree);
   if (settings.cache == CacheChoice::none) {
     const PathRecords records{.first_vertices = needs_first_vertices(settings),
                               .specular = splits_light(settings),
                               .first_scatters = settings.reuse != ReuseChoice::none};
-    const PathRecording* const recording = octree ? &octree->recording() : nullptr;
     auto& paths = builder.add_tracing<PathPass>(source, records, recording);
     add_reuse(builder, settings, source, recording);
-    if (octree) builder.add<RegionViewPass>(*octree);
     return &paths;
   }
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
   switch (settings.cache) {
     case CacheChoice::none: break;
-    case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells); break;
-    case CacheChoice::apsf: builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells); break;
+    case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells, recording); break;
+    case CacheChoice::apsf:
+      builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells, recording);
+      break;
     case CacheChoice::apg:
     case CacheChoice::apsf_apg:
       builder.add_tracing<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
-          settings.cache == CacheChoice::apsf_apg, source, cells);
+          settings.cache == CacheChoice::apsf_apg, source, cells, recording);
       break;
   }
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none);

@@ -100,10 +100,10 @@ void check_combination(const RenderSettings& settings) {
         "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
   }
   check_reuse(settings);
-  if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
+  if (learns(settings) && from_both_ends) {
     throw Error(
-        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "
-        "estimator 'path' with cache 'none', or lights 'light-tree' and guide 'bsdf'");
+        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path'; use estimator 'path', or lights "
+        "'light-tree' and guide 'bsdf'");
   }
   if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
     throw Error(

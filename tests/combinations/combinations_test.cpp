@@ -33,7 +33,7 @@ constexpr int kFramesBefore = 8;  // before the camera moves
 constexpr int kFrames = 24;       // after the camera moved
 constexpr int kSeeds = 10;
 constexpr int kMostSeeds = 2000;
-constexpr double kStandardErrors = 4.5;  // 143 cells: with random seeds, one false alarm in 250 runs
+constexpr double kStandardErrors = 4.5;  // 151 cells: with random seeds, one false alarm in 240 runs
 
 /// Largest standard errors of a cell's mean: higher ones would hide errors of several percent.
 constexpr double kMostError = 0.005;

@@ -249,10 +249,12 @@ void expect_no_drift(Session& session, const std::string& when) {
 
 /// Combinations with the most state between frames.
 constexpr const char* kWhatRemembers[] = {
-    R"({"lights": "vlc", "guide": "cdq", "denoise": "svgf"})", R"({"cache": "apsf+apg", "denoise": "bmfr"})",
+    R"({"lights": "vlc", "guide": "cdq", "denoise": "svgf"})",
+    R"({"cache": "apsf+apg", "denoise": "bmfr"})",
     R"({"cache": "psf", "history": "reproject", "reproject.method": "backward"})",
     R"({"lights": "static-lists", "allocation": "adaptive", "history": "reproject"})",
-    R"({"lights": "light-tree", "reuse": "restir-di", "denoise": "svgf"})"};
+    R"({"lights": "light-tree", "reuse": "restir-di", "denoise": "svgf"})",
+    R"({"lights": "vlc", "guide": "cdq", "cache": "apsf+apg", "octree.vertices": 4})"};
 
 /// Restores the scene and resets all state.
 void put_back(Session& session, const Stage& stage, const RenderSettings& settings) {

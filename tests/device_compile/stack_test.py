@@ -23,13 +23,15 @@ LIMIT = 4096
 # Upper bounds of kernels with large stacks, in bytes, in the PTX of clang 14. The first pattern that fits a type
 # counts; others need at most OTHERS. The plan was 1.2 KB for paths. They need 1,432 to 1,640 bytes: 0.6 KB for a
 # surface point with eight lobes, the rest along the calls that sample and evaluate it. Path graphs need 2,264, with
-# their vertices.
+# their vertices. Learning from paths with a cache adds the recorder, 0.2 KB.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
     (r"BdptKernel|LightSubpathKernel|VcmKernel", 2300),
     (r"TemporalReuseKernel|SpatialReuseKernel", 3100),  # receivers of the pixel, and of its history or a neighbour
     (r"RisKernel", 1700),
     (r"PathKernel<CellsOutput<PathGraphContext>", 2300),  # vertices of the path
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2550),
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1950),
     (r"PathKernel<RadianceOutput> ", 1450),
     (r"PathKernel<", 1700),
     (r"DepthVoteKernel", 1600),

@@ -13,6 +13,9 @@
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
+#include "techniques/radiance_cache/path_graphs/path_graphs.h"
+#include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/transport/path/recording_output.h"
 #include "testing/random.h"
 
@@ -32,6 +35,9 @@ struct Effort {
 };
 const Effort kQuick{16, 8, {.detectable = 0.25, .detectable_mean = 0.2}};     // seconds
 const Effort kSharp{64, 128, {.detectable = 0.04, .detectable_mean = 0.03}};  // minutes; 64 times the samples
+
+/// Cache whose policy paths have. Its cells stay empty: images show the paths' own estimates.
+enum class PathCache { none, psf, apg };
 
 /// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
@@ -98,12 +104,14 @@ class Poisoned {
   }
 
   /// Images of several seeds, each the mean of one epoch's frames.
-  Moments images(const PathContext& context, const Effort& effort, uint32_t first_seed) {
+  Moments images(const PathContext& context, const Effort& effort, uint32_t first_seed,
+                 PathCache cache = PathCache::none) {
     std::vector<Image> images;
     for (uint32_t i = 0; i < effort.images; ++i) {
       Image mean(kWidth, kHeight);
       for (uint32_t frame = 0; frame < effort.frames; ++frame) {
-        const std::vector<Rgb> radiance = trace(context, {.seed = first_seed + i, .sample = frame, .age = frame});
+        const std::vector<Rgb> radiance =
+            trace(context, {.seed = first_seed + i, .sample = frame, .age = frame}, cache);
         for (uint32_t p = 0; p < kPixels; ++p) mean.pixels[p] += radiance[p] / static_cast<float>(effort.frames);
       }
       images.push_back(std::move(mean));
@@ -144,26 +152,51 @@ class Poisoned {
     uniform_ = make_uniform_lights(lights);
   }
 
-  std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index) {
-    std::vector<Hit> hits(kPixels);
-    const PrimaryHitsKernel primary{context.scene, index, mutable_view_of(hits), {}, kWidth};
+  std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index, PathCache cache) {
+    const PrimaryHitsKernel primary{context.scene, index, mutable_view_of(hits_), {}, kWidth};
     launch(backend_, "gbuffer", primary, kWidth, kHeight);
     std::vector<VertexSample> samples(kPixels);
     PathRecording recording{.octree = tree_.view(), .sampled = tree_.view(), .samples = mutable_view_of(samples)};
     recording.vertices = 1;
     recording.pixels = kPixels;
-    std::vector<Rgb> radiance(kPixels);
-    std::vector<uint32_t> rays(kPixels);
-    const PathKernel<RadianceOutput, RecordingOutput> kernel{
-        .context = context,
-        .index = index,
-        .hits = view_of(hits),
-        .allocation = {},
-        .rays = mutable_view_of(rays),
-        .width = kWidth,
-        .outputs = path_outputs(RadianceOutput{mutable_view_of(radiance)}, RecordingOutput{recording})};
-    launch(backend_, "trace", kernel, kWidth, kHeight);
+    FilterContext filter;
+    filter.grid = grid_.view(context.scene.camera);
+    filter.width = kWidth;
+    switch (cache) {
+      case PathCache::none: {
+        std::vector<Rgb> radiance(kPixels);
+        run(context, index, RadianceOutput{mutable_view_of(radiance)}, RecordingOutput{recording});
+        return radiance;
+      }
+      case PathCache::psf: return trace_into_cells(context, index, recording, filter);
+      case PathCache::apg: break;
+    }
+    PathGraphContext graph;
+    graph.filter = filter;
+    graph.primary.enabled = false;
+    return trace_into_cells(context, index, recording, graph);
+  }
+
+  template <typename Cache>
+  std::vector<Rgb> trace_into_cells(const PathContext& context, const SampleIndex& index,
+                                    const PathRecording& recording, const Cache& cache) {
+    std::vector<FilteredPixel> pixels(kPixels);
+    run(context, index, CachedRecordingOutput{recording}, CellsOutput<Cache>{cache, mutable_view_of(pixels)});
+    std::vector<Rgb> radiance;
+    for (const FilteredPixel& pixel : pixels) radiance.push_back(pixel.unfiltered + pixel.traced);
     return radiance;
+  }
+
+  template <typename... Outputs>
+  void run(const PathContext& context, const SampleIndex& index, const Outputs&... outputs) {
+    const PathKernel<Outputs...> kernel{.context = context,
+                                        .index = index,
+                                        .hits = view_of(hits_),
+                                        .allocation = {},
+                                        .rays = mutable_view_of(rays_),
+                                        .width = kWidth,
+                                        .outputs = path_outputs(outputs...)};
+    launch(backend_, "trace", kernel, kWidth, kHeight);
   }
 
   Backend backend_{1};
@@ -178,6 +211,9 @@ class Poisoned {
   std::vector<CompactLight> compact_;
   VisibilityLightCache cache_;
   UniformLights uniform_;
+  HashGrid grid_{PathSpaceFilterSettings{}.grid, 1 << 14};
+  std::vector<Hit> hits_ = std::vector<Hit>(kPixels);
+  std::vector<uint32_t> rays_ = std::vector<uint32_t>(kPixels);
 };
 
 void check_quadtrees(const std::string& name, const Effort& effort) {
@@ -198,13 +234,30 @@ void check_caches(const std::string& name, const Effort& effort) {
   expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1), expected, effort.options);
 }
 
+void check_filtered_paths(const std::string& name, const Effort& effort) {
+  Poisoned poisoned("cornell");
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.guided_by_fractions(), effort, 1, PathCache::psf), expected,
+                    effort.options);
+}
+
+void check_path_graphs(const std::string& name, const Effort& effort) {
+  Poisoned poisoned("turntable");
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1, PathCache::apg), expected, effort.options);
+}
+
 TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
 TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions", kQuick); }
 TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
+TEST(PoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf", kQuick); }
+TEST(PoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg", kQuick); }
 
 TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
 TEST(SlowPoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches-sharp", kSharp); }
+TEST(SlowPoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf-sharp", kSharp); }
+TEST(SlowPoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg-sharp", kSharp); }
 
 }  // namespace
 }  // namespace relume::support

@@ -183,8 +183,7 @@ class Combinations(RefusalTest):
 
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
-            (FAILED, "--cache psf --guide cdq", "lights 'vlc' and guide 'cdq' .* without a radiance cache; use .* cache 'none'"),
-            (FAILED, "--cache apg --lights vlc", "lights 'vlc' and guide 'cdq' .* without a radiance cache; use .* 'light-tree'"),
+            (FAILED, "--cache psf --reuse ris", "reuse 'ris' and 'restir-di' .* radiance cache.*; use cache 'none' or reuse 'none'"),
             (FAILED, "--estimator bdpt --lights vlc", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use estimator 'path'"),
             (FAILED, "--estimator light --guide cdq", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use .* guide 'bsdf'"),
             (FAILED, "--estimator bdpt --cache psf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache.*; use estimator 'path' or cache 'none'"),
@@ -193,11 +192,11 @@ class Combinations(RefusalTest):
             (FAILED, "--cache apsf+apg --history reproject", "a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
-            (FAILED, "--preset interactive --cache psf", "lights 'vlc' and guide 'cdq' .* without a radiance cache"),
+            (FAILED, "--preset restir-research --cache psf", "reuse 'ris' and 'restir-di' .* radiance cache"),
             (FAILED, "--preset paper-001 --history none", "allocation 'adaptive' .* history 'none'"),
         ])
-        (self.folder / "s.json").write_text('{"cache": "psf", "guide": "cdq"}')
-        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="lights 'vlc' and guide 'cdq'")
+        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "ris"}')
+        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'ris' and 'restir-di'")
 
     def test_values(self):
         self.refuse_each(self.render("-o", "out.exr"), [
@@ -286,7 +285,7 @@ class Commands(RefusalTest):
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is common to all contenders; give it as --width"),
-            (FAILED, "--reference-settings cache:psf,guide:cdq", "lights 'vlc' and guide 'cdq' .* without a radiance cache"),
+            (FAILED, "--reference-settings cache:psf,reuse:ris", "reuse 'ris' and 'restir-di' .* radiance cache"),
         ])
 
     def test_experiment(self):

@@ -35,7 +35,12 @@ TEST(SettingRules, IncompatibleChoicesGiveAReason) {
   AllSettings settings;
   EXPECT_EQ(refusal(settings, "cache", "psf"), "");
   settings.render.lights = LightSelectionChoice::vlc;
-  EXPECT_NE(refusal(settings, "cache", "psf").find("lights 'vlc'"), std::string::npos);
+  settings.render.guide = GuideChoice::cdq;
+  for (const char* cache : {"psf", "apsf", "apg", "apsf+apg"})
+    EXPECT_EQ(refusal(settings, "cache", cache), "") << cache;
+  settings.render = {};
+  settings.render.reuse = ReuseChoice::ris;
+  EXPECT_NE(refusal(settings, "cache", "psf").find("reuse 'ris'"), std::string::npos);
   settings.render = {};
   settings.render.history = HistoryChoice::none;
   EXPECT_NE(refusal(settings, "allocation", "adaptive").find("history 'none'"), std::string::npos);

@@ -7,7 +7,8 @@ namespace relume {
 PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declaration(); }
 
 bool AdaptivePsfPass::run(const FrameContext& frame) {
-  return trace_into_cells(source_, frame, AdaptiveFilterContext{cells_.filter(), make_adaptive_psf(settings_)});
+  const AdaptiveFilterContext filter{cells_.filter(), make_adaptive_psf(settings_)};
+  return trace_into_cells(source_, frame, filter, recording_);
 }
 
 }  // namespace relume

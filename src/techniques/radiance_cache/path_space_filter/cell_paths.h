@@ -3,6 +3,7 @@
 
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
 #include "techniques/transport/path/path_kernel.h"
+#include "techniques/transport/path/recording_output.h"
 
 namespace relume {
 
@@ -37,5 +38,9 @@ struct CellsOutput {
 /// Traces one path per pixel and fills the cells.
 template <typename Cache>
 using CellPathsKernel = PathKernel<CellsOutput<Cache>>;
+
+/// The same for paths from which regions learn.
+template <typename Cache>
+using RecordedCellPathsKernel = PathKernel<CachedRecordingOutput, CellsOutput<Cache>>;
 
 }  // namespace relume

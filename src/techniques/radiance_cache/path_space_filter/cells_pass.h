@@ -11,6 +11,7 @@
 #include "techniques/radiance_cache/path_space_filter/settings.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/transport/path/path_pass.h"
+#include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/trace_paths.h"
 
 namespace relume {
@@ -89,10 +90,14 @@ class ResolveCellsPass final : public Pass {
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels.
 PassDeclaration cell_paths_declaration();
 
-/// Traces paths and fills cells; `cache` as for CellsOutput.
+/// Traces paths and fills cells; `cache` as for CellsOutput. `recording`: destination of samples for learning; nullptr:
+/// none.
 template <typename Cache>
-bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache) {
-  return trace_paths(source, frame, nullptr, CellsOutput<Cache>{cache, frame.write(kFilteredPixels)});
+bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache,
+                      const PathRecording* recording) {
+  const CellsOutput<Cache> cells{cache, frame.write(kFilteredPixels)};
+  if (!recording) return trace_paths(source, frame, nullptr, cells);
+  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, cells);
 }
 
 }  // namespace relume

@@ -4,6 +4,8 @@ namespace relume {
 
 PassDeclaration PathSpaceFilterPass::declaration() const { return cell_paths_declaration(); }
 
-bool PathSpaceFilterPass::run(const FrameContext& frame) { return trace_into_cells(source_, frame, cells_.filter()); }
+bool PathSpaceFilterPass::run(const FrameContext& frame) {
+  return trace_into_cells(source_, frame, cells_.filter(), recording_);
+}
 
 }  // namespace relume

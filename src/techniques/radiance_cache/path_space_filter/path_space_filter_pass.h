@@ -9,7 +9,9 @@ namespace relume {
 /// Traces one path for each pixel that receives a sample, and adds its radiance to the cells.
 class PathSpaceFilterPass final : public Pass {
  public:
-  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells) : source_(source), cells_(cells) {}
+  /// `recording`: as for trace_into_cells().
+  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells, const PathRecording* recording)
+      : source_(source), cells_(cells), recording_(recording) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
@@ -18,6 +20,7 @@ class PathSpaceFilterPass final : public Pass {
  private:
   PathSource source_;
   const CellsPass& cells_;
+  const PathRecording* recording_;
 };
 
 }  // namespace relume
