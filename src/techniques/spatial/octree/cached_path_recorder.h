@@ -26,7 +26,7 @@ struct CachedPathRecorder : PathRecorder {
   Rgb unit{1};            ///< factor by which radiance and throughput of the path count in the image
   float weight = 1;       ///< of records from the current vertex on
   uint32_t complete = 0;  ///< vertices before this one have their values
-  uint32_t closed = 0;    ///< vertices before this one have them, too, unless the path leaves through a delta lobe
+  uint32_t closed = 0;    ///< these, too, unless the path leaves the current vertex through a delta lobe
 
   template <typename Path>
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
@@ -46,6 +46,7 @@ struct CachedPathRecorder : PathRecorder {
     if (now.delta) {
       reopen(now.radiance);
     } else {
+      complete = closed;
       PathRecorder::scattered(sp, s, now);
     }
   }
@@ -69,7 +70,6 @@ struct CachedPathRecorder : PathRecorder {
 
   /// The path has no radiance: the cache has rebased it at this vertex.
   RELUME_HD void ended_in_cell(const Rgb& cell) {
-    complete = closed;
     const uint32_t end = relume::min(current, reached);
     for (uint32_t v = complete; v < end; ++v) add(v, before + cell);
     closed = relume::max(end, complete);

@@ -154,6 +154,22 @@ TEST_F(CachedRecording, LightOfDeltaLobesAddsToTheCell) {
   EXPECT_NEAR(samples_[1].value, value(Rgb(2 + 0.25f * 8)), 1e-4f);
 }
 
+TEST_F(CachedRecording, LaterDeltaLobesAddNothingToTheCell) {
+  arrive();
+  leave(Rgb(0.5f));
+  const Rgb image = path_.throughput;
+  arrive();
+  rebase(Rgb(1), image);
+  recorder_.ended_in_cell(image * Rgb(3));
+  leave(Rgb(0.5f));
+  arrive();  // a mirror, which has no cell
+  leave(Rgb(0.5f), true);
+  find(Rgb(8));
+  recorder_.finished(path_);
+  EXPECT_NEAR(samples_[0].value, value(Rgb(3)), 1e-4f);
+  EXPECT_NEAR(samples_[1].value, value(Rgb(0.5f * 8)), 1e-4f);
+}
+
 TEST_F(CachedRecording, SurvivorsHaveTheInverseProbability) {
   arrive();
   leave(Rgb(1));
