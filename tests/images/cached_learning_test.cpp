@@ -79,13 +79,15 @@ double statistic(const Session& session, const std::string& name) {
 }
 
 TEST_P(CachedLearning, RegionsLearnLights) {
-  RenderSettings settings = all_departures(small_settings(48, 32));
+  RenderSettings settings = all_departures(small_settings(64, 48));
+  settings.octree.collapse = 16;
+  settings.octree.split = 32;
   settings.cache = GetParam();
-  Session session(find_builtin_scene("turntable")->build(), settings);
+  Session session(open_box(), settings);  // every region sees several lights
   for (int i = 0; i < 16; ++i) session.render_frame();
   EXPECT_GT(statistic(session, "vlc.regions"), 8.0);
   EXPECT_GT(statistic(session, "vlc.lights-a-region"), 1.0);
-  EXPECT_GT(statistic(session, "octree.samples"), 48.0 * 32 / 10);
+  EXPECT_GT(statistic(session, "octree.samples"), 64.0 * 48 / 20);  // a cache follows a tenth of the paths or more
 }
 
 std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {
@@ -115,9 +117,9 @@ double error_of_frames(const Scene& scene, RenderSettings settings, const Image&
 TEST(SlowCachedLearning, LightCacheHalvesTheErrorOfAFilterAmongHiddenLamps) {
   if (is_host_replaced()) GTEST_SKIP() << kOnTheHost;
   const Scene scene = find_builtin_scene("warehouse")->build();
-  RenderSettings settings = small_settings(128, 72);
+  RenderSettings settings = small_settings(256, 144);  // smaller images show the blur of cells, which both have
   settings.lights = LightSelectionChoice::vlc;
-  const Image reference = render(scene, settings, 384);
+  const Image reference = render(scene, settings, 96);
   settings.cache = CacheChoice::psf;
   const double vlc = error_of_frames(scene, settings, reference, 0, 8);
   settings.lights = LightSelectionChoice::power;
@@ -132,6 +134,7 @@ TEST(SlowCachedLearning, GuidedPathGraphsHaveLessErrorThanEachAloneInACorridor) 
   const Scene scene = find_builtin_scene("corridor")->build();
   RenderSettings settings = small_settings(64, 36);
   settings.path.max_bounces = 10;
+  settings.octree = {.collapse = 128, .split = 256, .scale = false};  // more regions than the first eight
   settings.estimator = EstimatorChoice::bdpt;
   const Image reference = render(scene, settings, 2048);
   settings.estimator = EstimatorChoice::path;
