@@ -72,7 +72,8 @@ class Pass {
   virtual bool keeps_to_pixels() const { return true; }
 
   /// Number of frames that count as one independent frame in estimates of errors, because samples of earlier frames are
-  /// used again: the sum of the correlations between a frame and all others. 1: frames are independent.
+  /// used again: the sum of the correlations between a frame and all others, which fall exponentially with their
+  /// distance (correlation_factor()). 1: frames are independent.
   virtual uint32_t correlated_frames() const { return 1; }
 
   /// False if `FrameContext::hurry` ended its preparation early: frames so far are unbiased but noisier.

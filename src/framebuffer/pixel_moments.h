@@ -12,10 +12,28 @@ RELUME_HD inline float variance_of_mean(float m2, uint32_t n) {
   return n < 2 ? 0.0f : m2 / (static_cast<float>(n) * static_cast<float>(n - 1));
 }
 
-/// The same for samples of frames of which `correlated` count as one: the sum of the correlations between a frame and
-/// all others, at most `n`.
+/// Factor on the variance of the mean of `n` samples that are correlated, over variance_of_mean() of their squared
+/// deviations. The correlation of samples k frames apart is ρ^k, and the sum of these over all k, (1 + ρ) / (1 − ρ), is
+/// `correlated`. The mean of n such samples has the variance σ² T / n, where T sums the correlations within n frames.
+/// Deviations from their own mean add up to σ² (n − T), not σ² (n − 1), because the mean follows them.
+RELUME_HD inline double correlation_factor(uint32_t n, uint32_t correlated) {
+  if (n < 2 || correlated < 2) return 1;
+  const auto count = static_cast<double>(n);
+  const auto all = static_cast<double>(correlated);
+  double power = 1;                           // ρ^n
+  double square = (all - 1.0) / (all + 1.0);  // ρ^1, ρ^2, ρ^4, …
+  for (uint32_t rest = n; rest != 0; rest >>= 1) {
+    if ((rest & 1u) != 0) power *= square;
+    square *= square;
+  }
+  const double within = all - 0.5 * (all * all - 1.0) * (1.0 - power) / count;
+  return within * (count - 1.0) / (count - within);
+}
+
+/// Variance of the mean of samples of frames that depend on each other, as in Pass::correlated_frames().
 RELUME_HD inline float variance_of_mean(float m2, uint32_t n, uint32_t correlated) {
-  return variance_of_mean(m2, n) * static_cast<float>(static_cast<int>(relume::min(n, correlated)));
+  const float independent = variance_of_mean(m2, n);
+  return correlated < 2 ? independent : independent * static_cast<float>(correlation_factor(n, correlated));
 }
 
 /// Moments of one pixel.

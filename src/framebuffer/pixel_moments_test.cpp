@@ -53,10 +53,39 @@ TEST(PixelMoments, VarianceNeedsTwoSamples) {
   EXPECT_EQ(variance_of_mean(0.0f, 0), 0.0f);
 }
 
-TEST(PixelMoments, VarianceCountsCorrelatedSamplesOnce) {
+TEST(PixelMoments, CorrelationsRaiseTheVariance) {
   EXPECT_EQ(variance_of_mean(12.0f, 4, 1), variance_of_mean(12.0f, 4));
-  EXPECT_EQ(variance_of_mean(12.0f, 4, 3), 3 * variance_of_mean(12.0f, 4));
-  EXPECT_EQ(variance_of_mean(12.0f, 4, 41), 4 * variance_of_mean(12.0f, 4)) << "the variance of a sample";
+  // ρ = 1/2: T = 1 + 2 (3/4 · 1/2 + 2/4 · 1/4 + 1/4 · 1/8) = 2.0625, and the factor is 3 T / (4 − T).
+  EXPECT_FLOAT_EQ(variance_of_mean(12.0f, 4, 3), 3 * 2.0625f / 1.9375f * variance_of_mean(12.0f, 4));
+  // Two samples: T = 1 + ρ.
+  for (const uint32_t correlated : {3u, 41u, 2001u})
+    EXPECT_NEAR(correlation_factor(2, correlated), correlated, 1e-6 * correlated);
+  EXPECT_NEAR(correlation_factor(1'000'000, 41), 41, 0.01);
+  EXPECT_EQ(correlation_factor(1, 41), 1);
+  EXPECT_EQ(correlation_factor(0, 41), 1);
+  for (uint32_t n = 2; n < 4000; ++n) {
+    EXPECT_GE(correlation_factor(n, 41), 41 - 1e-6);
+    EXPECT_LE(correlation_factor(n, 41), 1.34 * 41);
+  }
+}
+
+TEST(PixelMoments, VarianceOfCorrelatedSamplesIsUnbiased) {
+  // Moving averages of uniform numbers with ρ = 2/3: a sample has the variance 1/12 · (1 − ρ) / (1 + ρ) = 1/60, and the
+  // mean of twelve T / 12 of it, T = 5 − (1 − ρ^12) = 4.0077.
+  testing::Random random(82);
+  double mean = 0;
+  constexpr int kPixels = 20000;
+  for (int i = 0; i < kPixels; ++i) {
+    PixelMoments moments;
+    float average = 0.5f;
+    for (int k = 0; k < 42; ++k) {
+      average = (2 * average + random.next()) / 3;
+      if (k >= 30) moments.add(Rgb(average));
+    }
+    mean += static_cast<double>(variance_of_mean(moments.m2, moments.samples, 5)) / kPixels;
+  }
+  // Estimates spread by 0.52 of their mean: five standard errors are 0.018.
+  EXPECT_NEAR(mean * 60 * 12 / 4.0077, 1.0, 0.02);
 }
 
 TEST(PixelMoments, LimitKeepsTheMeanAndTheVarianceOfASample) {

@@ -11,10 +11,17 @@
 #include "render/session.h"
 #include "scene/testing/media.h"
 #include "techniques/reuse/restir_di/spatial_reuse.h"
+#include "techniques/reuse/restir_di/testing/over_seeds.h"
 #include "testing/chi2.h"
 
 namespace relume {
 namespace {
+
+using testing::deviation;
+using testing::error_of;
+using testing::mean_over_seeds;
+using testing::Measured;
+using testing::measured_over;
 
 constexpr int kSize = 24;
 constexpr size_t kPixels = size_t{kSize} * kSize;
@@ -60,11 +67,6 @@ BlockMeans after_a_move(Session& session, int seed, int moving, int kept) {
   return means_of(session.image());
 }
 
-struct Measured {
-  double mean = 0;
-  double error = 0;
-};
-
 struct Comparison {
   Measured image;
   std::vector<Measured> blocks = std::vector<Measured>(kBlocks * kBlocks);
@@ -76,14 +78,9 @@ Comparison over_seeds(const Scene& scene, const RenderSettings& settings, int se
   std::vector<BlockMeans> all;
   for (int seed = 1; seed <= seeds; ++seed) all.push_back(after_a_move(session, seed, moving, kept));
   const auto measured = [&](const auto& value) {
-    double sum = 0;
-    double squares = 0;
-    for (const BlockMeans& means : all) {
-      sum += value(means);
-      squares += value(means) * value(means);
-    }
-    const double mean = sum / seeds;
-    return Measured{mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
+    std::vector<double> values;
+    for (const BlockMeans& means : all) values.push_back(value(means));
+    return measured_over(values);
   };
   Comparison result;
   result.image = measured([](const BlockMeans& means) { return means.image; });
@@ -102,9 +99,6 @@ const Comparison& reference() {
   static const Comparison truth = over_seeds(cornell(), settings_of(ReuseChoice::none), 12, kMoving, 96);
   return truth;
 }
-
-double deviation(const Measured& a, const Measured& b) { return a.mean - b.mean; }
-double error_of(const Measured& a, const Measured& b) { return std::hypot(a.error, b.error); }
 
 class RestirMode : public ::testing::TestWithParam<RestirSettings> {};
 
@@ -157,19 +151,6 @@ TEST(RestirBasic, LosesLightInShadows) {
   const Measured truth = lower_half(reference());
   EXPECT_LT(deviation(basic, truth), -4.5 * error_of(basic, truth));
   EXPECT_GT(deviation(basic, truth), -0.4 * truth.mean);
-}
-
-template <typename Value>
-Measured mean_over_seeds(int seeds, const Value& value_of) {
-  double sum = 0;
-  double squares = 0;
-  for (int seed = 1; seed <= seeds; ++seed) {
-    const double value = value_of(seed);
-    sum += value;
-    squares += value * value;
-  }
-  const double mean = sum / seeds;
-  return {mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
 }
 
 /// Lights that move without geometry keep their reservoirs in the mode "exact": targets of the previous frame use its
@@ -308,7 +289,7 @@ TEST(RestirFrames, RaiseTheEstimatedError) {
   const auto m2 = buffer_table(session).read(kMoments.m2);
   double plain = 0;
   for (uint32_t i = 0; i < m2.size; ++i) plain += static_cast<double>(m2[i]) / (40.0 * 39.0) / kPixels;
-  EXPECT_NEAR(sum / plain, 5, 1e-3);
+  EXPECT_NEAR(sum / plain, correlation_factor(40, 5), 1e-3);
 }
 
 TEST(NeighbourOffsets, FillTheDisk) {
