@@ -200,12 +200,24 @@ Scene passing_card() {
   return scene;
 }
 
+/// A card in view that rises. It covers the columns 6 to 17 of all rows.
+Scene rising_card() {
+  Scene scene = passing_card();
+  const Index card = testing::add_card(scene, {0, 0.1f, 0}, {0.5f, 3}, 0.5f);
+  scene.animation = {{card,
+                      AnimatedProperty::translation,
+                      Interpolation::linear,
+                      {0, 1},
+                      {Vec4(0, 0.1f, 0, 0), Vec4(0, 0.35f, 0, 0)}}};
+  return scene;
+}
+
 /// Mean over rows and seeds of each column in the last frame, by runs in which the card moves or rests.
-std::vector<Measured> columns_of(const RenderSettings& settings, bool moves) {
+std::vector<Measured> columns_of(const Scene& scene, const RenderSettings& settings, bool moves) {
   RenderSettings single = settings;
   single.history = HistoryChoice::none;
   single.height = kRows;
-  Session session(passing_card(), single);
+  Session session(Scene(scene), single);
   std::vector<std::vector<double>> values(kSide);
   for (int seed = 1; seed <= kLaggingSeeds; ++seed) {
     session.set_time(0);
@@ -227,7 +239,7 @@ std::vector<Measured> columns_of(const RenderSettings& settings, bool moves) {
 }
 
 const std::vector<Measured>& lit_columns() {
-  static const std::vector<Measured> columns = columns_of(settings_of(ReuseChoice::none), true);
+  static const std::vector<Measured> columns = columns_of(passing_card(), settings_of(ReuseChoice::none), true);
   return columns;
 }
 
@@ -255,11 +267,11 @@ TEST(RestirLagging, ScenesHaveAShadowBetweenPixels) {
 }
 
 TEST(RestirLagging, IsUnbiasedWhereNothingMoves) {
-  expect_no_bias(columns_of(with_correction(ReuseCorrection::lagging, 20, 3), false));
+  expect_no_bias(columns_of(passing_card(), with_correction(ReuseCorrection::lagging, 20, 3), false));
 }
 
 TEST(RestirLagging, ExactIsUnbiasedBehindAMovingShadow) {
-  expect_no_bias(columns_of(with_correction(ReuseCorrection::exact, 20, 3), true));
+  expect_no_bias(columns_of(passing_card(), with_correction(ReuseCorrection::exact, 20, 3), true));
 }
 
 /// A surface that a shadow left m frames ago was hidden from the lamps in its history of weight `cap`. Rays through
@@ -267,7 +279,8 @@ TEST(RestirLagging, ExactIsUnbiasedBehindAMovingShadow) {
 /// has returned.
 TEST(RestirLagging, LosesLightBehindAMovingShadow) {
   for (const int cap : {4, 12}) {
-    const std::vector<Measured> columns = columns_of(with_correction(ReuseCorrection::lagging, cap, 0), true);
+    const std::vector<Measured> columns =
+        columns_of(passing_card(), with_correction(ReuseCorrection::lagging, cap, 0), true);
     double share = 0;
     double expected = 0;
     double error = 0;
@@ -288,13 +301,30 @@ TEST(RestirLagging, LosesLightBehindAMovingShadow) {
 
 /// Neighbours beyond the trail restore some of the light.
 TEST(RestirLagging, LosesLessLightWithNeighbours) {
-  const std::vector<Measured> columns = columns_of(with_correction(ReuseCorrection::lagging, 20, 3), true);
-  const std::vector<Measured> alone = columns_of(with_correction(ReuseCorrection::lagging, 20, 0), true);
+  const std::vector<Measured> columns =
+      columns_of(passing_card(), with_correction(ReuseCorrection::lagging, 20, 3), true);
+  const std::vector<Measured> alone =
+      columns_of(passing_card(), with_correction(ReuseCorrection::lagging, 20, 0), true);
   for (size_t m = 1; m <= 2; ++m) {
     const Measured& lit = lit_columns()[kShadow - m];
     const Measured& column = columns[kShadow - m];
     EXPECT_LT(deviation(column, lit), -0.05 * lit.mean - 5 * error_of(column, lit)) << m;
     EXPECT_GT(column.mean, alone[kShadow - m].mean) << m;
+  }
+}
+
+/// A face that moves to its front hides the lamps from its former place. The history then counts in full beside this
+/// frame's candidates: light becomes x + cap / (cap + 1) of itself in each frame, and approaches 1 + cap times x.
+TEST(RestirLagging, IsTooBrightOnFacesThatAdvance) {
+  const std::vector<Measured> lit = columns_of(rising_card(), settings_of(ReuseChoice::none), true);
+  const std::vector<Measured> lagging =
+      columns_of(rising_card(), with_correction(ReuseCorrection::lagging, 4, 0), true);
+  const std::vector<Measured> exact = columns_of(rising_card(), with_correction(ReuseCorrection::exact, 4, 0), true);
+  for (size_t x = 9; x < 15; ++x) {
+    EXPECT_GT(lit[x].mean, 0) << x;
+    EXPECT_GT(lagging[x].mean, 3 * lit[x].mean) << x;
+    EXPECT_LT(lagging[x].mean, 5.2 * lit[x].mean) << x;
+    EXPECT_NEAR(deviation(exact[x], lit[x]), 0, 7 * error_of(exact[x], lit[x]) + 1e-3 * lit[x].mean) << x;
   }
 }
 
