@@ -64,6 +64,16 @@ const std::vector<Preset>& presets() {
            "ris.candidates": 8, "restir.correction": "basic", "restir.feedback": "spatial", "restir.cap": 20,
            "restir.neighbours": 1, "restir.radius": 32, "allocation": "uniform", "history": "none",
            "denoise": "none"})"},
+      {"asvgf-2018", "A-SVGF with the parameters of the paper and of its published port [Schied18, Schied17]",
+       R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none", "reuse": "none",
+           "allocation": "uniform", "history": "accumulate", "denoise": "asvgf", "asvgf.alpha": 0.1,
+           "asvgf.antilag": 1, "asvgf.view-changes": true, "asvgf.gradient-levels": 5, "asvgf.levels": 5,
+           "asvgf.light-tolerance": 4, "asvgf.newest": 1, "features.edge-rays": 0, "features.split": false})"},
+      {"asvgf-q2rtx", "A-SVGF with the parameters of Q2RTX that relume has, and separate specular light",
+       R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none", "reuse": "none",
+           "allocation": "uniform", "history": "accumulate", "denoise": "asvgf", "asvgf.alpha": 0.02,
+           "asvgf.antilag": 1, "asvgf.view-changes": true, "asvgf.gradient-levels": 5, "asvgf.levels": 4,
+           "asvgf.light-tolerance": 2, "asvgf.newest": 1, "features.edge-rays": 0, "features.split": true})"},
   };
   return list;
 }

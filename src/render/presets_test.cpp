@@ -77,6 +77,25 @@ TEST(ReusePresets, HaveTheParametersOfTheirPrograms) {
   EXPECT_EQ(rtxdi.restir.correction, ReuseCorrection::basic);
 }
 
+TEST(AsvgfPresets, HaveTheParametersOfTheirPrograms) {
+  const RenderSettings paper = resolve({.preset = "asvgf-2018"}).render;
+  EXPECT_EQ(paper.denoise, DenoiseChoice::asvgf);
+  EXPECT_FLOAT_EQ(paper.asvgf.alpha, 0.1f);
+  EXPECT_EQ(paper.asvgf.light_tolerance, 4);
+  EXPECT_TRUE(paper.asvgf.view_changes);
+  EXPECT_FALSE(paper.features.split);
+  const RenderSettings q2rtx = resolve({.preset = "asvgf-q2rtx"}).render;
+  EXPECT_EQ(q2rtx.denoise, DenoiseChoice::asvgf);
+  EXPECT_FLOAT_EQ(q2rtx.asvgf.alpha, 0.02f);
+  EXPECT_EQ(q2rtx.asvgf.levels, 4);
+  EXPECT_TRUE(q2rtx.features.split);
+  for (const RenderSettings& preset : {paper, q2rtx}) {
+    EXPECT_EQ(preset.asvgf.newest, 1) << "smoothing of edges is an addition of relume";
+    EXPECT_EQ(preset.features.edge_rays, 0);
+    EXPECT_EQ(preset.asvgf.antilag, 1);
+  }
+}
+
 TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
   const std::string scene = R"({"firefly.limit": 8})";
   EXPECT_EQ(resolve({.scene_json = scene, .scene_place = "view.json"}).render.firefly.limit, 8);
