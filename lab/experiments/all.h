@@ -25,5 +25,10 @@ Experiment apg_depth_experiment();
 Experiment interactive_experiment();
 Experiment upscaling_experiment();
 Experiment vcm_quality_experiment();
+Experiment restir_di_speed_experiment();
+Experiment restir_bias_experiment();
+Experiment restir_correlation_experiment();
+Experiment no_reuse_experiment();
+Experiment readapt_experiment();
 
 }  // namespace relume

@@ -33,6 +33,11 @@ const std::vector<Experiment>& experiments() {
       interactive_experiment(),
       upscaling_experiment(),
       vcm_quality_experiment(),
+      restir_di_speed_experiment(),
+      restir_bias_experiment(),
+      restir_correlation_experiment(),
+      no_reuse_experiment(),
+      readapt_experiment(),
   };
   return list;
 }

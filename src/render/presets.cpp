@@ -6,9 +6,11 @@
 #include "settings/nearest_name.h"
 
 namespace relume {
+namespace {
 
-const std::vector<Preset>& presets() {
-  static const std::vector<Preset> list = {
+/// By purpose.
+std::vector<Preset> purpose_presets() {
+  return {
       {"preview", "Fast preview: few samples and bounces; too dark where light takes many bounces",
        R"({"spp": 16, "max-bounces": 3, "estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none",
            "reuse": "none", "allocation": "uniform", "history": "accumulate", "denoise": "none"})"},
@@ -33,6 +35,12 @@ const std::vector<Preset>& presets() {
       {"many-lights", "Hundreds of lights, most of them hidden from any one position: visibility light cache",
        R"({"estimator": "path", "lights": "vlc", "guide": "bsdf", "cache": "none", "reuse": "none",
            "allocation": "uniform", "history": "accumulate", "denoise": "none"})"},
+  };
+}
+
+/// By paper or program.
+std::vector<Preset> source_presets() {
+  return {
       // Paper presets disable relume's additions to the papers, but keep its corrections.
       {"paper-000", "Adaptive path space filtering and adaptive path graphs [Schipek22]",
        R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "apsf+apg", "psf.edge-rays": 0,
@@ -75,6 +83,17 @@ const std::vector<Preset>& presets() {
            "asvgf.antilag": 1, "asvgf.view-changes": true, "asvgf.gradient-levels": 5, "asvgf.levels": 4,
            "asvgf.light-tolerance": 2, "asvgf.newest": 1, "features.edge-rays": 0, "features.split": true})"},
   };
+}
+
+}  // namespace
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> list = [] {
+    std::vector<Preset> all = purpose_presets();
+    const std::vector<Preset> others = source_presets();
+    all.insert(all.end(), others.begin(), others.end());
+    return all;
+  }();
   return list;
 }
 

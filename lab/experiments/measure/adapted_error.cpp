@@ -19,10 +19,12 @@ namespace {
 enum class Keeps {
   nothing,   ///< none: one session suffices
   prepared,  ///< random preparation before the first frame, fixed afterwards
-  learned,   ///< samples of earlier frames
+  learned,   ///< what samples of earlier frames have taught it
+  samples,   ///< samples of earlier frames, which the image shows again
 };
 
 Keeps kept_by(const RenderSettings& settings) {
+  if (settings.reuse == ReuseChoice::restir_di) return Keeps::samples;
   if (learns(settings)) return Keeps::learned;
   return settings.lights == LightSelectionChoice::static_lists ? Keeps::prepared : Keeps::nothing;
 }
@@ -32,15 +34,18 @@ struct Running {
   TimedSession timed;
   Keeps keeps = Keeps::nothing;
   std::vector<PassTime> passes_before = {};
+  uint64_t rays = 0;                          ///< of the measured frames
   std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the current block
   AdaptedError result = {};
 };
 
 void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions,
                    const AdaptedOptions& options) {
-  // All frames of a session share its random preparation.
-  const int block = r.keeps == Keeps::prepared ? options.frames : options.block;
+  // All frames of a session share its random preparation or, over tens of frames, its samples.
+  const int block = r.keeps == Keeps::prepared || r.keeps == Keeps::samples ? options.frames : options.block;
+  const uint64_t rays_before = r.timed.rays();
   r.timed.render_frame();
+  r.rays += r.timed.rays() - rays_before;
   r.result.frame_s.push_back(r.timed.frame_s().back());
   r.result.last = r.timed.session().image();
   for (size_t i = 0; i < regions.size(); ++i) {
@@ -66,7 +71,8 @@ void add_pass_times(Running& r) {
 
 /// Whether the technique needs this warm-up frame.
 bool needs_frame(Keeps keeps, int session, int frame) {
-  return keeps == Keeps::learned || (frame == 0 && (keeps == Keeps::prepared || session == 0));
+  return keeps == Keeps::learned || keeps == Keeps::samples ||
+         (frame == 0 && (keeps == Keeps::prepared || session == 0));
 }
 
 std::vector<Running> begin(const ExperimentContext& context, const ExperimentScene& scene,
@@ -116,6 +122,8 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
   for (Running& r : running) {
     for (auto& [pass, seconds] : r.result.pass_s) seconds /= options.sessions * options.frames;
     r.result.figures = r.timed.session().statistics().pass_statistics;
+    r.result.rays = static_cast<double>(r.rays) / static_cast<double>(options.sessions * options.frames) /
+                    static_cast<double>(r.result.last.pixels.size());
     results.push_back(std::move(r.result));
   }
   if (!file.empty()) save_adapted(file, results);

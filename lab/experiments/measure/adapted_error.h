@@ -25,8 +25,8 @@ struct AdaptedOptions {
   int frames = 64;    ///< measured frames per session
   int sessions = 4;
   /// Frames averaged to one value: adaptive techniques correlate successive frames, so single frames would
-  /// underestimate the error of the mean. Divides `frames`. For randomly prepared techniques, a whole session is one
-  /// value.
+  /// underestimate the error of the mean. Divides `frames`. For randomly prepared techniques and for reservoirs of
+  /// earlier frames, a whole session is one value.
   int block = 32;
   int seed = 1;  ///< seed of the first session
 };
@@ -35,6 +35,7 @@ struct AdaptedError {
   std::string name;
   std::vector<std::vector<double>> mse;                ///< by region, by block of frames; without the reference's noise
   std::vector<double> frame_s;                         ///< time of each measured frame, in seconds
+  double rays = 0;                                     ///< per pixel and measured frame
   std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean seconds per measured frame
   std::vector<PassStatistic> figures;                  ///< after the last frame
   Image last;                                          ///< the last frame
@@ -44,9 +45,9 @@ struct AdaptedError {
 };
 
 /// Renders every contender from scratch, without a history. Contenders take turns frame by frame, so that disturbances
-/// affect all equally. Techniques that do not learn skip warm-up, except one frame for their preparation. If the
-/// preparation is not random, a single session is rendered. Results of an interrupted experiment are reused. Throws
-/// ExperimentStopped.
+/// affect all equally. Techniques that neither learn nor reuse samples skip warm-up, except one frame for their
+/// preparation. If the preparation is not random, a single session is rendered. Results of an interrupted experiment
+/// are reused. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);

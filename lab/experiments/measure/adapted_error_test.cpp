@@ -34,10 +34,28 @@ TEST(AdaptedError, MeasuresTheImageOfEachContender) {
     EXPECT_NE(e.mse[0].front(), e.mse[0].back());  // different seeds
     EXPECT_GT(e.mean_mse(), 0);
     EXPECT_GT(e.median_s(), 0);
+    EXPECT_GT(e.rays, 1);  // at least the camera ray of each pixel
+    EXPECT_LT(e.rays, 20);
     EXPECT_FALSE(e.pass_s.empty());
   }
   EXPECT_EQ(errors[1].name, "vlc");
   EXPECT_FALSE(errors[1].figures.empty());
+}
+
+TEST(AdaptedError, CountsSessionsOfReservoirsOnce) {
+  const ExperimentScene scene = learning_scene("cornell");
+  RenderSettings settings = scene.settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.threads = 1;
+  RenderSettings reservoirs = settings;
+  reservoirs.reuse = ReuseChoice::restir_di;
+  const std::vector<AdaptedError> errors =
+      measure_adapted({}, scene, {{"plain", settings}, {"restir-di", reservoirs}}, {.image = Image(16, 12)},
+                      {mask_of({"image"}, 16, 12)}, {.warm_up = 2, .frames = 4, .sessions = 3, .block = 2, .seed = 1});
+  EXPECT_EQ(errors[0].mse[0].size(), 6u);
+  EXPECT_EQ(errors[1].mse[0].size(), 3u) << "frames show samples of earlier ones";
+  EXPECT_GT(errors[1].rays, errors[0].rays);
 }
 
 TEST(AdaptedError, ReusesStoredMeasurements) {
@@ -59,6 +77,7 @@ TEST(AdaptedError, ReusesStoredMeasurements) {
   const std::vector<AdaptedError> again = measure();
   ASSERT_EQ(again.size(), 1u);
   EXPECT_EQ(again[0].frame_s, first[0].frame_s);
+  EXPECT_EQ(again[0].rays, first[0].rays);
   EXPECT_EQ(again[0].mse, first[0].mse);
   EXPECT_EQ(again[0].pass_s, first[0].pass_s);
   ASSERT_EQ(again[0].figures.size(), first[0].figures.size());

@@ -18,7 +18,8 @@ std::string layer_of(size_t i) { return fmt::format("contender{}", i); }
 nlohmann::json to_json(const AdaptedError& e) {
   nlohmann::json figures = nlohmann::json::array();
   for (const PassStatistic& figure : e.figures) figures.push_back({figure.name, figure.value});
-  return {{"name", e.name}, {"mse", e.mse}, {"frame_s", e.frame_s}, {"pass_s", e.pass_s}, {"figures", figures}};
+  return {{"name", e.name}, {"mse", e.mse},       {"frame_s", e.frame_s},
+          {"rays", e.rays}, {"pass_s", e.pass_s}, {"figures", figures}};
 }
 
 std::vector<AdaptedError> errors_from(const ExrFile& exr, const std::string& place) {
@@ -28,6 +29,7 @@ std::vector<AdaptedError> errors_from(const ExrFile& exr, const std::string& pla
     e.name = json.at("name").get<std::string>();
     e.mse = json.at("mse").get<decltype(e.mse)>();
     e.frame_s = json.at("frame_s").get<decltype(e.frame_s)>();
+    e.rays = json.at("rays").get<double>();
     e.pass_s = json.at("pass_s").get<decltype(e.pass_s)>();
     for (const nlohmann::json& figure : json.at("figures"))
       e.figures.push_back({figure.at(0).get<std::string>(), figure.at(1).get<double>()});

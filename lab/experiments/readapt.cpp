@@ -1,0 +1,284 @@
+// Frames that techniques with a memory need after a lamp, the camera or an object has moved, until their error is that
+// of an adapted technique.
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "experiments/all.h"
+#include "experiments/measure/adaptation.h"
+#include "experiments/measure/learning_regions.h"
+#include "experiments/measure/ratio.h"
+#include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/named.h"
+#include "experiments/setup/references.h"
+#include "metrics/statistics.h"
+#include "render/session.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kOurs = "[relume]";
+constexpr double kSettled = 1.1;  ///< error over the settled one
+constexpr size_t kWindow = 4;     ///< frames over which errors are averaged
+
+struct Technique {
+  const char* name;
+  const char* json;
+  bool denoised = false;
+  size_t frames = 0;       ///< claimed to suffice; 0: no claim
+  const char* paper = "";  ///< source of that
+};
+
+/// Techniques without a denoiser show single frames.
+constexpr Technique kContenders[] = {
+    {"vlc", R"({"lights": "vlc", "history": "none"})", false, 11, "[Dittebrandt20 §7.2]"},
+    {"cdq", R"({"guide": "cdq", "history": "none"})", false, 20, "[Dittebrandt20 §7.3]"},
+    {"restir-di", R"({"reuse": "restir-di", "history": "none"})", false, 20, kOurs},
+    {"svgf", R"({"denoise": "svgf"})", true},
+    {"asvgf", R"({"denoise": "asvgf"})", true, 8, kOurs},
+};
+
+/// A scene, and how to bring a session to its state before and after a change.
+struct SceneChange {
+  std::string id;    ///< of claims
+  std::string text;  ///< "the lamp has turned by 36°"
+  ExperimentScene before;
+  ExperimentScene after;
+  std::optional<Index> node = {};  ///< of the object that moves
+};
+
+/// Errors of a contender after a change.
+struct Case {
+  Adaptation after;
+  Adaptation fresh;  ///< of sessions that begin in the state after the change; only for denoisers
+  bool denoised = false;
+};
+
+SceneChange lamp_turns() {
+  SceneChange change{"lamp", "the lamp has turned by 36°", learning_scene("turntable"), learning_scene("turntable")};
+  change.after.settings.time_s = 1;
+  return change;
+}
+
+SceneChange camera_turns() {
+  SceneChange change{"camera", "the camera has turned by 30°", learning_scene("warehouse"),
+                     learning_scene("warehouse")};
+  change.after.camera = turned(change.after, 30);
+  return change;
+}
+
+SceneChange box_moves() {
+  SceneChange change{"object", "the tall box has moved by 0.6 m", learning_scene("cornell"), learning_scene("cornell")};
+  Node& box = named(change.after.scene.nodes, "node", "tall box");
+  box.transform.translation.x -= 0.6f;
+  change.node = static_cast<Index>(&box - change.after.scene.nodes.data());
+  return change;
+}
+
+void bring(Session& session, const ExperimentScene& state, const std::optional<Index>& node) {
+  session.set_camera(state.camera);
+  session.set_time(state.settings.time_s);
+  if (node) session.set_transform(*node, state.scene.nodes[static_cast<size_t>(*node)].transform);
+}
+
+int runs_of(const ExperimentContext& context) { return context.choose(16, 2); }
+int warm_up_of(const ExperimentContext& context) { return context.choose(40, 4); }
+int frames_of(const ExperimentContext& context) { return context.choose(48, 24); }
+
+Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Technique& contender,
+             const SceneChange& change, const Reference& reference, const PixelMask& region) {
+  RenderSettings settings = base;
+  settings_from_json(describe(settings), contender.json, contender.name);
+  session.set_settings(settings);
+  const auto change_at_first = [&](Session& s, int frame) {
+    if (frame > 0) return;
+    bring(s, change.before, change.node);
+    for (int i = 0; i < warm_up_of(context); ++i) {
+      context.check_stop();
+      s.render_frame();
+    }
+    bring(s, change.after, change.node);
+  };
+  const std::string stage = fmt::format("{}, {}", change.id, contender.name);
+  Case result{measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region,
+                                 change_at_first),
+              {},
+              contender.denoised};
+  if (contender.denoised) {
+    const auto stay = [&](Session& s, int frame) {
+      if (frame == 0) bring(s, change.after, change.node);
+    };
+    result.fresh =
+        measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region, stay);
+  }
+  result.after.name = contender.name;
+  result.fresh.name = fmt::format("{}, new session", contender.name);
+  return result;
+}
+
+/// Mean of kWindow frames from `begin` on, by runs.
+std::vector<double> window(const Adaptation& adaptation, size_t begin) {
+  std::vector<double> means;
+  for (const std::vector<double>& run : adaptation.runs) {
+    const auto first = run.begin() + static_cast<std::ptrdiff_t>(begin);
+    means.push_back(mean({first, first + static_cast<std::ptrdiff_t>(kWindow)}));
+  }
+  return means;
+}
+
+/// Error of frames from `begin` on over the settled one. A denoised image keeps improving while nothing changes, so its
+/// settled error is that of a new session after as many frames.
+Ratio over_settled(const Case& c, size_t begin) {
+  if (!c.denoised) return c.after.over_plateau(begin, kWindow);
+  return error_ratio(window(c.after, begin), window(c.fresh, begin));
+}
+
+/// Number of the first frame, from 1 on, from which the error is within 10 % of the settled one; 0: none.
+size_t frames_until_settled(const Case& c) {
+  const size_t frames = c.after.runs.front().size();
+  for (size_t begin = 0; begin + kWindow <= frames; ++begin) {
+    if (over_settled(c, begin).value <= kSettled) return begin + 1;
+  }
+  return 0;
+}
+
+std::string settled_text(const Case& c) {
+  const size_t frame = frames_until_settled(c);
+  return frame > 0 ? fmt::format("from frame {} on", frame)
+                   : fmt::format("not within {} frames", c.after.runs.front().size());
+}
+
+struct ChangeResult {
+  SceneChange change;
+  std::vector<Case> cases;
+
+  const Case& of(std::string_view contender) const {
+    return *std::find_if(cases.begin(), cases.end(), [&](const Case& c) { return c.after.name == contender; });
+  }
+};
+
+ChangeResult measure_change(const ExperimentContext& context, SceneChange change) {
+  RenderSettings settings = change.before.settings;
+  set_size_and_device(context, settings);
+  const Reference reference = make_reference(context, plainly_sampled(change.after), context.choose(1024, 16));
+  const PixelMask region = surfaces_of(context, change.after);
+  std::vector<Index> movable;
+  if (change.node) movable.push_back(*change.node);
+  Session session(Scene(change.before.scene), settings, movable);
+  ChangeResult result{std::move(change), {}};
+  for (const Technique& contender : kContenders)
+    result.cases.push_back(measure(context, session, settings, contender, result.change, reference, region));
+  return result;
+}
+
+void claim_readapts(const ChangeResult& result, std::vector<Claim>& claims) {
+  for (const Technique& contender : kContenders) {
+    if (contender.frames == 0) continue;
+    const Case& c = result.of(contender.name);
+    const size_t begin = contender.frames - 1;
+    const Ratio ratio = over_settled(c, begin);
+    claims.push_back(judged_within(
+        fmt::format("{}-{}", result.change.id, contender.name), contender.paper,
+        fmt::format("After {}, {} has settled within {} frames.", result.change.text, contender.name, contender.frames),
+        fmt::format("{} of the settled error in the first frames, {} in frames {} to {}; within 10 % {}",
+                    share_text(over_settled(c, 0)), share_text(ratio), contender.frames, begin + kWindow,
+                    settled_text(c)),
+        fmt::format("at most {} of the settled error in {} frames from there on", kSettled, kWindow), {ratio}, 0,
+        kSettled));
+  }
+}
+
+/// Mean of the first `count` frames, by runs.
+std::vector<double> first_frames(const Adaptation& adaptation, size_t count) {
+  std::vector<double> means;
+  for (const std::vector<double>& run : adaptation.runs)
+    means.push_back(mean({run.begin(), run.begin() + static_cast<std::ptrdiff_t>(std::min(count, run.size()))}));
+  return means;
+}
+
+/// Claim that gradients shorten the lag: less error in the first frames than by blocks.
+Claim claim_lag(const ChangeResult& result) {
+  constexpr size_t kFirst = 8;
+  const Ratio ratio =
+      error_ratio(first_frames(result.of("svgf").after, kFirst), first_frames(result.of("asvgf").after, kFirst));
+  return judged_ratios(
+      fmt::format("{}-lag", result.change.id), "[Schied18]",
+      fmt::format("In the {} frames after {}, asvgf has less error than svgf.", kFirst, result.change.text),
+      to_text(ratio), {ratio}, 1);
+}
+
+TableBlock table(const std::vector<ChangeResult>& results) {
+  TableBlock block{
+      "Frames until the error has settled",
+      fmt::format("First frame from which the mean of {} frames is within 10 % of the settled error, and the "
+                  "error over that in the first {} frames. Settled: the last quarter of the frames; for "
+                  "denoised images, a session that began after the change.",
+                  kWindow, kWindow),
+      "technique",
+      {},
+      {}};
+  for (const ChangeResult& result : results)
+    block.columns.push_back({"after " + result.change.text, "", Better::lower});
+  int color = 0;
+  for (const Technique& contender : kContenders) {
+    TableRow row{.name = contender.name, .color = color++, .cells = {}};
+    for (const ChangeResult& result : results) {
+      const Case& c = result.of(contender.name);
+      const size_t frame = frames_until_settled(c);
+      const size_t shown = frame > 0 ? frame : c.after.runs.front().size() + 1;
+      row.cells.push_back({settled_text(c), static_cast<double>(shown), "first " + share_text(over_settled(c, 0))});
+    }
+    block.rows.push_back(std::move(row));
+  }
+  return block;
+}
+
+ExperimentResult run_readapt(const ExperimentContext& context) {
+  std::vector<ChangeResult> results;
+  results.push_back(measure_change(context, lamp_turns()));
+  results.push_back(measure_change(context, camera_turns()));
+  results.push_back(measure_change(context, box_moves()));
+  ExperimentResult result;
+  for (const ChangeResult& change : results) {
+    claim_readapts(change, result.claims);
+    if (change.change.id != "camera") result.claims.push_back(claim_lag(change));
+  }
+  result.blocks.emplace_back(table(results));
+  for (const ChangeResult& change : results) {
+    std::vector<Adaptation> single;
+    std::vector<Adaptation> denoised;
+    for (const Case& c : change.cases) {
+      (c.denoised ? denoised : single).push_back(c.after);
+      if (c.denoised) denoised.push_back(c.fresh);
+    }
+    const std::string text = fmt::format(
+        "Error after {}; frame 1 is the first. Bands are 95 % intervals of the mean over "
+        "the runs.",
+        change.change.text);
+    result.blocks.emplace_back(adaptation_chart(change.change.id + ", single frames", text, single, 1));
+    result.blocks.emplace_back(adaptation_chart(change.change.id + ", denoised", text, denoised, 1));
+  }
+  result.setup = {{"Size", size_text(context)},
+                  {"Scenes", "`turntable` (lamp), `warehouse` (camera), `cornell` (object); two indirect rays"},
+                  {"Runs", fmt::format("{} seeds; {} frames before the change and {} after it, in which nothing moves",
+                                       runs_of(context), warm_up_of(context), frames_of(context))},
+                  {"Reference",
+                   fmt::format("{} samples per pixel with the light tree, of the state after the change; its own noise "
+                               "is known and subtracted",
+                               context.choose(1024, 16))}};
+  return result;
+}
+
+}  // namespace
+
+Experiment readapt_experiment() {
+  return {"readapt", kOurs, "frames until techniques with a memory have adapted to a change", run_readapt};
+}
+
+}  // namespace relume
