@@ -34,20 +34,18 @@ constexpr double kMostSignificance = 5;
 struct Mode {
   const char* name;
   const char* json;
-  bool unbiased = false;  ///< where no geometry moves
-  bool moving = false;    ///< measured with moving geometry, too
+  bool moving = false;  ///< measured with moving geometry, too
 };
 
 constexpr Mode kModes[] = {
-    {"ris", R"({"reuse": "ris"})", true, true},
-    {"exact", R"({"reuse": "restir-di"})", true, true},
-    {"exact, frames only", R"({"reuse": "restir-di", "restir.neighbours": 0})", true},
-    {"exact, pixels only", R"({"reuse": "restir-di", "restir.cap": 0})", true},
-    {"exact, temporal feedback", R"({"reuse": "restir-di", "restir.feedback": "temporal"})", true},
-    {"lagging", R"({"reuse": "restir-di", "restir.correction": "lagging"})", true, true},
-    {"lagging, frames only", R"({"reuse": "restir-di", "restir.correction": "lagging", "restir.neighbours": 0})", true,
-     true},
-    {"basic", R"({"reuse": "restir-di", "restir.correction": "basic"})", false, true},
+    {"ris", R"({"reuse": "ris"})", true},
+    {"exact", R"({"reuse": "restir-di"})", true},
+    {"exact, frames only", R"({"reuse": "restir-di", "restir.neighbours": 0})"},
+    {"exact, pixels only", R"({"reuse": "restir-di", "restir.cap": 0})"},
+    {"exact, temporal feedback", R"({"reuse": "restir-di", "restir.feedback": "temporal"})"},
+    {"lagging", R"({"reuse": "restir-di", "restir.correction": "lagging"})", true},
+    {"lagging, frames only", R"({"reuse": "restir-di", "restir.correction": "lagging", "restir.neighbours": 0})", true},
+    {"basic", R"({"reuse": "restir-di", "restir.correction": "basic"})", true},
     {"basic, frames only", R"({"reuse": "restir-di", "restir.correction": "basic", "restir.neighbours": 0})"},
     {"basic, pixels only", R"({"reuse": "restir-di", "restir.correction": "basic", "restir.cap": 0})"},
 };
@@ -55,7 +53,6 @@ constexpr Mode kModes[] = {
 /// Biases of a mode.
 struct ModeBias {
   std::string name;
-  bool unbiased = false;
   BlockBias image;
   BlockBias depth;   ///< pixels along edges of depth
   BlockBias shadow;  ///< pixels along edges of shadows
@@ -115,8 +112,7 @@ Image render_run(const ExperimentContext& context, const ExperimentScene& scene,
 
 /// Values that summarise the runs of a mode.
 ModeBias bias_of(const Mode& mode, const std::vector<Image>& runs, const Reference& reference) {
-  ModeBias result{
-      .name = mode.name, .unbiased = mode.unbiased, .image = {}, .depth = {}, .shadow = {}, .split = {}, .mean = {}};
+  ModeBias result{.name = mode.name, .image = {}, .depth = {}, .shadow = {}, .split = {}, .mean = {}};
   const PixelMask all = mask_of({"image"}, reference.image.width, reference.image.height);
   const PixelMask depth = depth_edges(reference);
   const PixelMask shadow = shadow_edges(reference);
@@ -249,7 +245,7 @@ TableBlock table(const SceneResult& scene) {
   int color = 0;
   for (const ModeBias& mode : scene.modes) {
     const auto cell = [](const BlockBias& bias) {
-      return TableCell{bias_text(bias), bias.reference > 0 ? bias.bias / bias.reference : 0};
+      return TableCell{bias_text(bias), bias.reference > 0 ? bias.bias / bias.reference : 0.0};
     };
     block.rows.push_back({mode.name,
                           color++,

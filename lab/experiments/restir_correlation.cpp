@@ -42,16 +42,11 @@ constexpr Mode kModes[] = {
     {"cap 5", R"({"reuse": "restir-di", "restir.radius": 10, "restir.cap": 5})", 11},
 };
 
-/// Estimates of one run, after a number of frames.
-struct RunEstimates {
-  double variance = 0;  ///< of the layer `variance`, mean over the pixels
-  double error = 0;     ///< of --error
-};
-
 struct Runs {
-  std::vector<RunFrames> frames;                     ///< luminance of the pixels of surfaces
-  std::vector<std::vector<RunEstimates>> estimates;  ///< by run, by checkpoint
-  Image mean;                                        ///< over all frames of the last run
+  std::vector<RunFrames> frames;  ///< luminance of the pixels of surfaces
+  /// Layer `variance`, mean over the pixels: by run, by checkpoint.
+  std::vector<std::vector<double>> estimates;
+  Image mean;  ///< over all frames of the last run
 };
 
 /// Ratios of estimated standard errors to those over runs, after a number of frames.
@@ -113,12 +108,12 @@ std::vector<float> frame_values(const Image& before, const Image& after, size_t 
   return values;
 }
 
-RunEstimates estimates_of(const Session& session, const std::vector<size_t>& pixels) {
-  RunEstimates result{0, session.estimated_error()};
+/// Variance of a pixel's mean as the session estimates it, averaged over the pixels.
+double estimated_variance(const Session& session, const std::vector<size_t>& pixels) {
   const std::vector<float> variance = session.aov("variance").front().values;
-  for (const size_t p : pixels)
-    result.variance += static_cast<double>(variance[p]) / static_cast<double>(pixels.size());
-  return result;
+  double sum = 0;
+  for (const size_t p : pixels) sum += static_cast<double>(variance[p]);
+  return sum / static_cast<double>(pixels.size());
 }
 
 Runs render(const ExperimentContext& context, Session& session, const Mode& mode, const std::vector<size_t>& pixels) {
@@ -136,7 +131,7 @@ Runs render(const ExperimentContext& context, Session& session, const Mode& mode
       Image after = session.image();
       runs.frames.back().push_back(frame_values(before, after, frame, pixels));
       if (std::find(at.begin(), at.end(), frame) != at.end())
-        runs.estimates.back().push_back(estimates_of(session, pixels));
+        runs.estimates.back().push_back(estimated_variance(session, pixels));
       before = std::move(after);
     }
     runs.mean = std::move(before);
@@ -175,7 +170,7 @@ Checkpoint checkpoint_of(const Runs& runs, size_t index, size_t frames) {
   std::vector<double> batches;
   for (size_t r = 0; r < means.size(); ++r) {
     single.push_back(variance_by_blocks(runs.frames[r], frames, 1));
-    estimated.push_back(runs.estimates[r][index].variance);
+    estimated.push_back(runs.estimates[r][index]);
     if (frames >= 2 * kCorrelated) batches.push_back(variance_by_blocks(runs.frames[r], frames, kCorrelated));
   }
   Checkpoint result{.frames = frames,
