@@ -131,9 +131,10 @@ std::vector<Image> images_of(const RestirSettings& restir, int seeds) {
 
 class RestirEdges : public ::testing::TestWithParam<RestirSettings> {};
 
-/// Reuse across an edge must not darken or brighten it. Means of whole images hide such a bias.
+/// Reuse across an edge must not darken or brighten it. Means of whole images hide such a bias. A model of averages
+/// predicts an error of about 1 % for all edges in the noisiest mode.
 TEST_P(RestirEdges, HaveTheMeanOfPathTracing) {
-  const std::vector<Image> images = images_of(GetParam(), 20);
+  const std::vector<Image> images = images_of(GetParam(), 32);
   for (const bool depth : {true, false}) {
     const Pixels& all = depth ? truth().depth_edges : truth().shadow_edges;
     ASSERT_GE(all.size(), 24u);
@@ -173,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(Unbiased, RestirEdges,
 TEST(RestirEdgesBasic, AreDarkerAlongShadows) {
   const RestirSettings basic{.correction = ReuseCorrection::basic, .cap = 8};
   const Measured expected = mean_of(truth().images, truth().shadow_edges);
-  const Measured edges = mean_of(images_of(basic, 40), truth().shadow_edges);
+  const Measured edges = mean_of(images_of(basic, 64), truth().shadow_edges);
   EXPECT_LT(deviation(edges, expected), -4.5 * error_of(edges, expected));
   EXPECT_GT(deviation(edges, expected), -0.5 * expected.mean);
 }
@@ -299,7 +300,8 @@ TEST(RestirLagging, LosesLightBehindAMovingShadow) {
   }
 }
 
-/// Neighbours beyond the trail restore some of the light.
+/// Right behind the shadow, neighbours that have been lit for longer restore some of the light. In a model of averages,
+/// a pixel has 7 % in place of 5 % in the first frame, and 14 % in place of 11 % in the second.
 TEST(RestirLagging, LosesLessLightWithNeighbours) {
   const std::vector<Measured> columns =
       columns_of(passing_card(), with_correction(ReuseCorrection::lagging, 20, 3), true);
@@ -309,7 +311,7 @@ TEST(RestirLagging, LosesLessLightWithNeighbours) {
     const Measured& lit = lit_columns()[kShadow - m];
     const Measured& column = columns[kShadow - m];
     EXPECT_LT(deviation(column, lit), -0.05 * lit.mean - 5 * error_of(column, lit)) << m;
-    EXPECT_GT(column.mean, alone[kShadow - m].mean) << m;
+    EXPECT_GT(deviation(column, alone[kShadow - m]), 5 * error_of(column, alone[kShadow - m])) << m;
   }
 }
 

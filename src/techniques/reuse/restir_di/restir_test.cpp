@@ -7,6 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "frame/pipeline.h"
+#include "framebuffer/pixel_moments.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/testing/media.h"

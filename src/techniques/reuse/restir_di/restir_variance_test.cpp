@@ -45,7 +45,8 @@ Runs render(const RestirSettings& restir) {
     for (uint32_t frame = 0; frame < kFrames; ++frame) session.render_frame();
     Estimates run;
     for (const Rgb& pixel : session.image().pixels) run.mean.push_back(static_cast<double>(luminance(pixel)));
-    for (const float v : session.aov("variance").front().values) run.variance.push_back(static_cast<double>(v));
+    const std::vector<float> variance = session.aov("variance").front().values;
+    for (const float v : variance) run.variance.push_back(static_cast<double>(v));
     run.error = session.estimated_error();
     result.runs.push_back(std::move(run));
   }
@@ -57,6 +58,11 @@ Runs render(const RestirSettings& restir) {
     }
   }
   return result;
+}
+
+const Runs& own_histories() {
+  static const Runs runs = render({.cap = kCap, .neighbours = 0});
+  return runs;
 }
 
 /// Estimated variance over that of the runs, both summed over the pixels.
@@ -88,7 +94,7 @@ double independent() { return 1 / correlation_factor(kFrames, 1 + 2 * kCap); }
 /// With its own history alone, a pixel's light is a moving average, for which the factor is exact once the history has
 /// its full weight.
 TEST(RestirVariance, IsThatOfTheSpreadOverSeeds) {
-  const Runs runs = render({.cap = kCap, .neighbours = 0});
+  const Runs& runs = own_histories();
   EXPECT_GT(variance_ratio(runs), 0.9);
   EXPECT_LT(variance_ratio(runs), 1.6);
   EXPECT_GT(coverage(runs, 1), 0.8);
@@ -98,7 +104,7 @@ TEST(RestirVariance, IsThatOfTheSpreadOverSeeds) {
 
 /// Estimates of the image's error see the same.
 TEST(RestirVariance, GivesTheErrorOfTheImage) {
-  const Runs runs = render({.cap = kCap, .neighbours = 0});
+  const Runs& runs = own_histories();
   double estimated = 0;
   for (const Estimates& run : runs.runs) estimated += run.error / kSeeds;
   double variance = 0;
