@@ -164,6 +164,11 @@ Interval relative_interval(const BlockBias& bias) {
   return {middle - half, middle + half, 0.95};
 }
 
+/// Verdict on whether the relative bias is in [least, most]. Undecided without light, as where no edge is visible.
+const char* verdict_on(const BlockBias& bias, double least, double most) {
+  return bias.reference > 0 ? verdict_of(relative_interval(bias), least, most) : kVerdictUndecided;
+}
+
 /// "−1.2 % ± 0.3 %".
 std::string bias_text(const BlockBias& bias) {
   const Interval interval = relative_interval(bias);
@@ -181,7 +186,7 @@ Claim claim_unbiased(const SceneResult& scene, const char* id, const char* paper
   std::vector<const char*> verdicts;
   for (const ModeBias* mode : modes) {
     for (const BlockBias* bias : {&mode->image, &mode->depth, &mode->shadow})
-      verdicts.push_back(verdict_of(relative_interval(*bias), -kMostBias, kMostBias));
+      verdicts.push_back(verdict_on(*bias, -kMostBias, kMostBias));
     verdicts.push_back(std::fabs(mode->worst) < kMostSignificance ? kVerdictHolds : kVerdictFails);
     measured += fmt::format("{}{}: image {}, depth edges {}, shadow edges {}; worst of {} blocks {:.1f} σ",
                             measured.empty() ? "" : "; ", mode->name, bias_text(mode->image), bias_text(mode->depth),
@@ -207,7 +212,7 @@ Claim claim_basic(const SceneResult& scene) {
   for (const ModeBias* mode : modes_named(scene, "basic")) {
     measured += fmt::format("{}{}: image {}, depth edges {}, shadow edges {}", measured.empty() ? "" : "; ", mode->name,
                             bias_text(mode->image), bias_text(mode->depth), bias_text(mode->shadow));
-    if (mode->name == "basic") verdicts.push_back(verdict_of(relative_interval(mode->shadow), -1, 0));
+    if (mode->name == "basic") verdicts.push_back(verdict_on(mode->shadow, -1, 0));
   }
   return with_verdict(id_of("basic", scene), "[Bitterli20]",
                       scene.name + ": without rays in the weights, the image loses energy along shadows.", measured,
@@ -218,7 +223,7 @@ Claim claim_lagging(const SceneResult& scene) {
   std::string measured;
   std::vector<const char*> verdicts;
   for (const ModeBias* mode : modes_named(scene, "lagging")) {
-    verdicts.push_back(verdict_of(relative_interval(mode->image), -0.02, 0.02));
+    verdicts.push_back(verdict_on(mode->image, -0.02, 0.02));
     measured += fmt::format("{}{}: image {}, depth edges {}, shadow edges {}, bias² {:.2e} of {:.2e}",
                             measured.empty() ? "" : "; ", mode->name, bias_text(mode->image), bias_text(mode->depth),
                             bias_text(mode->shadow), mode->split.bias2, mode->split.bias2 + mode->split.variance);

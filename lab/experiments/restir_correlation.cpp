@@ -72,7 +72,8 @@ std::vector<size_t> checkpoints(const ExperimentContext& context) {
   return {kCorrelated, 2 * kCorrelated, 4 * kCorrelated, 8 * kCorrelated};
 }
 
-/// Pixels in which and beside which no lamp is visible: others vary with the lamp's share, whatever is reused.
+/// Pixels in which and beside which no lamp is visible: others vary with the lamp's share, whatever is reused. All
+/// pixels if a small image has no such ones.
 std::vector<size_t> surface_pixels(Session& session, const RenderSettings& base) {
   RenderSettings emission = base;
   emission.path.max_bounces = 0;
@@ -83,16 +84,18 @@ std::vector<size_t> surface_pixels(Session& session, const RenderSettings& base)
     return x >= 0 && y >= 0 && x < seen.width && y < seen.height && luminance(seen.at(x, y)) > 0;
   };
   std::vector<size_t> pixels;
+  std::vector<size_t> all;
   for (int y = 0; y < seen.height; ++y) {
     for (int x = 0; x < seen.width; ++x) {
       bool lamp = false;
       for (int v = y - 1; v <= y + 1; ++v) {
         for (int u = x - 1; u <= x + 1; ++u) lamp = lamp || is_lamp(u, v);
       }
-      if (!lamp) pixels.push_back(static_cast<size_t>(y) * static_cast<size_t>(seen.width) + static_cast<size_t>(x));
+      all.push_back(static_cast<size_t>(y) * static_cast<size_t>(seen.width) + static_cast<size_t>(x));
+      if (!lamp) pixels.push_back(all.back());
     }
   }
-  return pixels;
+  return pixels.empty() ? all : pixels;
 }
 
 /// The frame's own values, from means before and after it.

@@ -19,13 +19,13 @@ namespace {
 enum class Keeps {
   nothing,   ///< none: one session suffices
   prepared,  ///< random preparation before the first frame, fixed afterwards
-  learned,   ///< what samples of earlier frames have taught it
+  learned,   ///< what samples of earlier frames have taught it, or cells with their light
   samples,   ///< samples of earlier frames, which the image shows again
 };
 
 Keeps kept_by(const RenderSettings& settings) {
-  if (settings.reuse == ReuseChoice::restir_di) return Keeps::samples;
-  if (learns(settings)) return Keeps::learned;
+  if (settings.reuse != ReuseChoice::none && settings.reuse != ReuseChoice::ris) return Keeps::samples;
+  if (learns(settings) || settings.cache != CacheChoice::none) return Keeps::learned;
   return settings.lights == LightSelectionChoice::static_lists ? Keeps::prepared : Keeps::nothing;
 }
 

@@ -23,6 +23,8 @@ double mean_of_channels_at(const Image& image, size_t pixel) {
 }
 
 bool is_other_surface(const SurfaceMotion& surface, size_t a, size_t b) {
+  const Vec3 nothing(0);  // the normal where no surface is visible
+  if (surface.normal[a] == nothing && surface.normal[b] == nothing) return false;
   const float near = std::min(surface.depth[a], surface.depth[b]);
   const float far = std::max(surface.depth[a], surface.depth[b]);
   return far - near > kDepthDifference * near || glm::dot(surface.normal[a], surface.normal[b]) < kNormalCosine;

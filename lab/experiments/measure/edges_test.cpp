@@ -37,6 +37,17 @@ TEST(Edges, AreThoseOfDepthAndOfLight) {
   EXPECT_EQ(pixels_in(depth).size(), 2u * kHeight);
 }
 
+TEST(Edges, OfDepthEndAtTheBackground) {
+  Reference reference = two_surfaces();
+  for (size_t p = 0; p < reference.surface.depth.size(); ++p) {
+    if (p % kWidth < 4) continue;
+    reference.surface.depth[p] = 0;
+    reference.surface.normal[p] = Vec3(0);
+  }
+  const PixelMask depth = depth_edges(reference);
+  for (size_t p = 0; p < depth.mask.size(); ++p) EXPECT_EQ(depth.mask[p] != 0, p % kWidth == 3 || p % kWidth == 4) << p;
+}
+
 TEST(Edges, OfLightExceedTheNoise) {
   Reference reference = two_surfaces();
   for (Rgb& pixel : reference.squared_error.pixels) pixel = Rgb(0.02f);
