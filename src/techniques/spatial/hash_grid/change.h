@@ -66,13 +66,28 @@ RELUME_HD inline float own_excess(const CellMoments& history, const CellMoments&
   return square > kNoise ? relume::max(region, square - 1.0f) : region;
 }
 
+/// Frames of a history after another frame with samples. Those without samples count for a limit of frames only.
+RELUME_HD inline uint32_t frames_after(const CellHistory& history, const AveragingRule& rule) {
+  return history.frames + 1u + (rule.max_frames > 0 ? history.age : 0u);
+}
+
+/// Moments of the history as they enter an average of the latest `max_frames` frames: with the weight of as many.
+RELUME_HD inline CellMoments faded(const CellHistory& history, const AveragingRule& rule) {
+  CellMoments m = history.moments;
+  const uint32_t frames = frames_after(history, rule);
+  if (rule.max_frames > 0 && frames > rule.max_frames)
+    m.count *= static_cast<float>(rule.max_frames) / static_cast<float>(frames);
+  return m;
+}
+
 /// The history after a frame with the samples `frame` (at least one). A window pools frames until it has enough samples
 /// to be compared with the history. A changed cell restarts from the window. `excess`: RegionChange::excess() of the
 /// cell's region.
 RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMoments& frame, const AveragingRule& rule,
                                       float excess = 0) {
   CellHistory next;
-  next.frames = history.frames + 1;
+  next.frames = frames_after(history, rule);
+  if (rule.max_frames > 0) next.frames = relume::min(next.frames, rule.max_frames);
   next.departure = history.departure;
   next.changed = history.changed;
   if (rule.change_threshold > 0.0f) {
@@ -99,7 +114,7 @@ RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMome
       next.recent = {};
     }
   }
-  next.moments = pooled(history.moments, frame, rule.max_count);
+  next.moments = pooled(faded(history, rule), frame, rule.max_count);
   return next;
 }
 

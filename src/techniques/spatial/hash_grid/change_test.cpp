@@ -97,5 +97,45 @@ TEST(RegionChange, DiscountedCountMatchesTheError) {
   EXPECT_LT(discounted(history, window, 8).count, 7.0f);
 }
 
+/// The history after a frame with two samples of `value`.
+CellHistory after_frame(const CellHistory& history, float value, const AveragingRule& rule) {
+  CellSums sums;
+  for (int i = 0; i < 2; ++i) sums.add(Rgb(value), 1.0f);
+  return advanced(history, sums.moments(), rule);
+}
+
+TEST(FrameLimit, ALightThatGoesOutFadesExponentially) {
+  const AveragingRule rule{1 << 24, 0, 1, 4};
+  CellHistory cell;
+  for (int i = 0; i < 100; ++i) cell = after_frame(cell, 1, rule);
+  EXPECT_EQ(cell.frames, 4u);
+  EXPECT_NEAR(cell.moments.count, 10.0f, 1e-3f);  // 2 (F + 1)
+  float expected = 1;
+  for (int i = 0; i < 8; ++i) {
+    cell = after_frame(cell, 0, rule);
+    expected *= 4.0f / 5.0f;
+    EXPECT_NEAR(cell.moments.mean.r, expected, 1e-5f) << i;
+  }
+}
+
+TEST(FrameLimit, FramesWithoutSamplesCount) {
+  const AveragingRule rule{1 << 24, 0, 1, 4};
+  CellHistory cell;
+  for (int i = 0; i < 100; ++i) cell = after_frame(cell, 1, rule);
+  cell.age = 4;  // as MaintainCellsKernel counts them
+  cell = after_frame(cell, 0, rule);
+  const float kept = 10.0f * 4.0f / 9.0f;
+  EXPECT_NEAR(cell.moments.mean.r, kept / (kept + 2), 1e-5f);
+  EXPECT_EQ(cell.age, 0u);
+}
+
+TEST(FrameLimit, UpToTheLimitAllSamplesWeighTheSame) {
+  const AveragingRule rule{1 << 24, 0, 1, 4};
+  CellHistory cell;
+  for (const float value : {4.0f, 0.0f, 0.0f, 0.0f}) cell = after_frame(cell, value, rule);
+  EXPECT_NEAR(cell.moments.mean.r, 1.0f, 1e-6f);
+  EXPECT_EQ(cell.moments.count, 8.0f);
+}
+
 }  // namespace
 }  // namespace relume

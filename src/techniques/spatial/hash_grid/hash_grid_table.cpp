@@ -141,7 +141,7 @@ HashGridView HashGrid::view() {
   v.renumbered = renumbered_;
   v.keys = keys_;
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
-            static_cast<float>(settings_.min_count)};
+            static_cast<float>(settings_.min_count), static_cast<uint32_t>(settings_.max_frames)};
   v.undersampled_cells = settings_.undersampled_cells;
   v.coarser_levels = 0;
   if (settings_.undersampled_cells == UndersampledCells::coarser) v.coarser_levels = kCoarserLevels;

@@ -16,6 +16,7 @@ struct HashGridSettings {
   int direction_bins = 0;
   int roughness_bins = 0;
   int max_count = 1024;
+  int max_frames = 0;  ///< frames that a history averages, besides max_count; 0: no limit
   int max_age = 32;
   int min_count = 8;
   int inherited_count = 128;
