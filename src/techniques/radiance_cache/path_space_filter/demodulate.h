@@ -39,14 +39,12 @@ RELUME_HD inline Rgb raised_albedo(Lobe lobe, const EnergyTables& tables, float 
   return lobe_albedo(lobe, tables, cos_theta_o);
 }
 
-/// Demodulates `bsdf` and raises its diffuse colours to match. Lobes with α below `narrow_alpha` are narrow: a filter
-/// would blur their reflections. If they reflect more than half, the vertex is neither filtered nor changed.
-RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float narrow_alpha) {
+/// Albedos of `bsdf`. Lobes with α below `narrow_alpha` are narrow: a filter would blur their reflections. If they
+/// reflect more than half, the vertex is not filtered.
+RELUME_HD inline Demodulation demodulation_of(const Bsdf& bsdf, float cos_theta_o, float narrow_alpha) {
   if (is_lambert(bsdf)) {
-    Lobe& lobe = bsdf.lobes[0];
-    const Rgb albedo = lobe.color * lobe.weight;
-    lobe.color = raised_color(lobe.color);
-    return {albedo, lobe.color * lobe.weight, true, false, false};
+    const Lobe& lobe = bsdf.lobes[0];
+    return {lobe.color * lobe.weight, raised_color(lobe.color) * lobe.weight, true, false, false};
   }
   Demodulation d;
   float narrow = 0;
@@ -71,6 +69,12 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
   }
   if (const float filtered = luminance(d.albedo); filtered > 0.0f) d.roughness = rough / filtered;
   d.filtered = max_component(d.albedo) > 0.0f && narrow * 2.0f <= total;
+  return d;
+}
+
+/// Demodulates `bsdf`: the same, and raises its diffuse colours to match if the vertex is filtered.
+RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float narrow_alpha) {
+  const Demodulation d = demodulation_of(bsdf, cos_theta_o, narrow_alpha);
   for (int i = 0; d.filtered && i < bsdf.lobe_count; ++i) {
     Lobe& lobe = bsdf.lobes[i];
     if (!is_delta(lobe.kind) && !is_glossy(lobe.kind)) lobe.color = raised_color(lobe.color);
