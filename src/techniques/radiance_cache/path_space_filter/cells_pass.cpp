@@ -107,14 +107,14 @@ std::vector<std::string> CellsPass::warnings() const {
   if (s.dropped > 0) {
     list.push_back(fmt::format(
         "the cells of {} samples did not fit into an eighth of the machine's memory; these samples were dropped, and "
-        "another run may differ in its bits; raise psf.cell-size, or render a smaller image",
-        s.dropped));
+        "another run may differ in its bits; raise {}.cell-size, or render a smaller image",
+        s.dropped, prefix_));
   }
   if (s.discarded > 0) {
     list.push_back(
         fmt::format("{} cells were discarded because the table keeps at most {} slots from frame to frame; raise "
-                    "psf.max-cells, or leave it at 0",
-                    s.discarded, grid_.limit()));
+                    "{}.max-cells, or leave it at 0",
+                    s.discarded, grid_.limit(), prefix_));
   }
   if (s.nonfinite > 0)
     list.push_back(fmt::format("{} samples for cells were not finite and were ignored", s.nonfinite));
@@ -150,7 +150,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
                    layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
                    layer(kCellSurvival, "probability that the pixel's path is followed"),
                    layer(kCellBlend, "weight of the cell in the pixel; the rest is the weight of the path"),
-                   layer(kCellTermination, "bounce, from 1, after which the pixel's path no longer contributes"),
+                   layer(kCellTermination, kCellTerminationHelp),
                    layer(kCellOccupancy, "fraction of occupied slots around the pixel's cell")},
           .reads = {kFilteredPixels},
           .writes = {kRadiance, kRays}};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "core/array.h"
@@ -20,17 +21,27 @@ namespace relume {
 inline constexpr BufferKey<FilteredPixel> kFilteredPixels{"filtered-pixels"};
 /// Bounce, from 1, at which the contribution of each pixel's path ended.
 inline constexpr BufferKey<float> kCellTermination{"cell-termination"};
+inline constexpr const char* kCellTerminationHelp =
+    "bounce, from 1, after which the pixel's path no longer contributes";
+
+/// Number of path vertices per pixel with separate cells, for the size of the table.
+struct CellDepths {
+  uint32_t count = 1;
+};
 
 /// Owns the cells. Its longest_epoch() is 0: all frames continue one low-discrepancy sequence per pixel, because images
 /// of one sample need its stratification. Of a cell's samples, only one in hundreds is an earlier one of the same
 /// pixel.
 class CellsPass final : public Pass {
  public:
-  /// `depths`: number of path vertices with separate cells, for the size of the table.
+  /// `depths`: as CellDepths. `prefix`: of the settings that warnings name.
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, std::string_view prefix, Memory& memory)
+      : settings_(settings), depths_(depths), prefix_(prefix), grid_(memory), others_(memory) {}
   CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory)
-      : settings_(settings), depths_(depths), grid_(memory), others_(memory) {}
+      : CellsPass(settings, depths, "psf", memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
+  void configure(const CellDepths& depths) { depths_ = depths.count; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   void abandon() override;
@@ -59,6 +70,7 @@ class CellsPass final : public Pass {
 
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
+  std::string_view prefix_;  ///< a literal
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
   uint32_t watched_before_ = 0;  ///< the same before this frame
