@@ -22,6 +22,7 @@
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter_pass.h"
+#include "techniques/radiance_cache/sharc/sharc_pass.h"
 #include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/restir_di/restir_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
@@ -142,6 +143,15 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
   }
 }
 
+/// Adds path tracing with the spatially hashed radiance cache.
+void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source) {
+  auto& cells = builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, "sharc");
+  builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
+  builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells);
+  builder.add<MaintainSharcPass>(cells);
+}
+
 /// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
 /// nullptr. Returns the pass of path tracing without a cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
@@ -165,10 +175,15 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
     add_reuse(builder, settings, source, recording);
     return &paths;
   }
+  if (settings.cache == CacheChoice::sharc) {
+    add_sharc(builder, settings, source);
+    return nullptr;
+  }
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
   switch (settings.cache) {
-    case CacheChoice::none: break;
+    case CacheChoice::none:
+    case CacheChoice::sharc: break;
     case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells, recording); break;
     case CacheChoice::apsf:
       builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells, recording);

@@ -47,6 +47,14 @@ void check_upscaling(const RenderSettings& s) {
   }
 }
 
+/// Throws if the spatially hashed radiance cache does not combine with the other choices.
+void check_sharc(const RenderSettings& s) {
+  if (s.cache != CacheChoice::sharc || !learns(s)) return;
+  throw Error(
+      "cache 'sharc' does not combine with lights 'vlc' and guide 'cdq', which would learn from paths that end in "
+      "cells; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
@@ -100,6 +108,7 @@ void check_combination(const RenderSettings& settings) {
         "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
   }
   check_reuse(settings);
+  check_sharc(settings);
   if (learns(settings) && from_both_ends) {
     throw Error(
         "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path'; use estimator 'path', or lights "

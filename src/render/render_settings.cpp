@@ -70,9 +70,9 @@ SettingList describe_slots(RenderSettings& s) {
        "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
        "frames and of neighbouring pixels (ReSTIR DI)"},
       {"cache",
-       choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
-       "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, or both adaptive "
-       "techniques",
+       choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg", "sharc"}),
+       "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, both adaptive techniques, "
+       "or a spatially hashed radiance cache (SHaRC), in which paths end after their first rough bounce",
        {.biases = true}},
       {"allocation",
        choice(s.allocation, {"uniform", "adaptive"}),
@@ -112,6 +112,7 @@ SettingList describe_caches(RenderSettings& s) {
   SettingList list = with_prefix("psf", describe(s.psf));
   append(list, with_prefix("apsf", describe(s.apsf)));
   append(list, with_prefix("apg", describe(s.apg)));
+  append(list, with_prefix("sharc", describe(s.sharc)));
   return list;
 }
 

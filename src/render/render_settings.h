@@ -20,6 +20,7 @@
 #include "techniques/radiance_cache/adaptive_psf/settings.h"
 #include "techniques/radiance_cache/path_graphs/settings.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/radiance_cache/sharc/settings.h"
 #include "techniques/reuse/reservoir/settings.h"
 #include "techniques/reuse/restir_di/settings.h"
 #include "techniques/spatial/octree/settings.h"
@@ -41,7 +42,7 @@ enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };
 enum class ReuseChoice : int { none, ris, restir_di };
-enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
+enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
 enum class DenoiseChoice : int { none, bmfr, svgf, asvgf, oidn };
@@ -87,6 +88,7 @@ struct RenderSettings {
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
+  SharcSettings sharc;
   AdaptiveSamplingSettings adaptive;
   UpscalingSettings upscaling;
   ReprojectionSettings reproject;

@@ -29,7 +29,7 @@ BOUNDS = (
     (r"BdptKernel|LightSubpathKernel|VcmKernel", 2300),
     (r"TemporalReuseKernel|SpatialReuseKernel", 3100),  # receivers of the pixel, and of its history or a neighbour
     (r"RisKernel", 1700),
-    (r"PathKernel<CellsOutput<PathGraphContext>", 2300),  # vertices of the path
+    (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2300),  # vertices of the path
     (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2550),
     (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1950),
     (r"PathKernel<RadianceOutput> ", 1450),

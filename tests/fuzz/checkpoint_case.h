@@ -57,7 +57,7 @@ inline Scene turning_triangle() {
 }
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
-inline constexpr int kCheckpointCases = 10;
+inline constexpr int kCheckpointCases = 11;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -90,6 +90,7 @@ inline RenderSettings checkpoint_settings(int which) {
     case 7: s.denoise = DenoiseChoice::svgf; break;
     case 8: s.allocation = AllocationChoice::adaptive; break;
     case 9: s.denoise = DenoiseChoice::asvgf; break;
+    case 10: s.cache = CacheChoice::sharc; break;
     default: break;  // accumulates
   }
   return s;

@@ -62,6 +62,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",
     "path_graphs": "adaptive_psf path path_space_filter",
+    "sharc": "path path_space_filter",
     "reservoir": "octree path",
     "restir_di": "path reprojection reservoir",
 }

@@ -27,8 +27,8 @@ std::string takes_effect_with(const AllSettings& settings, const std::string& se
   const std::string technique = setting.substr(0, dot);
   RenderSettings render = settings.render;
   if (technique == "path") return {};  // applies to every estimator
-  if (technique == "psf") {            // shared by all caches
-    if (render.cache == CacheChoice::none) return "cache = psf";
+  if (technique == "psf") {            // shared by all caches except sharc
+    if (render.cache == CacheChoice::none || render.cache == CacheChoice::sharc) return "cache = psf";
     // Denoisers trace separate edge rays.
     return setting == "psf.edge-rays" && render.denoise != DenoiseChoice::none ? "denoise = none" : std::string();
   }

@@ -26,6 +26,10 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
   settings.render.cache = CacheChoice::apg;
   EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "");
   EXPECT_EQ(takes_effect_with(settings, "apsf.blend"), "cache = apsf");
+  EXPECT_EQ(takes_effect_with(settings, "sharc.cell-size"), "cache = sharc");
+  settings.render.cache = CacheChoice::sharc;
+  EXPECT_EQ(takes_effect_with(settings, "sharc.cell-size"), "");
+  EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "cache = psf");
   EXPECT_EQ(takes_effect_with(settings, "octree.split"), "lights = vlc or guide = cdq");
   settings.render.guide = GuideChoice::cdq;
   EXPECT_EQ(takes_effect_with(settings, "octree.split"), "");

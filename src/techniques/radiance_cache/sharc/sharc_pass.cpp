@@ -1,0 +1,68 @@
+#include "techniques/radiance_cache/sharc/sharc_pass.h"
+
+#include "techniques/radiance_cache/sharc/cell_ends.h"
+#include "techniques/radiance_cache/sharc/cell_update.h"
+
+namespace relume {
+namespace {
+
+/// Edge of the square of blocks per task: each traces a path.
+constexpr uint32_t kUpdateTile = 8;
+
+}  // namespace
+
+CellDepths cell_depths(const SharcSettings& settings) {
+  // One path per block, with more blocks than pixels / 25 in narrow images.
+  return {settings.update == SharcUpdate::sparse ? 2u : kMostUpdatedCells};
+}
+
+PassDeclaration SharcPass::declaration() const {
+  PassDeclaration declaration{.name = "trace",
+                              .stage = Stage::trace,
+                              .owns = estimator_buffers(),
+                              .reads = {kPrimaryHits},
+                              .reads_if_any = {kAllocation},
+                              .only_sampled_pixels = true};
+  declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
+  return declaration;
+}
+
+bool SharcPass::run(const FrameContext& frame) {
+  const CellEnds ends{.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
+                      .by_variance = settings_.end == SharcEnd::variance,
+                      .variance = settings_.variance,
+                      .termination = frame.write(kCellTermination)};
+  if (!trace_paths(source_, frame, nullptr, RadianceOutput{frame.write(kRadiance)}, ends)) return false;
+  return update_cells(frame);
+}
+
+bool SharcPass::update_cells(const FrameContext& frame) const {
+  constexpr uint32_t kSalt = 0x7a3c9e15u;
+  CellUpdateKernel kernel;
+  kernel.context = make_path_context(source_, frame);
+  kernel.context.indirect = {};  // every update path continues
+  kernel.update = {.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
+                   .depth = static_cast<uint32_t>(settings_.propagation_depth),
+                   .feedback = settings_.feedback,
+                   .clamp = settings_.clamp,
+                   .inherits = includes(frame.changes, Change::camera)};
+  kernel.index = frame.index;
+  kernel.paths = frame.index;
+  kernel.paths.seed = hash(frame.index.seed, kSalt);
+  kernel.hits = frame.read(kPrimaryHits);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.rays = frame.write(kRays);
+  kernel.block = settings_.update == SharcUpdate::sparse ? kUpdateBlock : 1u;
+  kernel.width = frame.width();
+  kernel.height = frame.height();
+  const Grid grid{update_blocks(frame.width(), kernel.block), update_blocks(frame.height(), kernel.block), kUpdateTile};
+  return frame.launch_or_stop("update", kernel, grid);
+}
+
+bool MaintainSharcPass::run(const FrameContext& frame) {
+  cells_.advance(frame);
+  cells_.adjust_size(frame.backend);
+  return true;
+}
+
+}  // namespace relume

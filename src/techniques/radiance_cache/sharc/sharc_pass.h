@@ -1,0 +1,47 @@
+// The cache "sharc" as passes.
+#pragma once
+
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/radiance_cache/sharc/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Cells per pixel to which the paths of a frame add samples at most: eight of each update path.
+CellDepths cell_depths(const SharcSettings& settings);
+
+/// Traces one camera path for each pixel that receives a sample, and the update paths that fill the cells. Camera paths
+/// read cells of earlier frames only.
+class SharcPass final : public Pass {
+ public:
+  SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells)
+      : settings_(settings), source_(source), cells_(cells) {}
+
+  void configure(const SharcSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  /// Returns false if a stop was requested first.
+  bool update_cells(const FrameContext& frame) const;
+
+  SharcSettings settings_;
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+/// Pools the samples of the frame with the cells.
+class MaintainSharcPass final : public Pass {
+ public:
+  explicit MaintainSharcPass(CellsPass& cells) : cells_(cells) {}
+
+  PassDeclaration declaration() const override { return {.name = "sharc", .stage = Stage::resolve}; }
+  bool run(const FrameContext& frame) override;
+  bool commits() const override { return true; }
+
+ private:
+  CellsPass& cells_;
+};
+
+}  // namespace relume
