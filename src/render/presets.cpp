@@ -38,10 +38,9 @@ std::vector<Preset> purpose_presets() {
   };
 }
 
-/// By paper or program.
-std::vector<Preset> source_presets() {
+/// Disable relume's additions to the papers, but keep its corrections.
+std::vector<Preset> paper_presets() {
   return {
-      // Paper presets disable relume's additions to the papers, but keep its corrections.
       {"paper-000", "Adaptive path space filtering and adaptive path graphs [Schipek22]",
        R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "apsf+apg", "psf.edge-rays": 0,
            "psf.inherited-samples": 0, "apg.feed": 1, "apg.deep-coarsening": 0, "reuse": "none",
@@ -62,6 +61,12 @@ std::vector<Preset> source_presets() {
        R"({"estimator": "bdpt", "bdpt.connection-roulette": 0, "lights": "power", "guide": "bsdf", "cache": "none",
            "reuse": "none", "allocation": "uniform", "history": "accumulate", "denoise": "bmfr",
            "features.edge-rays": 0, "bmfr.alpha": 0.2, "bmfr.detail": 0})"},
+  };
+}
+
+/// Have the parameters of other programs.
+std::vector<Preset> program_presets() {
+  return {
       {"restir-research", "ReSTIR DI, unbiased, with the parameters of the research code [Bitterli20, Lin22]",
        R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none", "reuse": "restir-di",
            "ris.candidates": 32, "restir.correction": "exact", "restir.feedback": "spatial", "restir.cap": 20,
@@ -82,6 +87,11 @@ std::vector<Preset> source_presets() {
            "allocation": "uniform", "history": "accumulate", "denoise": "asvgf", "asvgf.alpha": 0.02,
            "asvgf.antilag": 1, "asvgf.view-changes": true, "asvgf.gradient-levels": 5, "asvgf.levels": 4,
            "asvgf.light-tolerance": 2, "asvgf.newest": 1, "features.edge-rays": 0, "features.split": true})"},
+      {"sharc-1.6", "Spatially hashed radiance cache with the default parameters of SHaRC 1.6, and its firefly clamp",
+       R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "sharc", "sharc.update": "sparse",
+           "sharc.end": "footprint", "sharc.feedback": true, "sharc.propagation-depth": 4, "sharc.jitter": false,
+           "sharc.normal-bins": 1, "sharc.min-samples": 1, "sharc.clamp": 10, "reuse": "none",
+           "allocation": "uniform", "history": "none", "denoise": "none"})"},
   };
 }
 
@@ -90,8 +100,7 @@ std::vector<Preset> source_presets() {
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> list = [] {
     std::vector<Preset> all = purpose_presets();
-    const std::vector<Preset> others = source_presets();
-    all.insert(all.end(), others.begin(), others.end());
+    for (const auto& more : {paper_presets(), program_presets()}) all.insert(all.end(), more.begin(), more.end());
     return all;
   }();
   return list;

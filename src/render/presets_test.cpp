@@ -96,6 +96,14 @@ TEST(AsvgfPresets, HaveTheParametersOfTheirPrograms) {
   }
 }
 
+TEST(CachePresets, HaveTheParametersOfTheirPrograms) {
+  const RenderSettings sharc = resolve({.preset = "sharc-1.6"}).render;
+  EXPECT_EQ(sharc.cache, CacheChoice::sharc);
+  EXPECT_EQ(sharc.sharc.propagation_depth, 4);
+  EXPECT_EQ(sharc.sharc.min_samples, 1);
+  EXPECT_FALSE(sharc.sharc.jitter);
+}
+
 TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
   const std::string scene = R"({"firefly.limit": 8})";
   EXPECT_EQ(resolve({.scene_json = scene, .scene_place = "view.json"}).render.firefly.limit, 8);
@@ -105,7 +113,7 @@ TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
 
 std::string preset_name(const ::testing::TestParamInfo<Preset>& info) {
   std::string name(info.param.name);
-  for (char& c : name) c = c == '-' ? '_' : c;
+  for (char& c : name) c = c == '-' || c == '.' ? '_' : c;
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(All, Presets, ::testing::ValuesIn(presets()), preset_name);
