@@ -59,7 +59,8 @@ SettingList describe(SharcSettings& s) {
        {.min = 0, .max = 1, .biases = true}},
       {"frames",
        &s.frames,
-       "Frames that a cell averages; more give less noise and a slower response to changes",
+       "Frames that a cell averages; a younger cell averages half of its frames. More give less noise and a slower "
+       "response to changes",
        {.min = 1, .max = 1024, .unit = "frames", .biases = true}},
       {"min-samples",
        &s.min_samples,

@@ -110,7 +110,7 @@ struct CellHistory {
   uint32_t age = 0;       ///< frames since the last sample
   int16_t departure = 0;  ///< windows in a row above (positive) or below the history's confidence interval
   uint16_t changed = 0;   ///< 1 if the latest window departed from the history, alone or with its region
-  uint32_t frames = 0;    ///< frames with samples since the cell started; with AveragingRule::max_frames, all frames
+  uint32_t frames = 0;    ///< frames with samples since the cell started; with max_frames, all, up to 2 max_frames
 
   RELUME_HD bool empty() const { return moments.count <= 0.0f; }
 };
@@ -121,7 +121,7 @@ struct AveragingRule {
   float max_count = 1024;      ///< maximum cell size N ([Schipek22 §5.3]); beyond it the average is exponential
   float change_threshold = 0;  ///< allowed deviation of a window's mean in standard errors; 0: no limit
   float min_count = 8;         ///< samples below which a cell is undersampled and cells and windows are not compared
-  uint32_t max_frames = 0;     ///< frames beyond which the average is exponential, whatever their samples; 0: no limit
+  uint32_t max_frames = 0;     ///< frames that the average of an old cell is worth, whatever their samples; 0: no limit
 };
 
 /// Treatment of undersampled cells, which have fewer samples than `min_count`.

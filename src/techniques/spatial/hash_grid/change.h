@@ -71,12 +71,21 @@ RELUME_HD inline uint32_t frames_after(const CellHistory& history, const Averagi
   return history.frames + 1u + (rule.max_frames > 0 ? history.age : 0u);
 }
 
-/// Moments of the history as they enter an average of the latest `max_frames` frames: with the weight of as many.
+/// Number of frames that the average of a cell is worth after `frames` frames: half of them, at most `max_frames`.
+RELUME_HD inline float window_of(uint32_t frames, const AveragingRule& rule) {
+  const float least = frames > 0 ? 1.0f : 0.0f;
+  return relume::min(relume::max(0.5f * static_cast<float>(frames), least), static_cast<float>(rule.max_frames));
+}
+
+/// Moments of the history as they enter an average of the latest frames. The first samples of a young cell may lack
+/// light and fade early, but only beyond the number that makes the cell known.
 RELUME_HD inline CellMoments faded(const CellHistory& history, const AveragingRule& rule) {
   CellMoments m = history.moments;
-  const uint32_t frames = frames_after(history, rule);
-  if (rule.max_frames > 0 && frames > rule.max_frames)
-    m.count *= static_cast<float>(rule.max_frames) / static_cast<float>(frames);
+  if (rule.max_frames == 0) return m;
+  const float frames = window_of(history.frames, rule) + static_cast<float>(1u + history.age);
+  const float limited = m.count * relume::min(1.0f, static_cast<float>(rule.max_frames) / frames);
+  const float early = m.count * relume::min(1.0f, window_of(frames_after(history, rule), rule) / frames);
+  m.count = relume::max(early, relume::min(limited, rule.min_count));
   return m;
 }
 
@@ -87,7 +96,7 @@ RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMome
                                       float excess = 0) {
   CellHistory next;
   next.frames = frames_after(history, rule);
-  if (rule.max_frames > 0) next.frames = relume::min(next.frames, rule.max_frames);
+  if (rule.max_frames > 0) next.frames = relume::min(next.frames, 2u * rule.max_frames);
   next.departure = history.departure;
   next.changed = history.changed;
   if (rule.change_threshold > 0.0f) {

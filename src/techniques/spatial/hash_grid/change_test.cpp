@@ -108,7 +108,7 @@ TEST(FrameLimit, ALightThatGoesOutFadesExponentially) {
   const AveragingRule rule{1 << 24, 0, 1, 4};
   CellHistory cell;
   for (int i = 0; i < 100; ++i) cell = after_frame(cell, 1, rule);
-  EXPECT_EQ(cell.frames, 4u);
+  EXPECT_EQ(cell.frames, 8u);
   EXPECT_NEAR(cell.moments.count, 10.0f, 1e-3f);  // 2 (F + 1)
   float expected = 1;
   for (int i = 0; i < 8; ++i) {
@@ -129,12 +129,34 @@ TEST(FrameLimit, FramesWithoutSamplesCount) {
   EXPECT_EQ(cell.age, 0u);
 }
 
-TEST(FrameLimit, UpToTheLimitAllSamplesWeighTheSame) {
-  const AveragingRule rule{1 << 24, 0, 1, 4};
+/// With a window of half its frames, frame k of a young cell weighs k + 1, and the first one 1.5.
+TEST(FrameLimit, YoungCellsForgetTheirFirstSamples) {
+  const AveragingRule rule{1 << 24, 0, 1, 32};
   CellHistory cell;
-  for (const float value : {4.0f, 0.0f, 0.0f, 0.0f}) cell = after_frame(cell, value, rule);
-  EXPECT_NEAR(cell.moments.mean.r, 1.0f, 1e-6f);
+  for (int i = 0; i < 64; ++i) cell = after_frame(cell, i < 8 ? 0.0f : 1.0f, rule);
+  EXPECT_NEAR(cell.moments.mean.r, 1.0f - 43.5f / 2143.5f, 1e-4f);
+  EXPECT_NEAR(cell.moments.count, 2.0f * 2143.5f / 65.0f, 1e-2f);
+}
+
+TEST(FrameLimit, CellsAreKnownAsEarlyAsWithoutForgetting) {
+  const AveragingRule rule{1 << 24, 0, 8, 32};
+  CellHistory cell;
+  for (int i = 0; i < 4; ++i) cell = after_frame(cell, 1, rule);
   EXPECT_EQ(cell.moments.count, 8.0f);
+  for (int i = 0; i < 2; ++i) cell = after_frame(cell, 1, rule);
+  EXPECT_LT(cell.moments.count, 11.0f);  // of 12 samples
+  EXPECT_GE(cell.moments.count, 10.0f);
+}
+
+/// An inherited history counts no frames.
+TEST(FrameLimit, InheritedSamplesFadeFromTheSecondFrame) {
+  const AveragingRule rule{1 << 24, 0, 1, 32};
+  CellHistory cell;
+  cell.moments.count = 128;
+  cell = after_frame(cell, 1, rule);
+  EXPECT_EQ(cell.moments.count, 130.0f);
+  cell = after_frame(cell, 1, rule);
+  EXPECT_EQ(cell.moments.count, 67.0f);
 }
 
 }  // namespace
