@@ -51,8 +51,8 @@ void check_upscaling(const RenderSettings& s) {
 void check_sharc(const RenderSettings& s) {
   if (s.cache != CacheChoice::sharc || !learns(s)) return;
   throw Error(
-      "cache 'sharc' does not combine with lights 'vlc' and guide 'cdq', which would learn from paths that end in "
-      "cells; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
+      "cache 'sharc' does not combine with lights 'vlc' and guide 'cdq', for which its paths leave no records; use "
+      "lights 'light-tree' and guide 'bsdf', or cache 'none'");
 }
 
 /// Throws if reservoirs do not combine with the other choices.

@@ -189,6 +189,7 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator bdpt --cache psf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache.*; use estimator 'path' or cache 'none'"),
             (FAILED, "--estimator light --cache apsf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache"),
             (FAILED, "--estimator bdpt --history reproject", "estimators 'bdpt', 'light' and 'vcm' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
+            (FAILED, "--cache sharc --lights vlc", "cache 'sharc' .* lights 'vlc' and guide 'cdq'.*; use lights 'light-tree' and guide 'bsdf', or cache 'none'"),
             (FAILED, "--cache apsf+apg --history reproject", "a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
