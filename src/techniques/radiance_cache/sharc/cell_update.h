@@ -17,6 +17,9 @@ inline constexpr uint32_t kMostPropagation = 8;
 /// Maximum number of cells of an update path, which discards incomplete samples at the next one. Paths that reach known
 /// cells end earlier.
 inline constexpr uint32_t kMostUpdatedCells = 8;
+/// Bounces of an update path at least, whatever the limit of camera paths. The samples of a path that ends at a limit
+/// lack light.
+inline constexpr uint32_t kLeastUpdateBounces = 2 * kMostUpdatedCells;
 
 /// Share of light from a later vertex that a cell receives, for light of luminance `y`. The limit is `clamp` times the
 /// cell's mean for cells of 12 samples, and falls to half of it for cells of two. Fewer samples are no basis of a

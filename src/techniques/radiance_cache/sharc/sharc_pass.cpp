@@ -1,5 +1,7 @@
 #include "techniques/radiance_cache/sharc/sharc_pass.h"
 
+#include <algorithm>
+
 #include "techniques/radiance_cache/sharc/cell_ends.h"
 #include "techniques/radiance_cache/sharc/cell_update.h"
 
@@ -33,6 +35,8 @@ bool SharcPass::run(const FrameContext& frame) {
                       .variance = settings_.variance,
                       .termination = frame.write(kCellTermination)};
   if (!trace_paths(source_, frame, nullptr, RadianceOutput{frame.write(kRadiance)}, ends)) return false;
+  // Updates write keys and sums. Camera paths read histories, which are empty behind a new key, so the order of both
+  // launches changes no bit.
   return update_cells(frame);
 }
 
@@ -41,6 +45,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
   CellUpdateKernel kernel;
   kernel.context = make_path_context(source_, frame);
   kernel.context.indirect = {};  // every update path continues
+  kernel.context.max_bounces = std::max(kernel.context.max_bounces, kLeastUpdateBounces);
   kernel.update = {.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
                    .depth = static_cast<uint32_t>(settings_.propagation_depth),
                    .feedback = settings_.feedback,
