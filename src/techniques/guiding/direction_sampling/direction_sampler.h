@@ -23,6 +23,12 @@ struct HashedNumbers {
   }
 };
 
+/// What the density of the mixture depends on at a surface point, to evaluate it without the point.
+struct GuidedPoint {
+  uint32_t region = kNoRegion;  ///< region with a quadtree; kNoRegion: the point is not guided
+  float fraction = 1;           ///< probability of the BSDF
+};
+
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
   QuadtreeArray quadtrees;      ///< quadtrees by region
@@ -31,9 +37,10 @@ struct DirectionSampler {
   View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none
   uint32_t candidates = 1;      ///< directions of which one is resampled at glossy vertices; 1: no resampling
 
+  /// Light subpaths (importance) follow the BSDF alone, because quadtrees learn radiance.
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
-    if (!guides(sp)) return sample_bsdf(sp, sampler, mode);
+    if (mode == TransportMode::importance || !guides(sp)) return sample_bsdf(sp, sampler, mode);
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
     return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, tree, sampler);
   }
@@ -42,6 +49,16 @@ struct DirectionSampler {
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
     if (!guides(sp)) return bsdf.pdf_forward;
     return mixed(fraction_at(sp), bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
+  }
+
+  RELUME_HD GuidedPoint guided(const SurfacePoint& sp) const {
+    return guides(sp) ? GuidedPoint{sp.region, fraction_at(sp)} : GuidedPoint{};
+  }
+  /// pdf_w of sample() for direction `wi` at a point; `pdf_bsdf`: that of the BSDF. sample() rejects directions that
+  /// the BSDF never samples, so their density is 0.
+  RELUME_HD float pdf(const GuidedPoint& point, const Vec3& wi, float pdf_bsdf) const {
+    if (point.region == kNoRegion || !(pdf_bsdf > 0.0f)) return pdf_bsdf;
+    return mixed(point.fraction, pdf_bsdf, quadtrees.load(point.region).pdf(wi));
   }
 
  private:

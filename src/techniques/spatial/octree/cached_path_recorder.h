@@ -110,7 +110,7 @@ struct CachedPathRecorder : PathRecorder {
   }
 
   RELUME_HD void add(uint32_t v, const Rgb& all) const {
-    if (factor[v] > 0.0f) recording->sample(v, pixel).value += value_of(v, all);
+    if (factor[v] > 0.0f) recording->sample(v, pixel).value += value_of(v, all - radiance[v]);
   }
 };
 

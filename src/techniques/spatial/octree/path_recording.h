@@ -27,10 +27,24 @@ struct PathRecording {
     if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
     return octree.find_pair(sp.previous_position, sp.position);
   }
+  /// The region from which a vertex takes estimates, with a jitter that depends on nothing but the place and the frame:
+  /// subpaths from both sides find the same region at a vertex of their path.
+  RELUME_HD uint32_t region_at(const SurfacePoint& sp) const {
+    return jitter > 0.0f ? jittered_region(sp) : sampled.find(sp.previous_position);
+  }
+  RELUME_HD uint32_t jittered_region(const SurfacePoint& sp) const {
+    const UVec3 q = sampled.quantise(sp.previous_position);
+    return sampled.find_near(q, jitter, random_vector(hash(hash(seed, q.x), q.y, q.z)));
+  }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
   /// Clears the records of `pixel`.
   RELUME_HD void skip(uint32_t pixel) const {
     for (uint32_t v = 0; v < vertices; ++v) sample(v, pixel) = {};
+  }
+
+  /// Three independent numbers in [0, 1).
+  RELUME_HD static Vec3 random_vector(uint32_t h) {
+    return {to_unit_float(h), to_unit_float(hash(h, 1u)), to_unit_float(hash(h, 2u))};
   }
 };
 
@@ -57,14 +71,19 @@ struct PathRecorder {
                     ? recording->sampled.find_near(recording->sampled.quantise(sp.previous_position), recording->jitter,
                                                    random(v))
                     : regions.sample;
+    begin_vertex(v, regions.store);
+    return true;
+  }
+
+  /// Begins the record of vertex `v`, which is stored in `region`.
+  RELUME_HD void begin_vertex(uint32_t v, uint32_t region) {
     current = v;
-    if (v >= recording->vertices) return true;
+    if (v >= recording->vertices) return;
     VertexSample sample;
-    sample.region = regions.store;
+    sample.region = region;
     recording->sample(v, pixel) = sample;
     factor[v] = 0;
     reached = v + 1;
-    return true;
   }
 
   template <typename Path>
@@ -97,21 +116,26 @@ struct PathRecorder {
 
   template <typename Path>
   RELUME_HD void finished(const Path& path) {
+    finish([&](uint32_t v) { return path.radiance - radiance[v]; });
+  }
+
+  /// Completes the records. `found_by(v)`: light in the image that the path found along the direction of vertex v.
+  template <typename FoundBy>
+  RELUME_HD void finish(const FoundBy& found_by) {
     for (uint32_t v = 0; v < recording->vertices; ++v) {
       VertexSample& out = recording->sample(v, pixel);
       if (v >= reached) {
         out = {};
       } else if (factor[v] > 0.0f) {
-        out.value = value_of(v, path.radiance);
+        out.value = value_of(v, found_by(v));
       }
     }
   }
 
  protected:
-  /// Value of the light that the path found between its choice of a direction at vertex v and its radiance `all`. The
-  /// factor of the vertex must be positive.
-  RELUME_HD float value_of(uint32_t v, const Rgb& all) const {
-    const Rgb found = all - radiance[v];
+  /// Value of the light in the image that the path found along the direction of vertex v. The factor of the vertex must
+  /// be positive.
+  RELUME_HD float value_of(uint32_t v, const Rgb& found) const {
     Rgb incident(0);
     for (int c = 0; c < 3; ++c) {
       if (throughput[v][c] > 0.0f) incident[c] = found[c] / throughput[v][c];
@@ -121,8 +145,7 @@ struct PathRecorder {
 
  private:
   RELUME_HD Vec3 random(uint32_t vertex) const {
-    const uint32_t h = hash(recording->seed, pixel, vertex);
-    return {to_unit_float(h), to_unit_float(hash(h, 1u)), to_unit_float(hash(h, 2u))};
+    return PathRecording::random_vector(hash(recording->seed, pixel, vertex));
   }
 };
 
