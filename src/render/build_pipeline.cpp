@@ -156,17 +156,17 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
 /// nullptr. Returns the pass of path tracing without a cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                     const OctreePass* octree) {
+  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
+  if (octree) builder.add<RegionViewPass>(*octree);
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
-        settings.history != HistoryChoice::none, source, needs_splat_image(settings));
+        settings.history != HistoryChoice::none, source, recording, needs_splat_image(settings));
   } else if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-    builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
+    builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
                                                                                            needs_splat_image(settings));
   }
   if (settings.estimator != EstimatorChoice::path) return nullptr;
-  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
-  if (octree) builder.add<RegionViewPass>(*octree);
   if (settings.cache == CacheChoice::none) {
     const PathRecords records{.first_vertices = needs_first_vertices(settings),
                               .specular = splits_light(settings),

@@ -109,10 +109,11 @@ void check_combination(const RenderSettings& settings) {
   }
   check_reuse(settings);
   check_sharc(settings);
-  if (learns(settings) && from_both_ends) {
+  if (learns(settings) && settings.estimator == EstimatorChoice::light) {
     throw Error(
-        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path'; use estimator 'path', or lights "
-        "'light-tree' and guide 'bsdf'");
+        "lights 'vlc' and guide 'cdq' by nature do not combine with estimator 'light', whose camera paths end at their "
+        "first surface: they choose no lights or directions there, and find nothing to learn from; use estimator "
+        "'bdpt', or lights 'light-tree' and guide 'bsdf'");
   }
   if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
     throw Error(

@@ -48,7 +48,7 @@ MAY_INCLUDE = {
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
 TECHNIQUE_MAY_INCLUDE = {
     "path": "octree primary_hits",
-    "bdpt": "path",
+    "bdpt": "octree path",
     "vcm": "bdpt path",
     "directional_quadtree": "octree",
     "direction_view": "directional_quadtree octree path",

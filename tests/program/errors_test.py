@@ -184,8 +184,8 @@ class Combinations(RefusalTest):
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
             (FAILED, "--cache psf --reuse ris", "reuse 'ris' and 'restir-di' .* radiance cache.*; use cache 'none' or reuse 'none'"),
-            (FAILED, "--estimator bdpt --lights vlc", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use estimator 'path'"),
-            (FAILED, "--estimator light --guide cdq", "lights 'vlc' and guide 'cdq' .* paths of estimator 'path'.*; use .* guide 'bsdf'"),
+            (FAILED, "--estimator light --lights vlc", "lights 'vlc' and guide 'cdq' by nature .* estimator 'light'.*; use estimator 'bdpt'"),
+            (FAILED, "--estimator light --guide cdq", "lights 'vlc' and guide 'cdq' by nature .* estimator 'light'.*; use .* guide 'bsdf'"),
             (FAILED, "--estimator bdpt --cache psf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache.*; use estimator 'path' or cache 'none'"),
             (FAILED, "--estimator light --cache apsf", "estimators 'bdpt', 'light' and 'vcm' .* radiance cache"),
             (FAILED, "--estimator bdpt --history reproject", "estimators 'bdpt', 'light' and 'vcm' .* reproject.method 'forward'.*; use reproject.method 'backward'"),

@@ -8,8 +8,9 @@
 namespace relume {
 
 /// Traces one light and one camera subpath per pixel, with all their connections.
-struct BdptKernel {
-  BdptContext context;
+template <typename Context>
+struct BdptKernelOf {
+  Context context;
   SampleIndex index;
   View<const Hit> hits;
   View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
@@ -21,18 +22,24 @@ struct BdptKernel {
   View<PathVertex> vertices = {};
   View<CameraConnection> to_camera = {};
   uint32_t kept_rows = 0;
+  View<GuidedPoint> guides = {};  ///< as many; empty: camera subpaths are not guided
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t size = context.max_kept_vertices();
     const uint32_t first = (y % kept_rows * context.width + x) * size;
-    trace(x, y, {{vertices.data + first, size}, {to_camera.data + first, size}});
+    LightVertices kept{{vertices.data + first, size}, {to_camera.data + first, size}};
+    if (Context::kLearns && !guides.empty()) kept.guides = {guides.data + first, size};
+    trace(x, y, kept);
   }
 
   /// Host: threads have enough memory on their stack.
   void operator()(const Tile& tile) const {
     LightVertexArrays arrays;
+    GuidedPoint guided[Context::kLearns ? kMaxLightVertices - 1 : 1u];
+    LightVertices kept = arrays.view();
+    if (Context::kLearns) kept.guides = {guided, kMaxLightVertices - 1};
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
-      for (uint32_t x = tile.x0; x < tile.x1; ++x) trace(x, y, arrays.view());
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) trace(x, y, kept);
     }
   }
 
@@ -43,6 +50,7 @@ struct BdptKernel {
     if (!allocation.empty() && allocation[pixel] == 0) {
       radiance[pixel] = Rgb(0);
       rays[pixel] = 0;
+      skip_records(context, pixel);
       return;
     }
     BdptCounters counters;
@@ -58,6 +66,15 @@ struct BdptKernel {
     if (counters.nonfinite > 0) atomic_add(&nonfinite[0], uint64_t{counters.nonfinite});
   }
 };
+
+using BdptKernel = BdptKernelOf<BdptContext>;
+
+/// The same kernel in another context.
+template <typename Context>
+inline BdptKernelOf<Context> in_context(const Context& context, const BdptKernel& k) {
+  return {context,     k.index,     k.hits,     k.allocation, k.radiance,  k.rays,
+          k.saturated, k.nonfinite, k.vertices, k.to_camera,  k.kept_rows, k.guides};
+}
 
 /// Adds the splats of the frame to the radiance of its samples and clears them.
 struct AddSplatsKernel {

@@ -2,12 +2,16 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/bdpt/path_vertex.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
 
 struct BdptContext {
+  /// Whether learned structures guide the paths. If not, the code for them compiles away.
+  static constexpr bool kLearns = false;
+
   PathContext path;
   PowerLights emission;          ///< distribution of the lights where subpaths start
   PowerLights connection;        ///< distribution that weights assume for connections; see weighting_pmf()
@@ -21,6 +25,12 @@ struct BdptContext {
   float merging = 0;                    ///< η² of vertex merging (partial_weights.h); 0: none
   float connected = 1;                  ///< square of the number of connections between surfaces, as light_paths
   float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every sample has its own
+
+  // Of LearningContext, which has no members of its own, as kernels have standard layout.
+  PathRecording recording = {};
+  /// Whether weights use the density of guided directions. Otherwise they use that of the BSDF, as without guiding.
+  /// Either way they sum to one, but only those of the BSDF are the same in all frames.
+  bool weighs_guide = true;
 
   RELUME_HD const SceneView& scene() const { return path.scene; }
 
@@ -40,9 +50,82 @@ struct BdptContext {
   }
 };
 
+/// Context of paths that take lights or directions from learned structures, and record samples for them (light
+/// selection "vlc", guiding "cdq").
+struct LearningContext : BdptContext {
+  static constexpr bool kLearns = true;
+};
+
+/// Looks up the region of a point, where densities depend on it.
+template <typename Context>
+RELUME_HD inline void find_region(const Context& c, SurfacePoint& sp) {
+  if constexpr (Context::kLearns) {
+    if (c.weighs_guide && c.path.directions.kind != DirectionSamplerKind::bsdf) sp.region = c.recording.region_at(sp);
+  }
+}
+
+/// How camera subpaths choose directions at a point, as assumed by the weights.
+template <typename Context>
+RELUME_HD inline GuidedPoint guided_point(const Context& c, const SurfacePoint& sp) {
+  if constexpr (Context::kLearns) {
+    if (c.weighs_guide) return c.path.directions.guided(sp);
+  }
+  return {};
+}
+
+/// Density with which camera subpaths continue along `wi`, as assumed by the weights. `pdf_bsdf`: that of the BSDF.
+template <typename Context>
+RELUME_HD inline float camera_pdf(const Context& c, const GuidedPoint& point, const Vec3& wi, float pdf_bsdf) {
+  if constexpr (Context::kLearns) {
+    return c.path.directions.pdf(point, wi, pdf_bsdf);
+  } else {
+    return pdf_bsdf;
+  }
+}
+
+/// The same for a direction that the camera subpath has sampled.
+template <typename Context>
+RELUME_HD inline float camera_pdf(const Context& c, const BsdfSample& s) {
+  if constexpr (Context::kLearns) {
+    if (!c.weighs_guide && s.bsdf_pdf_w > 0.0f) return s.bsdf_pdf_w;
+  }
+  return s.pdf_w;
+}
+
+/// Scattering at a vertex of a light subpath towards `w`, the camera's side.
+template <typename Context>
+RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const SurfacePoint& sp, const Vec3& w) {
+  AdjointEval e = eval_adjoint(sp, w);
+  if constexpr (Context::kLearns) e.pdf_camera = camera_pdf(c, guided_point(c, sp), sp.wo, e.pdf_camera);
+  return e;
+}
+
+/// The same for a stored vertex and its guided_point().
+template <typename Context>
+RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const PathVertex& v, const GuidedPoint& guide,
+                                               const Vec3& w, float wavelength_nm) {
+  AdjointEval e = eval_vertex(c.scene(), v, w, wavelength_nm);
+  if constexpr (Context::kLearns) e.pdf_camera = camera_pdf(c, guide, v.wo, e.pdf_camera);
+  return e;
+}
+
+/// Vertices of a light subpath without the one on the light, kept for connections.
+struct KeptVertices {
+  View<const PathVertex> vertices = {};
+  View<const GuidedPoint> guides = {};  ///< guided_point() of each; empty: not guided
+};
+
+template <typename Context>
+RELUME_HD inline GuidedPoint kept_guide(const Context&, const View<const GuidedPoint>& guides, uint32_t vertex) {
+  if constexpr (Context::kLearns) {
+    if (!guides.empty()) return guides[vertex];
+  }
+  return {};
+}
+
 /// Probability of choosing `light` for a connection, as used by the weights. It must not depend on the start of the
-/// connection: light subpaths cannot evaluate a selector from the camera's side. Selectors that do depend on it are
-/// weighted as if they followed the power.
+/// connection: light subpaths cannot evaluate a selector from the camera's side. Selectors that do depend on it,
+/// learned or not, are weighted as if they followed the power.
 RELUME_HD inline float weighting_pmf(const BdptContext& c, LightId light) {
   const LightSelector& selector = c.path.selector;
   return selector.kind == LightSelectorKind::uniform ? selector.uniform.pmf(light) : c.connection.pmf(light);
@@ -79,6 +162,9 @@ RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb&
 /// so far are tested with a probability below 1 and scaled by its inverse.
 struct ConnectionRoulette {
   float tested = 0;  ///< luminance of the connections tried so far
+
+  /// Counts a connection that is tested in any case.
+  RELUME_HD void count(const Rgb& contribution) { tested += luminance(contribution); }
 
   /// Returns whether to test the connection, and scales its contribution by the inverse probability.
   RELUME_HD bool survives(const BdptContext& c, uint32_t ray_id, Rgb& contribution) {

@@ -51,18 +51,32 @@ void BdptPass::prepare_lights(const FrameContext& frame) {
 uint64_t BdptPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel) {
   if (!frame.backend.has_device() && frame.backend.form() == KernelForm::host) return samples;
   const uint64_t row = uint64_t{kernel.context.max_kept_vertices()} * frame.width();
-  const uint64_t rows =
-      kLightVertexBytes / std::max<uint64_t>(row * (sizeof(PathVertex) + sizeof(CameraConnection)), 1);
+  const uint64_t bytes = sizeof(PathVertex) + sizeof(CameraConnection) + (weighs_guide() ? sizeof(GuidedPoint) : 0);
+  const uint64_t rows = kLightVertexBytes / std::max<uint64_t>(row * bytes, 1);
   kernel.kept_rows = static_cast<uint32_t>(std::clamp<uint64_t>(rows, 1, frame.height()));
   const size_t elements = row * kernel.kept_rows;
   vertices_.reset(elements, kUninitialized);
   to_camera_.reset(elements, kUninitialized);
   kernel.vertices = vertices_.mutable_view();
   kernel.to_camera = to_camera_.mutable_view();
+  guides_.reset(weighs_guide() ? elements : 0, kUninitialized);
+  kernel.guides = guides_.mutable_view();
   return samples;
 }
 
+LearningContext BdptPass::learning(const BdptContext& context) const {
+  LearningContext learning{context};
+  learning.recording = *recording_;
+  learning.weighs_guide = weighs_guide();
+  return learning;
+}
+
 bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
+  return learns() ? trace_in_bands(frame, in_context(learning(kernel.context), kernel)) : trace_in_bands(frame, kernel);
+}
+
+template <typename Context>
+bool BdptPass::trace_in_bands(const FrameContext& frame, const BdptKernelOf<Context>& kernel) const {
   if (kernel.kept_rows == 0) return frame.launch_or_stop("trace", kernel);
   Tile band = frame.rendered();
   for (const uint32_t end = band.y1; band.y0 < end; band.y0 = band.y1) {

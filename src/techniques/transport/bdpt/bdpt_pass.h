@@ -27,19 +27,22 @@ struct SplatFaults {
 /// Traces one light and one camera subpath for each pixel that receives a sample.
 class BdptPass : public Pass {
  public:
-  /// `separate_splats`: also writes splats to a separate buffer, for a history that stores them separately.
+  /// `recording`: destination of samples for learning; nullptr: none. `separate_splats`: also writes splats to a
+  /// separate buffer, for a history that stores them separately.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, bool separate_splats, Memory& memory)
+           const PathSource& source, const PathRecording* recording, bool separate_splats, Memory& memory)
       : settings_(settings),
         selection_(selection),
         mode_(mode),
         source_(source),
+        recording_(recording),
         separate_splats_(separate_splats),
         emission_(memory),
         connection_(memory),
         light_medium_(memory),
         vertices_(memory),
         to_camera_(memory),
+        guides_(memory),
         faults_(memory) {}
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
@@ -51,7 +54,7 @@ class BdptPass : public Pass {
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
     return emission_.memory_bytes() + connection_.memory_bytes() + light_medium_.memory_bytes() +
-           vertices_.memory_bytes() + to_camera_.memory_bytes() + scratch_.memory_bytes();
+           vertices_.memory_bytes() + to_camera_.memory_bytes() + guides_.memory_bytes() + scratch_.memory_bytes();
   }
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
@@ -64,20 +67,31 @@ class BdptPass : public Pass {
   /// Traces all subpaths. Returns false if a stop was requested.
   virtual bool trace(const FrameContext& frame, const BdptKernel& kernel);
   bool separates_splats() const { return separate_splats_; }
+  bool learns() const { return recording_ != nullptr; }
+  /// Whether weights use the density of guided directions. Separate splats only add up to the image if the weights are
+  /// the same in all frames, while guiding changes with each.
+  bool weighs_guide() const {
+    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !separate_splats_;
+  }
+  LearningContext learning(const BdptContext& context) const;
 
  private:
+  template <typename Context>
+  bool trace_in_bands(const FrameContext& frame, const BdptKernelOf<Context>& kernel) const;
   void prepare_lights(const FrameContext& frame);
 
   BdptSettings settings_;
   LightSelectionSettings selection_;
   BdptMode mode_;
   PathSource source_;
+  const PathRecording* recording_;
   bool separate_splats_;
   Array<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media
   Array<PathVertex> vertices_;    ///< of the light subpaths of one launch; empty if the host's stack holds them
   Array<CameraConnection> to_camera_;
+  Array<GuidedPoint> guides_;  ///< by vertex; empty: weights do not use guiding
   KernelValue<SplatFaults> faults_;
   PrimitiveScratch scratch_;
   bool prepared_ = false;

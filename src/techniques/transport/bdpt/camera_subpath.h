@@ -2,7 +2,7 @@
 // subpath (s ≥ 2).
 #pragma once
 
-#include "techniques/transport/bdpt/bdpt_context.h"
+#include "techniques/transport/bdpt/subpath_recorder.h"
 
 namespace relume {
 
@@ -41,54 +41,76 @@ RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id
 }
 
 /// Weight of meeting a light at the last vertex of the subpath. `onwards`: density of emission from the light to the
-/// previous vertex, as for SubpathWeights.
+/// previous vertex, as for SubpathWeights. `recorder`, here and below: gets the terms of the weight.
+template <typename Recorder = NoRecorder>
 RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
-                                           const LightDensities& densities, float onwards) {
+                                           const LightDensities& densities, float onwards,
+                                           Recorder&& recorder = Recorder{}) {
+  const bool from_both_sides = e.count() <= c.max_bidirectional_vertices();
   float denominator = at.last(densities.connected) / c.connected;  // one connection to the light
-  if (e.count() <= c.max_bidirectional_vertices()) denominator += sqr(densities.emitted * onwards) * at.b;
+  if (from_both_sides) denominator += sqr(densities.emitted * onwards) * at.b;
+  recorder.weigh(
+      {1.0f, sqr(densities.connected) / c.connected, from_both_sides ? sqr(densities.emitted * onwards) : 0.0f});
   return weight_from(denominator, 0.0f);
 }
 
 /// s = 0: adds the emission of the last vertex. Only this strategy finds emitters in direct view.
-RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) {
+template <typename Recorder>
+RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e,
+                                       Recorder& recorder) {
   if (is_black(sp.emission)) return;
   float weight = 1.0f;
+  recorder.weigh({});
   if (e.path.bounce > 0 && sp.light != kNoLight) {
     const EmissionPdf pdf = pdf_le(c.scene().lights, sp.light, sp.emitter_point(), sp.wo);
-    weight = weight_of_light_hit(c, e, e.weights.at(), light_densities(c, sp.light, pdf.pdf_a), pdf.pdf_w);
+    weight = weight_of_light_hit(c, e, e.weights.at(), light_densities(c, sp.light, pdf.pdf_a), pdf.pdf_w, recorder);
   }
-  e.path.radiance += e.path.throughput * sp.emission * weight;
+  const Rgb met = e.path.throughput * sp.emission * weight;
+  e.path.radiance += met;
+  recorder.add_met(met, e.weights.at(), e.path, !e.path.delta && sp.light != kNoLight);
 }
 
 /// s = 0: adds light from infinity along a ray that left the scene.
-RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpath& e) {
+template <typename Recorder>
+RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpath& e, Recorder& recorder) {
   const LightsView& lights = c.scene().lights;
   const Vec3& wi = e.path.ray.direction;
   const PartialWeights at = e.weights.arrive(1.0f, 1.0f);
+  recorder.moved(1.0f, 1.0f);
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
     float weight = 1.0f;
+    LightDensities densities{0, 0};
     if (e.path.bounce > 0) {
       const EmissionPdf pdf = pdf_le(lights, id, {}, -wi);
-      weight = weight_of_light_hit(c, e, at, light_densities(c, id, pdf.pdf_w), pdf.pdf_a);
+      densities = light_densities(c, id, pdf.pdf_w);
+      weight = weight_of_light_hit(c, e, at, densities, pdf.pdf_a, recorder);
     }
-    e.path.radiance += e.path.throughput * radiance * weight;
+    const Rgb met = e.path.throughput * radiance * weight;
+    e.path.radiance += met;
+    recorder.add_met(met, at, e.path, !e.path.delta && densities.connected > 0.0f);
   }
 }
 
 /// Evaluates the BSDF at the last vertex. The reverse density doubles the cost, so it is computed only if strategies
-/// that cut before the vertex exist.
-RELUME_HD inline BsdfEval eval_camera_vertex(const CameraSubpath& e, const SurfacePoint& sp, const Vec3& wi) {
+/// that cut before the vertex exist. The forward density includes guiding, the reverse one does not, because light
+/// subpaths are not guided.
+template <typename Context>
+RELUME_HD inline BsdfEval eval_camera_vertex(const Context& c, const CameraSubpath& e, const SurfacePoint& sp,
+                                             const Vec3& wi) {
   BsdfEval result = eval_pdf(sp, wi);
   if (e.weights.at().b > 0.0f && !is_black(result.f)) result.pdf_reverse = other_sides_pdf(sp, wi);
+  if (Context::kLearns && !is_black(result.f))
+    result.pdf_forward = camera_pdf(c, guided_point(c, sp), wi, result.pdf_forward);
   return result;
 }
 
 /// Weight of a connection to a point on a light (s = 1).
+template <typename Recorder = NoRecorder>
 RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                                                  const LightPick& pick, const LightSample& light,
-                                                  const BsdfEval& bsdf) {
+                                                  const LightPick& pick, const LightSample& light, const BsdfEval& bsdf,
+                                                  Recorder&& recorder = Recorder{}) {
   const float pmf = weighting_pmf(c, pick.id);
   if (!(pmf > 0.0f)) return 0.0f;
   const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric}, -light.wi);
@@ -98,24 +120,30 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
       infinite ? pdf.pdf_w
                : pdf_w_from_pdf_a(pdf.pdf_a, sqr(light.distance), std::fabs(glm::dot(light.normal, light.wi)));
   const float met = light.delta ? 0.0f : sqr(bsdf.pdf_forward / (pmf * found_by_area));
-  if (e.count() + 1 > c.max_bidirectional_vertices()) return weight_from(met, 0.0f);
+  if (e.count() + 1 > c.max_bidirectional_vertices()) {
+    recorder.weigh({1.0f + met});
+    return weight_from(met, 0.0f);
+  }
   const float onwards = infinite ? pdf.pdf_a : pdf.pdf_w / sqr(light.distance);
   const float found = c.emission.pmf(pick.id) / pmf * onwards * std::fabs(glm::dot(sp.ng, light.wi));
+  recorder.weigh(weight_terms(met, found, bsdf.pdf_reverse, e.weights.merging(), 1.0f));
   return weight_from(met, e.weights.sum(found, bsdf.pdf_reverse));
 }
 
 /// s = 1: connects to a point on a light chosen by the selector.
-RELUME_HD inline Connection connect_to_light(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                                             Sampler& sampler) {
+template <typename Context, typename Recorder>
+RELUME_HD inline Connection connect_to_light(const Context& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                             Sampler& sampler, Recorder& recorder) {
   const LightPick pick = pick_light(c.path, sp, sampler);
   const LightSample light = sample_picked(c.path, sp, pick);
   if (!light.valid()) return {};
   const Rgb medium = medium_along(c.scene(), sp, light.wi, e.path.medium);
-  const BsdfEval bsdf = eval_camera_vertex(e, sp, light.wi);
+  const BsdfEval bsdf = eval_camera_vertex(c, e, sp, light.wi);
   if (is_black(bsdf.f)) return {};
-  const float weight = weight_of_light_connection(c, sp, e, pick, light, bsdf);
+  const float weight = weight_of_light_connection(c, sp, e, pick, light, bsdf, recorder);
   Connection connection;
   connection.ray = shadow_ray(sp, light);
+  connection.light = pick.id;
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
                             (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
   if (c.scene().disperses) connection.contribution *= dispersion_weight(c.scene(), sp, light.wi, e.path);
@@ -123,13 +151,16 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
 }
 
 /// Weight of a connection along `w`, √distance_squared metres long, to a vertex of the light subpath.
+template <typename Recorder = NoRecorder>
 RELUME_HD inline float weight_of_vertex_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                                    const BsdfEval& bsdf, const PathVertex& v,
-                                                   const AdjointEval& adjoint, const Vec3& w, float distance_squared) {
+                                                   const AdjointEval& adjoint, const Vec3& w, float distance_squared,
+                                                   Recorder&& recorder = Recorder{}) {
   const float found_light = bsdf.pdf_forward * std::fabs(glm::dot(v.ng, w)) / distance_squared;
   const float found_camera = adjoint.pdf_light * std::fabs(glm::dot(sp.ng, w)) / distance_squared;
-  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera, c.merging) / c.connected,
-                     e.weights.sum(found_camera, bsdf.pdf_reverse) / c.connected);
+  const float cuts_at_light = v.weights.sum(found_light, adjoint.pdf_camera, c.merging) / c.connected;
+  recorder.weigh(weight_terms(cuts_at_light, found_camera, bsdf.pdf_reverse, e.weights.merging(), 1.0f / c.connected));
+  return weight_from(cuts_at_light, e.weights.sum(found_camera, bsdf.pdf_reverse) / c.connected);
 }
 
 /// dispersion_weight() of a connection along `w` to a light vertex, whose throughput excludes that factor.
@@ -139,19 +170,20 @@ RELUME_HD inline Rgb dispersion_weight(const BdptContext& c, const SurfacePoint&
   return dispersion_weight(c.scene(), sp, w, e.path);
 }
 
-/// s ≥ 2: connects to a vertex of the light subpath.
-RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                                              const PathVertex& v) {
+/// s ≥ 2: connects to a vertex of the light subpath. `guide`: its guided_point().
+template <typename Context, typename Recorder>
+RELUME_HD inline Connection connect_to_vertex(const Context& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                              const PathVertex& v, const GuidedPoint& guide, Recorder& recorder) {
   const Vec3 d = v.position - sp.position;
   const float distance_squared = length_squared(d);
   if (!(distance_squared > 0.0f)) return {};
   const float distance = std::sqrt(distance_squared);
   const Vec3 w = d / distance;
-  const BsdfEval bsdf = eval_camera_vertex(e, sp, w);
+  const BsdfEval bsdf = eval_camera_vertex(c, e, sp, w);
   if (is_black(bsdf.f)) return {};
-  const AdjointEval adjoint = eval_vertex(c.scene(), v, -w, e.path.wavelength_nm);
+  const AdjointEval adjoint = eval_light_vertex(c, v, guide, -w, e.path.wavelength_nm);
   if (is_black(adjoint.f)) return {};
-  const float weight = weight_of_vertex_connection(c, sp, e, bsdf, v, adjoint, w, distance_squared);
+  const float weight = weight_of_vertex_connection(c, sp, e, bsdf, v, adjoint, w, distance_squared, recorder);
   Connection connection;
   connection.ray = shadow_ray(sp, w, distance);
   connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
@@ -162,62 +194,97 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
 }
 
 /// Adds a connection if roulette selects it and nothing blocks it.
+template <typename Recorder>
 RELUME_HD inline void try_connection(const BdptContext& c, const Connection& connection, uint32_t ray_id,
-                                     CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters) {
+                                     CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters,
+                                     Recorder& recorder) {
   if (!connection.valid()) return;
   Rgb contribution = connection.contribution;
   if (!roulette.survives(c, ray_id, contribution)) return;
-  if (visible(c, connection.ray, ray_id, counters)) e.path.radiance += contribution;
+  if (!visible(c, connection.ray, ray_id, counters)) return;
+  e.path.radiance += contribution;
+  recorder.add(contribution, e.weights.at());
+}
+
+/// The same for a connection to a light. Roulette leaves it alone where its visibility is recorded.
+template <typename Recorder>
+RELUME_HD inline void try_light_connection(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
+                                           uint32_t ray_id, CameraSubpath& e, ConnectionRoulette& roulette,
+                                           BdptCounters& counters, Recorder& recorder) {
+  if (!recorder.needs_visibility()) {
+    try_connection(c, connection, ray_id, e, roulette, counters, recorder);
+    return;
+  }
+  if (!connection.valid()) return;
+  roulette.count(connection.contribution);
+  const bool reaches = visible(c, connection.ray, ray_id, counters);
+  recorder.connected(sp, e.path, connection, reaches);
+  if (!reaches) return;
+  e.path.radiance += connection.contribution;
+  recorder.add(connection.contribution, e.weights.at());
 }
 
 /// Tries all connections of the last vertex. `kept`: vertices of the light subpath except the first.
-RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View<const PathVertex> kept,
-                              CameraSubpath& e, Sampler& sampler, ConnectionRoulette& roulette,
-                              BdptCounters& counters) {
-  const Connection to_light = connect_to_light(c, sp, e, sampler);
+template <typename Context, typename Recorder>
+RELUME_HD inline void connect(const Context& c, const SurfacePoint& sp, const KeptVertices& kept, CameraSubpath& e,
+                              Sampler& sampler, ConnectionRoulette& roulette, BdptCounters& counters,
+                              Recorder& recorder) {
+  const Connection to_light = connect_to_light(c, sp, e, sampler, recorder);
   // Take the identity after the draws for the light. Before, it would equal that of the arriving ray, and partly
   // transparent surfaces would pass both rays or neither.
   const uint32_t ray_id = sampler.ray_id();
-  try_connection(c, to_light, ray_id, e, roulette, counters);
+  try_light_connection(c, sp, to_light, ray_id, e, roulette, counters, recorder);
   const uint32_t longest = c.max_bidirectional_vertices();
-  for (uint32_t i = 0; i < kept.size && e.count() + i + 2 <= longest; ++i) {
-    if (!kept[i].connectable()) continue;
-    try_connection(c, connect_to_vertex(c, sp, e, kept[i]), hash(ray_id, i), e, roulette, counters);
+  for (uint32_t i = 0; i < kept.vertices.size && e.count() + i + 2 <= longest; ++i) {
+    const PathVertex& v = kept.vertices[i];
+    if (!v.connectable()) continue;
+    const Connection to_vertex = connect_to_vertex(c, sp, e, v, kept_guide(c, kept.guides, i), recorder);
+    try_connection(c, to_vertex, hash(ray_id, i), e, roulette, counters, recorder);
   }
 }
 
 /// Samples the next direction. Returns false if the subpath ends here.
-RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e,
-                                              Sampler& sampler) {
-  if (!continue_path(c.path, sp, e.path, sampler)) return false;
+template <typename Context, typename Recorder = NoRecorder>
+RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoint& sp, CameraSubpath& e,
+                                              Sampler& sampler, Recorder&& recorder = Recorder{}) {
+  const BsdfSample s = c.path.directions.sample(sp, sampler);
+  if (!follow(c.path, sp, s, e.path, sampler)) return false;
   const Vec3& wi = e.path.ray.direction;
   const float cosine = std::fabs(glm::dot(sp.ng, wi));
+  recorder.scattered(c, sp, s, e.path);
   if (e.path.delta) {
-    e.weights.leave_delta(cosine, delta_density_ratio(sp, wi));
+    const float ratio = delta_density_ratio(sp, wi) / guided_point(c, sp).fraction;
+    e.weights.leave_delta(cosine, ratio);
+    recorder.left_delta(cosine, ratio);
   } else {
-    e.weights.leave(cosine, e.path.pdf_w, e.weights.at().b > 0.0f ? other_sides_pdf(sp, wi) : 0.0f);
+    const float pdf = camera_pdf(c, s);
+    const float reverse = e.weights.at().b > 0.0f ? other_sides_pdf(sp, wi) : 0.0f;
+    e.weights.leave(cosine, pdf, reverse);
+    recorder.left(cosine, pdf, reverse);
   }
   return true;
 }
 
 /// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
 struct OneLightSubpath {
+  template <typename Recorder>
   RELUME_HD void add(const BdptContext&, const SurfacePoint&, uint32_t, CameraSubpath&, ConnectionRoulette&,
-                     BdptCounters&) const {}
+                     BdptCounters&, Recorder&) const {}
 };
 
 /// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
 /// camera. `others`: adds light of other light subpaths at each vertex that does not only scatter specularly.
-template <typename Others = OneLightSubpath>
-RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
-                                          View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
-                                          BdptCounters& counters, const Others& others = {}) {
+template <typename Context, typename Others = OneLightSubpath>
+RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t y, Hit hit, const KeptVertices& kept,
+                                          Sampler& sampler, ConnectionRoulette& roulette, BdptCounters& counters,
+                                          const Others& others = {}) {
   CameraSubpath e;
+  auto recorder = recorder_of(c, y * c.width + x);
   start_camera_subpath(c, x, y, sampler, e);
   ++counters.rays;
   for (;;) {
     if (!hit.valid()) {
-      add_met_infinite_lights(c, e);
+      add_met_infinite_lights(c, e, recorder);
       break;
     }
     SurfacePoint sp;
@@ -228,18 +295,21 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     const float cosine = glm::dot(sp.ng, sp.wo);
     if (!(cosine > 0.0f)) break;
     e.weights.arrive(cosine, sqr(hit.t));
-    add_met_emission(c, sp, e);
+    recorder.moved(cosine, sqr(hit.t));
+    add_met_emission(c, sp, e, recorder);
     if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
+    recorder.arrived(sp, e.path);
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) {
-      connect(c, sp, kept, e, sampler, roulette, counters);
-      others.add(c, sp, sampler.ray_id(), e, roulette, counters);
+      connect(c, sp, kept, e, sampler, roulette, counters, recorder);
+      others.add(c, sp, sampler.ray_id(), e, roulette, counters, recorder);
     }
-    if (!continue_camera_subpath(c, sp, e, sampler)) break;
+    if (!continue_camera_subpath(c, sp, e, sampler, recorder)) break;
     hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
     ++counters.rays;
   }
+  recorder.finished();
   return e.path.radiance;
 }
 

@@ -66,13 +66,14 @@ RELUME_HD inline bool hidden_from_camera(const SceneView& scene, const SurfacePo
 }
 
 /// t = 1: connects the last vertex `sp` to the camera.
-RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
+template <typename Context>
+RELUME_HD inline CameraConnection connect_to_camera(const Context& c, const SurfacePoint& sp, const LightSubpath& l,
                                                     Sampler& sampler) {
   const CameraView& camera = c.scene().camera;
   const Vec2 u_lens = camera.lens_radius > 0.0f ? sampler.next_2d() : Vec2(0);
   const CameraSample s = sample_wi(camera, sp.position, u_lens);
   if (!s.valid()) return {};
-  const AdjointEval e = eval_adjoint(sp, s.wi);
+  const AdjointEval e = eval_light_vertex(c, sp, s.wi);
   if (is_black(e.f) || hidden_from_camera(c.scene(), sp, s.wi)) return {};
   // Density of this point under camera sampling, per area. Importance is normalised: it is also the measured share.
   const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
@@ -103,8 +104,9 @@ struct LightVertices {
   View<CameraConnection> to_camera;  ///< as many; empty: connections to the camera are tested immediately
   uint32_t count = 0;                ///< of the vertices
   uint32_t connections = 0;          ///< of those to the camera
+  View<GuidedPoint> guides = {};     ///< of the vertices, as many; empty: camera subpaths are not guided
 
-  RELUME_HD View<const PathVertex> view() const { return {vertices.data, count}; }
+  RELUME_HD KeptVertices view() const { return {{vertices.data, count}, {guides.data, guides.empty() ? 0u : count}}; }
 };
 
 /// Memory for the longest light subpath, 4.5 KB.
@@ -180,8 +182,10 @@ RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& len
   return !occluded_to_camera(c.scene(), ray, ray_id);
 }
 
-/// Samples the next direction. Returns false if the subpath ends here.
-RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const SurfacePoint& sp, LightSubpath& l,
+/// Samples the next direction from the BSDF. Returns false if the subpath ends here. The reverse density includes
+/// guiding, as camera subpaths would sample the directions.
+template <typename Context>
+RELUME_HD inline bool continue_light_subpath(const Context& c, const SurfacePoint& sp, LightSubpath& l,
                                              Sampler& sampler) {
   if (bent(sp)) return false;
   BsdfSample s = c.path.directions.sample(sp, sampler, TransportMode::importance);
@@ -189,19 +193,22 @@ RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const Surface
   s.weight *= adjoint_correction(sp, s.wi);
   l.turned_away = hidden_from_camera(c.scene(), sp, s.wi);
   const float cosine = std::fabs(glm::dot(sp.ng, s.wi));
+  const GuidedPoint guide = guided_point(c, sp);
   if (s.delta) {
-    l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi));
+    l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi) * guide.fraction);
   } else {
-    l.weights.leave(cosine, s.pdf_w, other_sides_pdf(sp, s.wi));
+    l.weights.leave(cosine, s.pdf_w, camera_pdf(c, guide, sp.wo, other_sides_pdf(sp, s.wi)));
   }
   return follow(c.path, sp, s, l.path, sampler, TransportMode::importance);
 }
 
 /// Moves the subpath to `hit`, its next vertex. Returns false if the subpath cannot continue there.
-RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath& l, SurfacePoint& sp) {
+template <typename Context>
+RELUME_HD inline bool arrive(const Context& c, const Hit& hit, LightSubpath& l, SurfacePoint& sp) {
   make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp, l.path.wavelength_nm);
   const float cosine = glm::dot(sp.ng, sp.wo);
   if (!(cosine > 0.0f) || sp.bsdf.empty()) return false;
+  find_region(c, sp);
   // Light from infinity has no known point of entry, so nothing absorbs it there, as on camera subpaths.
   absorb(c.scene(), sp, l.from_infinity && l.count == 1 ? kInfinity : hit.t, l.path);
   l.weights.arrive(cosine, sqr(hit.t));
@@ -216,7 +223,8 @@ RELUME_HD inline Dispersion dispersion_behind(const BdptContext& c, const Surfac
 
 /// Traces a whole light subpath. Stores vertex i ≥ 1 (0 is the light) in kept.vertices[i - 1], with its connection to
 /// the camera. Light tracing stores none. It adds its connections immediately, as without memory for them.
-RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler, LightVertices& kept,
+template <typename Context>
+RELUME_HD inline void trace_light_subpath(const Context& c, Sampler& sampler, LightVertices& kept,
                                           BdptCounters& counters) {
   const uint32_t max_count = c.max_bidirectional_vertices() - 1;
   LightSubpath l;
@@ -244,9 +252,11 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
       if (connection.valid() && at_once) add_if_visible(c, connection, connection.contribution, counters);
       if (connection.valid() && !at_once) kept.to_camera[kept.connections++] = connection;
     }
-    if (!c.light_only)
+    if (!c.light_only) {
+      if (Context::kLearns && !kept.guides.empty()) kept.guides[kept.count] = guided_point(c, sp);
       kept.vertices[kept.count++] =
           make_path_vertex(sp, l.path.throughput, l.weights.at(), dispersion_behind(c, sp, l));
+    }
     if (l.count == max_count && !lens) break;
     if (!continue_light_subpath(c, sp, l, sampler)) break;
   }

@@ -36,5 +36,49 @@ TEST(BdptWeights, AccountForLightSelectionOfConnections) {
   EXPECT_GT(check.compared[kLightMet], 10);
 }
 
+TEST(BdptWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
+  int compared[kKinds] = {};
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::environment_map, ZooLight::mixed}) {
+    for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
+      SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
+                   kZooCameraNames[static_cast<int>(camera)]);
+      GuidedWeightCheck check(light, camera, LightSelectorKind::power);
+      check.run(2048);
+      check.expect_few_wrong();
+      for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
+    }
+  }
+  EXPECT_GT(compared[kVertexConnection], 300);
+  EXPECT_GT(compared[kCameraConnection], 500);
+  EXPECT_GT(compared[kLightConnection], 100);
+  EXPECT_GT(compared[kLightMet], 5);
+  EXPECT_GT(compared[kLensMet], 5);
+}
+
+/// For pixels whose samples and splats come from different frames.
+TEST(BdptWeights, CanIgnoreGuiding) {
+  GuidedWeightCheck check(ZooLight::mixed, ZooCamera::thin_lens, LightSelectorKind::power);
+  check.context().weighs_guide = false;
+  check.run(2048);
+  check.expect_few_wrong();
+  EXPECT_GT(check.compared[kVertexConnection], 50);
+  EXPECT_GT(check.compared[kCameraConnection], 100);
+}
+
+/// Light subpaths cannot evaluate a selector that depends on the camera vertex.
+TEST(BdptWeights, AssumeAProbabilityOfLightsThatDoesNotDependOnTheVertex) {
+  BdptFrame frame(make_zoo(ZooLight::mixed, ZooCamera::pinhole), {});
+  BdptContext c = frame.context();
+  for (const LightSelectorKind kind : {LightSelectorKind::light_tree, LightSelectorKind::cache}) {
+    c.path.selector.kind = kind;
+    float sum = 0;
+    for (LightId light = 0; light < c.scene().lights.lights.size; ++light) {
+      EXPECT_EQ(weighting_pmf(c, light), c.connection.pmf(light));
+      sum += weighting_pmf(c, light);
+    }
+    EXPECT_NEAR(sum, 1, 1e-4f);
+  }
+}
+
 }  // namespace
 }  // namespace relume::testing

@@ -93,20 +93,25 @@ struct SortVerticesKernel {
 /// Weight of merging the last vertex of a camera subpath with a light vertex. `bsdf`: scattering there towards the
 /// light vertex's predecessor. Relative to merging, the cuts beside the vertex have the densities 1 / (→p η) and
 /// 1 / (←p η), so the sums of both sides are those of `partial_weights.h` for ←p = 1, divided by η².
-RELUME_HD inline float weight_of_merging(const CameraSubpath& e, const BsdfEval& bsdf, const PathVertex& v) {
+/// `recorder`: gets the terms of the weight.
+template <typename Recorder = NoRecorder>
+RELUME_HD inline float weight_of_merging(const CameraSubpath& e, const BsdfEval& bsdf, const PathVertex& v,
+                                         Recorder&& recorder = Recorder{}) {
   const float inverse = 1.0f / e.weights.merging();
-  return weight_from(v.weights.sum(1.0f, bsdf.pdf_forward) * inverse,
-                     e.weights.at().sum(1.0f, bsdf.pdf_reverse) * inverse);
+  const float cuts_at_light = v.weights.sum(1.0f, bsdf.pdf_forward) * inverse;
+  recorder.weigh(weight_terms(cuts_at_light, 1.0f, bsdf.pdf_reverse, 0.0f, inverse));
+  return weight_from(cuts_at_light, e.weights.at().sum(1.0f, bsdf.pdf_reverse) * inverse);
 }
 
 /// Radiance towards the camera subpath, times π r² n, that it receives by merging with the light vertex.
-RELUME_HD inline Rgb merged_radiance(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
-                                     const PathVertex& v) {
-  const BsdfEval bsdf = eval_camera_vertex(e, sp, v.wo);
+template <typename Context, typename Recorder>
+RELUME_HD inline Rgb merged_radiance(const Context& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                     const PathVertex& v, Recorder& recorder) {
+  const BsdfEval bsdf = eval_camera_vertex(c, e, sp, v.wo);
   if (is_black(bsdf.f)) return Rgb(0);
   // Light vertices measure the light per area of their surface.
   const float cosines = shading_cosine(sp, v.wo) / glm::dot(v.ng, v.wo);
-  Rgb radiance = v.throughput * bsdf.f * (cosines * weight_of_merging(e, bsdf, v));
+  Rgb radiance = v.throughput * bsdf.f * (cosines * weight_of_merging(e, bsdf, v, recorder));
   if (c.scene().disperses && !e.path.dispersed && v.disperses(sp.wo)) {
     radiance *= wavelength_weight(e.path.wavelength_nm);
   }
@@ -120,35 +125,39 @@ inline constexpr float kMinMergingCosine = 0.7f;
 /// connected to random ones: a light vertex cache ([Davidovic14]).
 struct LightVertexGrid {
   View<const PathVertex> vertices;
-  SortedVertices near;       ///< empty: no vertices; radius 0: no merging
-  uint32_t stride = 1;       ///< slots of a light subpath
-  float density = 0;         ///< 1 / (π r² n), n: number of light subpaths
-  uint32_t connections = 0;  ///< random connections per camera vertex
-  float scale = 0;           ///< of a connection: mean number of vertices of a light subpath over `connections`
+  View<const GuidedPoint> guides;  ///< of the vertices; empty: camera subpaths are not guided
+  SortedVertices near;             ///< empty: no vertices; radius 0: no merging
+  uint32_t stride = 1;             ///< slots of a light subpath
+  float density = 0;               ///< 1 / (π r² n), n: number of light subpaths
+  uint32_t connections = 0;        ///< random connections per camera vertex
+  float scale = 0;                 ///< of a connection: mean number of vertices of a light subpath over `connections`
 
   /// Adds the light of both to the camera subpath. `ray_id`: identity of the random choices at its last vertex.
-  RELUME_HD void add(const BdptContext& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                     ConnectionRoulette& roulette, BdptCounters& counters) const {
+  template <typename Context, typename Recorder>
+  RELUME_HD void add(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
+                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
     if (near.sorted.empty()) return;
-    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters);
-    if (near.radius_squared > 0.0f) merge(c, sp, e);
+    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder);
+    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder);
   }
 
  private:
   /// Connects to a random vertex, number `i` at this camera vertex.
-  RELUME_HD void connect(uint32_t i, const BdptContext& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                         ConnectionRoulette& roulette, BdptCounters& counters) const {
+  template <typename Context, typename Recorder>
+  RELUME_HD void connect(uint32_t i, const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
+                         ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
     constexpr uint32_t kSalt = 0x5c000000u;  // connections to one light subpath have small numbers
     const uint32_t id = hash(ray_id, kSalt + i);
     const auto chosen = static_cast<uint32_t>(uint64_t{hash(id)} * near.sorted.size >> 32);
     const uint32_t vertex = near.sorted[chosen].vertex;
     if (e.count() + vertex % stride + 2 > c.max_bidirectional_vertices()) return;
-    Connection connection = connect_to_vertex(c, sp, e, vertices[vertex]);
+    Connection connection = connect_to_vertex(c, sp, e, vertices[vertex], kept_guide(c, guides, vertex), recorder);
     connection.contribution *= scale;
-    try_connection(c, connection, id, e, roulette, counters);
+    try_connection(c, connection, id, e, roulette, counters, recorder);
   }
 
-  RELUME_HD void merge(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) const {
+  template <typename Context, typename Recorder>
+  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder) const {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
     const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
@@ -156,7 +165,10 @@ struct LightVertexGrid {
     near.for_each_near(sp.position, [&](uint32_t vertex) {
       if (vertex % stride >= most) return;
       const PathVertex& v = vertices[vertex];
-      if (std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine) sum += merged_radiance(c, sp, e, v);
+      if (!(std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine)) return;
+      const Rgb merged = merged_radiance(c, sp, e, v, recorder);
+      sum += merged;
+      recorder.add(e.path.throughput * merged * density, e.weights.at());
     });
     e.path.radiance += e.path.throughput * sum * density;
   }

@@ -9,13 +9,15 @@ namespace relume {
 
 /// Traces light subpaths, keeps their vertices, and adds their splats. Runs on a grid as wide as the image, with enough
 /// rows.
-struct LightSubpathKernel {
-  BdptContext context;
+template <typename Context>
+struct LightSubpathKernelOf {
+  Context context;
   SampleIndex index;  ///< of light subpaths: without `taken` and `tile`, because they reach all pixels
   View<PathVertex> vertices;
-  View<uint32_t> counts;  ///< vertices by light subpath
-  View<uint32_t> keys;    ///< of MergeGrid, by slot; those of empty slots are `grid.buckets`; may be empty
-  View<uint32_t> rays;    ///< by light subpath
+  View<GuidedPoint> guides;  ///< of the vertices; empty: camera subpaths are not guided
+  View<uint32_t> counts;     ///< vertices by light subpath
+  View<uint32_t> keys;       ///< of MergeGrid, by slot; those of empty slots are `grid.buckets`; may be empty
+  View<uint32_t> rays;       ///< by light subpath
   View<uint64_t> saturated;
   View<uint64_t> nonfinite;
   MergeGrid grid;
@@ -26,6 +28,7 @@ struct LightSubpathKernel {
     const uint32_t path = y * context.width + x;
     if (path >= paths) return;
     LightVertices kept{{vertices.data + size_t{path} * stride, stride}, {}};
+    if (Context::kLearns && !guides.empty()) kept.guides = {guides.data + size_t{path} * stride, stride};
     BdptCounters counters;
     Sampler sampler = index.sampler(x, y);
     trace_light_subpath(context, sampler, kept, counters);
@@ -39,15 +42,17 @@ struct LightSubpathKernel {
 };
 
 /// Traces a camera subpath per pixel. It connects to one light subpath or to random vertices, and merges with all.
-struct VcmKernel {
-  BdptContext context;
+template <typename Context>
+struct VcmKernelOf {
+  Context context;
   SampleIndex index;
   View<const Hit> hits;
   View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
   View<Rgb> radiance;               ///< of this sample, without splats; may be not finite
   View<uint32_t> rays;              ///< of this sample, and of the light subpath with the number of the pixel
   View<const PathVertex> vertices;
-  View<const uint32_t> counts;  ///< vertices by light subpath; empty: no light subpaths
+  View<const GuidedPoint> guides;  ///< of the vertices; empty: camera subpaths are not guided
+  View<const uint32_t> counts;     ///< vertices by light subpath; empty: no light subpaths
   View<const uint32_t> light_rays;
   uint32_t stride = 1;  ///< slots of a light subpath
   uint32_t pixels = 0;
@@ -59,6 +64,7 @@ struct VcmKernel {
     if (!allocation.empty() && allocation[pixel] == 0) {
       radiance[pixel] = Rgb(0);
       rays[pixel] = rays_of_light;
+      skip_records(context, pixel);
       return;
     }
     BdptCounters counters;
@@ -71,10 +77,13 @@ struct VcmKernel {
 
  private:
   /// Vertices of the light subpath to which the pixel connects; none if it connects to random vertices.
-  RELUME_HD View<const PathVertex> connected(uint32_t pixel) const {
+  RELUME_HD KeptVertices connected(uint32_t pixel) const {
     if (counts.empty() || grid.connections > 0) return {};
     const auto path = static_cast<uint32_t>(uint64_t{pixel} * counts.size / pixels);
-    return {vertices.data + size_t{path} * stride, counts[path]};
+    const size_t first = size_t{path} * stride;
+    KeptVertices kept{{vertices.data + first, counts[path]}};
+    if (Context::kLearns && !guides.empty()) kept.guides = {guides.data + first, counts[path]};
+    return kept;
   }
 };
 

@@ -45,9 +45,10 @@ void reset_without_copy(Array<T>& array, size_t size) {
 
 }  // namespace
 
-uint64_t light_paths_of(const VcmSettings& settings, uint64_t pixels, uint32_t kept) {
+uint64_t light_paths_of(const VcmSettings& settings, uint64_t pixels, uint32_t kept, bool guided) {
   const uint64_t bytes = (static_cast<uint64_t>(settings.memory_mib) << 20) - kFixedBytes;
-  const uint64_t fitting = bytes / (kept * kBytesPerVertex + kBytesPerPath);
+  const uint64_t per_vertex = kBytesPerVertex + (guided ? sizeof(GuidedPoint) : 0);
+  const uint64_t fitting = bytes / (kept * per_vertex + kBytesPerPath);
   const uint64_t wanted = pixels / static_cast<uint64_t>(settings.pixels_per_path);
   return std::max<uint64_t>(std::min(wanted, fitting), 1);
 }
@@ -61,10 +62,11 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   BdptContext& c = kernel.context;
   stride_ = c.max_kept_vertices();
   const uint64_t pixels = frame.pixels();
-  const uint64_t most = stride_ > 0 ? light_paths_of(vcm_, pixels, stride_) : 0;
+  const uint64_t most = stride_ > 0 ? light_paths_of(vcm_, pixels, stride_, weighs_guide()) : 0;
   // If fewer pixels receive a sample, the number of light paths falls in proportion.
   paths_ = static_cast<uint32_t>(samples > 0 && most > 0 ? std::max<uint64_t>(most * samples / pixels, 1) : 0);
   reset_without_copy(light_vertices_, size_t{paths_} * stride_);
+  reset_without_copy(guides_, weighs_guide() ? light_vertices_.size() : 0);
   counts_.reset(paths_, kUninitialized);
   rays_.reset(paths_, kUninitialized);
   sorted_.clear();
@@ -83,14 +85,17 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   return paths_;
 }
 
-bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const MergeGrid& grid) {
+template <typename Context>
+bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const Context& context,
+                                   const MergeGrid& grid) {
   reset_without_copy(keys_, sorts() ? light_vertices_.size() : 0);
-  LightSubpathKernel light;
-  light.context = kernel.context;
+  LightSubpathKernelOf<Context> light;
+  light.context = context;
   light.index = kernel.index;
   light.index.taken = {};
   light.index.tile = {};  // light subpaths would repeat with the tile, and merging needs all of them
   light.vertices = light_vertices_.mutable_view();
+  light.guides = guides_.mutable_view();
   light.counts = counts_.mutable_view();
   light.keys = keys_.mutable_view();
   light.rays = rays_.mutable_view();
@@ -106,6 +111,7 @@ bool VcmPass::trace_light_subpaths(const FrameContext& frame, const BdptKernel& 
 bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   constexpr uint32_t kVerticesPerTile = 1024;
   grid.vertices = light_vertices_.view();
+  grid.guides = guides_.view();
   grid.stride = stride_;
   if (radius_ > 0.0f) {
     grid.near.radius_squared = sqr(radius_);
@@ -125,22 +131,29 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
 }
 
 bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
-  VcmKernel camera;
+  return learns() ? trace_in_context(frame, kernel, learning(kernel.context))
+                  : trace_in_context(frame, kernel, kernel.context);
+}
+
+template <typename Context>
+bool VcmPass::trace_in_context(const FrameContext& frame, const BdptKernel& kernel, const Context& context) {
+  VcmKernelOf<Context> camera;
   if (paths_ > 0) {
     MergeGrid& grid = camera.grid.near.grid;
     grid.center = frame.scene.lights.bounds.center;
     grid.inverse_edge = radius_ > 0.0f ? 0.5f / radius_ : 0.0f;
     grid.buckets = std::bit_ceil(std::max(paths_, 2u));
-    if (!trace_light_subpaths(frame, kernel, grid)) return false;
+    if (!trace_light_subpaths(frame, kernel, context, grid)) return false;
     if (sorts() && !sort_vertices(frame, camera.grid)) return false;
   }
-  camera.context = kernel.context;
+  camera.context = context;
   camera.index = kernel.index;
   camera.hits = kernel.hits;
   camera.allocation = kernel.allocation;
   camera.radiance = kernel.radiance;
   camera.rays = kernel.rays;
   camera.vertices = light_vertices_.view();
+  camera.guides = guides_.view();
   camera.counts = counts_.view();
   camera.light_rays = rays_.view();
   camera.stride = stride_;

@@ -12,9 +12,9 @@
 namespace relume {
 
 /// Number of light subpaths of a frame in which each of `pixels` > 0 pixels receives a sample. `kept`: maximum number
-/// of vertices kept of one. At least 1, and at most one per pixel. Their memory is below VcmSettings::memory_mib,
-/// except that of a single subpath.
-uint64_t light_paths_of(const VcmSettings& settings, uint64_t pixels, uint32_t kept);
+/// of vertices kept of one. `guided`: whether each has a GuidedPoint. At least 1, and at most one per pixel. Their
+/// memory is below VcmSettings::memory_mib, except that of a single subpath.
+uint64_t light_paths_of(const VcmSettings& settings, uint64_t pixels, uint32_t kept, bool guided = false);
 
 /// Merging radius in frame `number` (from 0) since the last change, metres ([Hachisuka12], [Georgiev12]): r_n² = r_1²
 /// n^(α − 1), with n = number + 1.
@@ -24,13 +24,16 @@ float merging_radius(const VcmSettings& settings, float scene_radius, uint32_t n
 /// that receives a sample.
 class VcmPass final : public BdptPass {
  public:
-  /// `accumulates`: whether frames add up, so that the radius may shrink. `separate_splats`: as for BdptPass.
+  /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `separate_splats`: as for
+  /// BdptPass.
   VcmPass(const VcmSettings& settings, const BdptSettings& bdpt, const LightSelectionSettings& selection,
-          bool accumulates, const PathSource& source, bool separate_splats, Memory& memory)
-      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, separate_splats, memory),
+          bool accumulates, const PathSource& source, const PathRecording* recording, bool separate_splats,
+          Memory& memory)
+      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, recording, separate_splats, memory),
         vcm_(settings),
         accumulates_(accumulates),
         light_vertices_(memory),
+        guides_(memory),
         counts_(memory),
         keys_(memory),
         rays_(memory),
@@ -42,8 +45,8 @@ class VcmPass final : public BdptPass {
   size_t memory_bytes() const override { return BdptPass::memory_bytes() + light_vertex_bytes(); }
   /// Bytes that VcmSettings::memory_mib limits.
   size_t light_vertex_bytes() const {
-    return light_vertices_.memory_bytes() + counts_.memory_bytes() + keys_.memory_bytes() + rays_.memory_bytes() +
-           sorted_.memory_bytes() + groups_.memory_bytes() + grid_scratch_.memory_bytes();
+    return light_vertices_.memory_bytes() + guides_.memory_bytes() + counts_.memory_bytes() + keys_.memory_bytes() +
+           rays_.memory_bytes() + sorted_.memory_bytes() + groups_.memory_bytes() + grid_scratch_.memory_bytes();
   }
   std::vector<PassStatistic> statistics() const override;
 
@@ -54,12 +57,17 @@ class VcmPass final : public BdptPass {
  private:
   /// Whether the frame sorts its light vertices.
   bool sorts() const { return paths_ > 0 && (radius_ > 0.0f || vcm_.connections > 0); }
-  bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const MergeGrid& grid);
+  template <typename Context>
+  bool trace_in_context(const FrameContext& frame, const BdptKernel& kernel, const Context& context);
+  template <typename Context>
+  bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const Context& context,
+                            const MergeGrid& grid);
   bool sort_vertices(const FrameContext& frame, LightVertexGrid& grid);
 
   VcmSettings vcm_;
   bool accumulates_;
   Array<PathVertex> light_vertices_;  ///< `stride_` slots per light subpath
+  Array<GuidedPoint> guides_;         ///< by slot; empty: weights do not use guiding
   Array<uint32_t> counts_;            ///< vertices by light subpath
   Array<uint32_t> keys_;              ///< of the grid, by slot; empty: the frame does not sort
   Array<uint32_t> rays_;              ///< by light subpath

@@ -11,11 +11,15 @@ namespace relume::testing {
 namespace {
 
 /// Also compares the weights of merging, on paths whose subpaths are joined by the segment between two vertices.
-class MergingCheck : public WeightCheck {
+template <typename Context>
+class MergingCheckOf : public WeightCheckOf<Context> {
  public:
-  using WeightCheck::WeightCheck;
+  using WeightCheckOf<Context>::WeightCheckOf;
+  using WeightCheckOf<Context>::context;
 
  protected:
+  using WeightCheckOf<Context>::joined;
+
   void more(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t) override {
     const Vec3 d = light.places[s - 1].position - camera.places[t - 1].position;
     if (!(length_squared(d) > 1e-3f)) return;
@@ -24,19 +28,17 @@ class MergingCheck : public WeightCheck {
   }
 
  private:
-  const SceneView& scene() const { return context().scene(); }
-
   /// Continues the camera subpath by `d` to vertex `s` of the light subpath, and merges there.
   void at_light_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t, const Vec3& d) {
     const LightSubpath& l = light.states[s - 1];
-    const SurfacePoint y = seen(scene(), light.places[s - 1], -l.path.ray.direction);
+    const SurfacePoint y = seen(context(), light.places[s - 1], -l.path.ray.direction);
     CameraSubpath e = camera.states[t - 1];
-    const SurfacePoint z = seen(scene(), camera.places[t - 1], -e.path.ray.direction);
+    const SurfacePoint z = seen(context(), camera.places[t - 1], -e.path.ray.direction);
     const Vec3 w = glm::normalize(d);
-    const BsdfEval scattered = eval_camera_vertex(e, z, w);
+    const BsdfEval scattered = eval_camera_vertex(context(), e, z, w);
     if (!has_non_delta(y.bsdf) || !has_non_delta(z.bsdf) || is_black(scattered.f)) return;
     e.weights.leave(std::fabs(glm::dot(z.ng, w)), scattered.pdf_forward, scattered.pdf_reverse);
-    const SurfacePoint sp = seen(scene(), light.places[s - 1], -w);
+    const SurfacePoint sp = seen(context(), light.places[s - 1], -w);
     e.weights.arrive(std::fabs(glm::dot(sp.ng, w)), length_squared(d));
     merge(e, sp, make_path_vertex(y, Rgb(1), l.weights.at(), Dispersion::none), joined(light, s, camera, t), s);
   }
@@ -44,25 +46,27 @@ class MergingCheck : public WeightCheck {
   /// Continues the light subpath by −`d` to vertex `t` of the camera subpath, and merges there.
   void at_camera_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t, const Vec3& d) {
     LightSubpath l = light.states[s - 1];
-    const SurfacePoint y = seen(scene(), light.places[s - 1], -l.path.ray.direction);
+    const SurfacePoint y = seen(context(), light.places[s - 1], -l.path.ray.direction);
     const CameraSubpath& e = camera.states[t - 1];
-    const SurfacePoint z = seen(scene(), camera.places[t - 1], -e.path.ray.direction);
+    const SurfacePoint z = seen(context(), camera.places[t - 1], -e.path.ray.direction);
     const Vec3 w = -glm::normalize(d);
     if (!has_non_delta(y.bsdf) || !has_non_delta(z.bsdf)) return;
-    const AdjointEval scattered = eval_adjoint(y, w);
+    const AdjointEval scattered = eval_light_vertex(context(), y, w);
     if (!(scattered.pdf_light > 0.0f)) return;
     l.weights.leave(std::fabs(glm::dot(y.ng, w)), scattered.pdf_light, scattered.pdf_camera);
-    const SurfacePoint sp = seen(scene(), camera.places[t - 1], -w);
+    const SurfacePoint sp = seen(context(), camera.places[t - 1], -w);
     l.weights.arrive(std::fabs(glm::dot(sp.ng, w)), length_squared(d));
     merge(e, z, make_path_vertex(sp, Rgb(1), l.weights.at(), Dispersion::none), joined(light, s, camera, t), s + 1);
   }
 
   void merge(const CameraSubpath& e, const SurfacePoint& sp, const PathVertex& v, const WholePath& path, size_t i) {
-    const BsdfEval bsdf = eval_camera_vertex(e, sp, v.wo);
+    const BsdfEval bsdf = eval_camera_vertex(context(), e, sp, v.wo);
     if (is_black(bsdf.f)) return;
-    compare(weight_of_merging(e, bsdf, v), densities(path).weight_of_merging(i), path, i, kMerging);
+    this->compare(weight_of_merging(e, bsdf, v), this->densities(path).weight_of_merging(i), path, i, kMerging);
   }
 };
+using MergingCheck = MergingCheckOf<BdptContext>;
+using GuidedMergingCheck = MergingCheckOf<LearningContext>;
 
 TEST(VcmWeights, MatchTheProductsOfAllDensities) {
   int compared[kKinds] = {};
@@ -83,6 +87,16 @@ TEST(VcmWeights, MatchTheProductsOfAllDensities) {
   EXPECT_GT(compared[kLightMet], 10);
   EXPECT_GT(compared[kLensMet], 10);
   EXPECT_GT(compared[kMerging], 2000);
+}
+
+TEST(VcmWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::mixed}) {
+    GuidedMergingCheck check(light, ZooCamera::thin_lens, LightSelectorKind::power, {.eta = 2.0f});
+    check.run(2048);
+    check.expect_few_wrong();
+    EXPECT_GT(check.compared[kVertexConnection], 50);
+    EXPECT_GT(check.compared[kMerging], 200);
+  }
 }
 
 TEST(VcmWeights, AccountForTheNumbersOfSamples) {

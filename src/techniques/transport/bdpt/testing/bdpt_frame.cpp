@@ -43,10 +43,15 @@ BdptContext BdptFrame::context() {
   return c;
 }
 
-void BdptFrame::run(uint32_t seed, uint32_t sample, uint32_t rows) {
+SampleIndex BdptFrame::find_hits(uint32_t seed, uint32_t sample) {
   const SampleIndex index{.seed = seed, .sample = sample, .frame = sample, .age = sample};
   const SceneView& view = compiled.view();
   launch(backend, "gbuffer", PrimaryHitsKernel{view, index, mutable_view_of(hits), {}, width()}, width(), height());
+  return index;
+}
+
+void BdptFrame::run(uint32_t seed, uint32_t sample, uint32_t rows) {
+  const SampleIndex index = find_hits(seed, sample);
   BdptKernel kernel{context(),
                     index,
                     view_of(hits),

@@ -33,6 +33,23 @@ class BdptFrame {
   /// host traces tiles.
   void run(uint32_t seed, uint32_t sample, uint32_t rows = 0);
   void trace_in_bands(BdptKernel kernel, uint32_t rows);
+  /// Traces sample `sample` of every pixel without splats.
+  template <typename Context>
+  void run_in(const Context& c, uint32_t seed, uint32_t sample) {
+    const SampleIndex index = find_hits(seed, sample);
+    const BdptKernelOf<Context> kernel{c,
+                                       index,
+                                       view_of(hits),
+                                       view_of(allocation),
+                                       mutable_view_of(radiance),
+                                       mutable_view_of(rays),
+                                       {&saturated, 1},
+                                       {&nonfinite, 1}};
+    launch(backend, "trace", kernel, width(), height());
+    splats.assign(splats.size(), {});
+  }
+  /// Finds the primary hits of a sample.
+  SampleIndex find_hits(uint32_t seed, uint32_t sample);
 
   uint32_t width() const { return static_cast<uint32_t>(options.width); }
   uint32_t height() const { return static_cast<uint32_t>(options.height); }

@@ -22,14 +22,21 @@ void append_reversed(WholePath& path, const TracedCamera& t, size_t places) {
 
 }  // namespace
 
-WeightCheck::WeightCheck(ZooLight light, ZooCamera camera, LightSelectorKind selector, const AssumedNumbers& numbers)
-    : numbers_(numbers), frame_(dispersive(make_zoo(light, camera), 10), options(selector)), c_(frame_.context()) {
+template <typename Context>
+WeightCheckOf<Context>::WeightCheckOf(ZooLight light, ZooCamera camera, LightSelectorKind selector,
+                                      const AssumedNumbers& numbers)
+    : numbers_(numbers), frame_(dispersive(make_zoo(light, camera), 10), options(selector)), c_{frame_.context()} {
+  if constexpr (Context::kLearns) {
+    guides_.emplace(frame_.backend, c_.scene());
+    guides_->guide(c_, 1);
+  }
   c_.merging = sqr(numbers.eta);
   c_.light_paths = numbers.light_paths;
   c_.connected = sqr(numbers.connections);
 }
 
-void WeightCheck::run(uint32_t samples) {
+template <typename Context>
+void WeightCheckOf<Context>::run(uint32_t samples) {
   for (uint32_t i = 0; i < samples; ++i) {
     Sampler sampler = Sampler::sequence(7, i % 16, i / 16 % 16, i / 256);
     const TracedLight light = trace_light(c_, sampler);
@@ -51,12 +58,15 @@ void WeightCheck::run(uint32_t samples) {
   }
 }
 
-void WeightCheck::expect_few_wrong() const {
+template <typename Context>
+void WeightCheckOf<Context>::expect_few_wrong() const {
+  constexpr int kShare = Context::kLearns ? 100 : 1000;  // quadtrees have more edges
   for (int kind = 0; kind < kKinds; ++kind)
-    EXPECT_LE(wrong[kind] * 1000, compared[kind]) << "strategy " << kind << ": " << example;
+    EXPECT_LE(wrong[kind] * kShare, compared[kind]) << "strategy " << kind << ": " << example;
 }
 
-void WeightCheck::compare(float weight, double expected, const WholePath& path, size_t s, Strategy kind) {
+template <typename Context>
+void WeightCheckOf<Context>::compare(float weight, double expected, const WholePath& path, size_t s, Strategy kind) {
   if (!(std::fabs(static_cast<double>(weight) - expected) <= 1e-4 + 0.02 * expected)) {
     ++wrong[kind];
     example = "weight " + std::to_string(weight) + " should be " + std::to_string(expected) +
@@ -65,7 +75,8 @@ void WeightCheck::compare(float weight, double expected, const WholePath& path, 
   ++compared[kind];
 }
 
-WholePath WeightCheck::from(const TracedLight& t, size_t places) const {
+template <typename Context>
+WholePath WeightCheckOf<Context>::from(const TracedLight& t, size_t places) const {
   WholePath path;
   path.light = t.light;
   path.infinite = t.emission.infinite;
@@ -78,7 +89,8 @@ WholePath WeightCheck::from(const TracedLight& t, size_t places) const {
   return path;
 }
 
-Vec2 WeightCheck::barycentric(const TracedLight& t) const {
+template <typename Context>
+Vec2 WeightCheckOf<Context>::barycentric(const TracedLight& t) const {
   const Light& light = c_.scene().lights.lights[t.light];
   if (light.kind != LightKind::triangle) return Vec2(0);
   // Least-squares solution in the plane of the triangle.
@@ -89,13 +101,15 @@ Vec2 WeightCheck::barycentric(const TracedLight& t) const {
           glm::dot(glm::cross(tri.e1, d), n) / length_squared(n)};
 }
 
-void WeightCheck::set_camera(WholePath& path, const Vec3& position) const {
+template <typename Context>
+void WeightCheckOf<Context>::set_camera(WholePath& path, const Vec3& position) const {
   path.camera = position;
   path.camera_can_be_hit = c_.scene().camera.lens_radius > 0.0f;
 }
 
-WholePath WeightCheck::joined(const TracedLight& light, size_t places, const TracedCamera& camera,
-                              size_t camera_places) const {
+template <typename Context>
+WholePath WeightCheckOf<Context>::joined(const TracedLight& light, size_t places, const TracedCamera& camera,
+                                         size_t camera_places) const {
   WholePath path = from(light, places);
   path.surfaces.back().delta = false;
   append_reversed(path, camera, camera_places);
@@ -104,9 +118,10 @@ WholePath WeightCheck::joined(const TracedLight& light, size_t places, const Tra
   return path;
 }
 
-void WeightCheck::to_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t) {
-  const SurfacePoint y = seen(c_.scene(), light.places[s - 1], -light.states[s - 1].path.ray.direction);
-  const SurfacePoint z = seen(c_.scene(), camera.places[t - 1], -camera.states[t - 1].path.ray.direction);
+template <typename Context>
+void WeightCheckOf<Context>::to_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t) {
+  const SurfacePoint y = seen(c_, light.places[s - 1], -light.states[s - 1].path.ray.direction);
+  const SurfacePoint z = seen(c_, camera.places[t - 1], -camera.states[t - 1].path.ray.direction);
   if (!has_non_delta(y.bsdf) || !has_non_delta(z.bsdf)) return;
   const Vec3 d = y.position - z.position;
   const float d2 = length_squared(d);
@@ -114,21 +129,22 @@ void WeightCheck::to_vertex(const TracedLight& light, size_t s, const TracedCame
   const Vec3 w = glm::normalize(d);
   const LightSubpath& l = light.states[s - 1];
   const PathVertex v = make_path_vertex(y, l.path.throughput, l.weights.at(), Dispersion::none);
-  const BsdfEval bsdf = eval_camera_vertex(camera.states[t - 1], z, w);
-  const AdjointEval adjoint = eval_vertex(c_.scene(), v, -w, kZooWavelength);
+  const BsdfEval bsdf = eval_camera_vertex(c_, camera.states[t - 1], z, w);
+  const AdjointEval adjoint = eval_light_vertex(c_, v, guided_point(c_, y), -w, kZooWavelength);
   if (is_black(bsdf.f) || is_black(adjoint.f)) return;
   const WholePath path = joined(light, s, camera, t);
   compare(weight_of_vertex_connection(c_, z, camera.states[t - 1], bsdf, v, adjoint, w, d2),
           densities(path).weight(s + 1), path, s + 1, kVertexConnection);
 }
 
-void WeightCheck::to_camera(const TracedLight& light, size_t s, Sampler& sampler) {
+template <typename Context>
+void WeightCheckOf<Context>::to_camera(const TracedLight& light, size_t s, Sampler& sampler) {
   const LightSubpath& l = light.states[s - 1];
-  const SurfacePoint sp = seen(c_.scene(), light.places[s - 1], -l.path.ray.direction);
+  const SurfacePoint sp = seen(c_, light.places[s - 1], -l.path.ray.direction);
   if (!has_non_delta(sp.bsdf)) return;
   const CameraSample sample = sample_wi(c_.scene().camera, sp.position, sampler.next_2d());
   if (!sample.valid()) return;
-  const AdjointEval e = eval_adjoint(sp, sample.wi);
+  const AdjointEval e = eval_light_vertex(c_, sp, sample.wi);
   if (is_black(e.f)) return;
   WholePath path = from(light, s);
   path.surfaces.back().delta = false;
@@ -145,14 +161,15 @@ void WeightCheck::to_camera(const TracedLight& light, size_t s, Sampler& sampler
   compare(weight_of_lens_hit(c_, onwards, hit), densities(path).weight(s + 2), path, s + 2, kLensMet);
 }
 
-void WeightCheck::to_light(const TracedCamera& camera, size_t t, Sampler& sampler) {
+template <typename Context>
+void WeightCheckOf<Context>::to_light(const TracedCamera& camera, size_t t, Sampler& sampler) {
   const CameraSubpath& e = camera.states[t - 1];
-  const SurfacePoint sp = seen(c_.scene(), camera.places[t - 1], -e.path.ray.direction);
+  const SurfacePoint sp = seen(c_, camera.places[t - 1], -e.path.ray.direction);
   if (!has_non_delta(sp.bsdf)) return;
   const LightPick pick = pick_light(c_.path, sp, sampler);
   const LightSample light = sample_picked(c_.path, sp, pick);
   if (!light.valid()) return;
-  const BsdfEval bsdf = eval_camera_vertex(e, sp, light.wi);
+  const BsdfEval bsdf = eval_camera_vertex(c_, e, sp, light.wi);
   if (is_black(bsdf.f)) return;
   WholePath path = path_to_light(camera, t, pick.id, {light.position, light.barycentric}, -light.wi);
   path.light_can_be_hit = !light.delta;
@@ -162,9 +179,10 @@ void WeightCheck::to_light(const TracedCamera& camera, size_t t, Sampler& sample
 }
 
 /// Compares the weight where vertex `t` is on a light.
-void WeightCheck::light_met(const TracedCamera& camera, size_t t) {
+template <typename Context>
+void WeightCheckOf<Context>::light_met(const TracedCamera& camera, size_t t) {
   const CameraSubpath& e = camera.states[t - 1];
-  const SurfacePoint sp = seen(c_.scene(), camera.places[t - 1], -e.path.ray.direction);
+  const SurfacePoint sp = seen(c_, camera.places[t - 1], -e.path.ray.direction);
   if (is_black(sp.emission) || sp.light == kNoLight) return;
   const EmissionPdf pdf = pdf_le(c_.scene().lights, sp.light, sp.emitter_point(), sp.wo);
   const WholePath path = path_to_light(camera, t - 1, sp.light, sp.emitter_point(), sp.wo);
@@ -172,8 +190,9 @@ void WeightCheck::light_met(const TracedCamera& camera, size_t t) {
           densities(path).weight(0), path, 0, kLightMet);
 }
 
-WholePath WeightCheck::path_to_light(const TracedCamera& camera, size_t places, LightId id,
-                                     const EmitterPoint& on_light, const Vec3& from_light) const {
+template <typename Context>
+WholePath WeightCheckOf<Context>::path_to_light(const TracedCamera& camera, size_t places, LightId id,
+                                                const EmitterPoint& on_light, const Vec3& from_light) const {
   const Light& light = c_.scene().lights.lights[id];
   WholePath path;
   path.light = id;
@@ -186,5 +205,8 @@ WholePath WeightCheck::path_to_light(const TracedCamera& camera, size_t places, 
   set_camera(path, camera.ray.origin);
   return path;
 }
+
+template class WeightCheckOf<BdptContext>;
+template class WeightCheckOf<LearningContext>;
 
 }  // namespace relume::testing

@@ -1,8 +1,10 @@
 // Compares the incremental weights of the subpaths with weights from all strategies' densities of the whole path.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "techniques/transport/bdpt/testing/random_guides.h"
 #include "techniques/transport/bdpt/testing/whole_path.h"
 
 namespace relume::testing {
@@ -16,15 +18,18 @@ struct AssumedNumbers {
   float connections = 1;  ///< between surfaces, per strategy
 };
 
-/// Compares the weights of all strategies on random paths of one scene.
-class WeightCheck {
+/// Compares the weights of all strategies on random paths of one scene. In a LearningContext, random quadtrees guide
+/// the camera subpaths, in regions looked up with jitter.
+template <typename Context>
+class WeightCheckOf {
  public:
-  WeightCheck(ZooLight light, ZooCamera camera, LightSelectorKind selector, const AssumedNumbers& numbers = {});
-  virtual ~WeightCheck() = default;
+  WeightCheckOf(ZooLight light, ZooCamera camera, LightSelectorKind selector, const AssumedNumbers& numbers = {});
+  virtual ~WeightCheckOf() = default;
 
+  Context& context() { return c_; }
   void run(uint32_t samples);
-  /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, which has another
-  /// density.
+  /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, or leaf of a quadtree,
+  /// which has another density.
   void expect_few_wrong() const;
 
   int compared[kKinds] = {};
@@ -35,11 +40,10 @@ class WeightCheck {
   /// Compares the weights of other strategies on paths that contain both subpaths up to vertices s and t.
   virtual void more(const TracedLight& /*light*/, size_t /*s*/, const TracedCamera& /*camera*/, size_t /*t*/) {}
 
-  const BdptContext& context() const { return c_; }
   /// The path from `places` vertices of the light subpath and `camera_places` of the camera subpath, of which the last
   /// two do not scatter by delta lobes.
   WholePath joined(const TracedLight& light, size_t places, const TracedCamera& camera, size_t camera_places) const;
-  Densities densities(const WholePath& path) const { return {c_, path, static_cast<double>(numbers_.eta)}; }
+  Densities<Context> densities(const WholePath& path) const { return {c_, path, static_cast<double>(numbers_.eta)}; }
   void compare(float weight, double expected, const WholePath& path, size_t s, Strategy kind);
 
  private:
@@ -55,7 +59,11 @@ class WeightCheck {
 
   AssumedNumbers numbers_;
   BdptFrame frame_;
-  BdptContext c_;
+  std::optional<RandomGuides> guides_;  ///< none unless the context learns
+  Context c_;
 };
+
+using WeightCheck = WeightCheckOf<BdptContext>;
+using GuidedWeightCheck = WeightCheckOf<LearningContext>;
 
 }  // namespace relume::testing

@@ -4,13 +4,16 @@
 
 namespace relume::testing {
 
-SurfacePoint seen(const SceneView& scene, const Place& place, const Vec3& wo) {
+template <typename Context>
+SurfacePoint seen(const Context& c, const Place& place, const Vec3& wo) {
   SurfacePoint sp;
-  make_surface_point(scene, {place.position, -wo, kInfinity}, place.hit, 0.0f, sp, kZooWavelength);
+  make_surface_point(c.scene(), {place.position, -wo, kInfinity}, place.hit, 0.0f, sp, kZooWavelength);
+  find_region(c, sp);
   return sp;
 }
 
-TracedLight trace_light(const BdptContext& c, Sampler& sampler) {
+template <typename Context>
+TracedLight trace_light(const Context& c, Sampler& sampler) {
   TracedLight t;
   LightSubpath l;
   Sampler copy = sampler;
@@ -33,7 +36,8 @@ TracedLight trace_light(const BdptContext& c, Sampler& sampler) {
   return t;
 }
 
-TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler) {
+template <typename Context>
+TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler) {
   TracedCamera t;
   CameraSubpath e;
   start_camera_subpath(c, x, y, sampler, e);
@@ -43,6 +47,7 @@ TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler&
        hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id())) {
     SurfacePoint sp;
     make_surface_point(c.scene(), e.path.ray, hit, 0.0f, sp, kZooWavelength);
+    if constexpr (Context::kLearns) sp.region = c.recording.region_at(sp);
     e.weights.arrive(glm::dot(sp.ng, sp.wo), sqr(hit.t));
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     t.places.push_back({hit, sp.position, sp.ng, false});
@@ -53,7 +58,8 @@ TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler&
   return t;
 }
 
-Densities::Densities(const BdptContext& c, const WholePath& path, double eta)
+template <typename Context>
+Densities<Context>::Densities(const Context& c, const WholePath& path, double eta)
     : c_(c), path_(path), eta_(eta), k_(path.surfaces.size() + 1) {
   light_.assign(k_ + 1, 0);
   camera_.assign(k_ + 1, 0);
@@ -61,7 +67,8 @@ Densities::Densities(const BdptContext& c, const WholePath& path, double eta)
   for (size_t i = 1; i < k_; ++i) scatter(i);
 }
 
-double Densities::of(size_t s) const {
+template <typename Context>
+double Densities<Context>::of(size_t s) const {
   if (s == 0 && !path_.light_can_be_hit) return 0;
   if (s == k_ + 1 && !path_.camera_can_be_hit) return 0;
   if (s > 1 && s <= k_ && delta(s - 1)) return 0;  // x(s − 1) cannot be connected
@@ -72,12 +79,14 @@ double Densities::of(size_t s) const {
   return s == 1 ? p * direct : p;
 }
 
-double Densities::samples(size_t s) const {
+template <typename Context>
+double Densities<Context>::samples(size_t s) const {
   if (s >= k_) return static_cast<double>(c_.light_paths);
   return s >= 2 ? std::sqrt(static_cast<double>(c_.connected)) : 1.0;
 }
 
-double Densities::of_merging(size_t i) const {
+template <typename Context>
+double Densities<Context>::of_merging(size_t i) const {
   if (delta(i)) return 0;
   double p = eta_;
   for (size_t j = 0; j <= i; ++j) p *= light_[j];
@@ -85,34 +94,45 @@ double Densities::of_merging(size_t i) const {
   return p;
 }
 
-double Densities::sum_of_squares() const {
+template <typename Context>
+double Densities<Context>::sum_of_squares() const {
   double sum = 0;
   for (size_t j = 0; j <= k_ + 1; ++j) sum += of(j) * of(j);
   for (size_t i = 1; i < k_; ++i) sum += of_merging(i) * of_merging(i);
   return sum;
 }
 
-double Densities::weight(size_t s) const { return of(s) * of(s) / sum_of_squares(); }
+template <typename Context>
+double Densities<Context>::weight(size_t s) const {
+  return of(s) * of(s) / sum_of_squares();
+}
 
-double Densities::weight_of_merging(size_t i) const { return of_merging(i) * of_merging(i) / sum_of_squares(); }
+template <typename Context>
+double Densities<Context>::weight_of_merging(size_t i) const {
+  return of_merging(i) * of_merging(i) / sum_of_squares();
+}
 
-Vec3 Densities::position(size_t i) const {
+template <typename Context>
+Vec3 Densities<Context>::position(size_t i) const {
   return i == 0 ? path_.on_light.position : (i == k_ ? path_.camera : path_.surfaces[i - 1].position);
 }
 
-Vec3 Densities::towards(size_t from, size_t to) const {
+template <typename Context>
+Vec3 Densities<Context>::towards(size_t from, size_t to) const {
   if (path_.infinite && from == 0) return path_.from_light;
   if (path_.infinite && to == 0) return -path_.from_light;
   return glm::normalize(position(to) - position(from));
 }
 
 /// Converts a density per solid angle at `from` to one per area at `to`.
-double Densities::per_area(size_t from, size_t to) const {
+template <typename Context>
+double Densities<Context>::per_area(size_t from, size_t to) const {
   if (path_.infinite && (from == 0 || to == 0)) return to == 0 ? 1 : cosine(to, from);
   return cosine(to, from) / static_cast<double>(length_squared(position(to) - position(from)));
 }
 
-double Densities::cosine(size_t at, size_t other) const {
+template <typename Context>
+double Densities<Context>::cosine(size_t at, size_t other) const {
   const Vec3 w = towards(at, other);
   Vec3 n(0);
   if (at == 0) n = path_.light_normal;
@@ -121,7 +141,8 @@ double Densities::cosine(size_t at, size_t other) const {
   return is_black(n) ? 1.0 : std::fabs(static_cast<double>(glm::dot(n, w)));
 }
 
-void Densities::ends() {
+template <typename Context>
+void Densities<Context>::ends() {
   const EmissionPdf le = pdf_le(c_.scene().lights, path_.light, path_.on_light, path_.from_light);
   const double pmf = static_cast<double>(c_.emission.pmf(path_.light));
   const bool point = !path_.infinite && !path_.light_can_be_hit;
@@ -139,22 +160,33 @@ void Densities::ends() {
   }
 }
 
-void Densities::scatter(size_t i) {
+template <typename Context>
+void Densities<Context>::scatter(size_t i) {
   const Vec3 to_light = towards(i, i - 1);
   const Vec3 to_camera = towards(i, i + 1);
-  const SurfacePoint from_light = seen(c_.scene(), path_.surfaces[i - 1], to_light);
-  const SurfacePoint from_camera = seen(c_.scene(), path_.surfaces[i - 1], to_camera);
+  const SurfacePoint from_light = seen(c_, path_.surfaces[i - 1], to_light);
+  const SurfacePoint from_camera = seen(c_, path_.surfaces[i - 1], to_camera);
+  const GuidedPoint guide = guided_point(c_, from_camera);
   double by_light = 1;
   double by_camera = 1;
   if (delta(i)) {
-    by_camera = static_cast<double>(delta_density_ratio(from_light, to_camera));
+    by_camera = static_cast<double>(delta_density_ratio(from_light, to_camera) * guide.fraction);
   } else {
     const bool same_frame = same_shading_frame(from_light, to_camera) && same_shading_frame(from_camera, to_light);
     by_light = same_frame ? static_cast<double>(eval_pdf(from_light, to_camera).pdf_forward) : 0.0;
-    by_camera = static_cast<double>(eval_pdf(from_camera, to_light).pdf_forward);
+    by_camera = static_cast<double>(camera_pdf(c_, guide, to_light, eval_pdf(from_camera, to_light).pdf_forward));
   }
   if (i + 1 <= k_) light_[i + 1] = by_light * per_area(i, i + 1);
   camera_[i - 1] = by_camera * per_area(i, i - 1);
 }
+
+template SurfacePoint seen(const BdptContext&, const Place&, const Vec3&);
+template SurfacePoint seen(const LearningContext&, const Place&, const Vec3&);
+template TracedLight trace_light(const BdptContext&, Sampler&);
+template TracedLight trace_light(const LearningContext&, Sampler&);
+template TracedCamera trace_camera(const BdptContext&, uint32_t, uint32_t, Sampler&);
+template TracedCamera trace_camera(const LearningContext&, uint32_t, uint32_t, Sampler&);
+template class Densities<BdptContext>;
+template class Densities<LearningContext>;
 
 }  // namespace relume::testing

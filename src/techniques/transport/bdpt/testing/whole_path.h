@@ -29,13 +29,18 @@ struct TracedCamera {
   std::vector<CameraSubpath> states;
 };
 
-/// Surface point of a vertex for a viewer along `wo`.
-SurfacePoint seen(const SceneView& scene, const Place& place, const Vec3& wo);
+// All functions exist for BdptContext and LearningContext.
+
+/// Surface point of a vertex for a viewer along `wo`, with its region.
+template <typename Context>
+SurfacePoint seen(const Context& c, const Place& place, const Vec3& wo);
 
 /// Light subpath of up to six vertices.
-TracedLight trace_light(const BdptContext& c, Sampler& sampler);
+template <typename Context>
+TracedLight trace_light(const Context& c, Sampler& sampler);
 /// Camera subpath of up to seven vertices.
-TracedCamera trace_camera(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler);
+template <typename Context>
+TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler);
 
 /// All inputs to the densities of a whole path, from the light over surfaces to the camera.
 struct WholePath {
@@ -51,10 +56,11 @@ struct WholePath {
 };
 
 /// Densities of the strategies for one path, times their numbers of samples; zero for impossible strategies.
+template <typename Context>
 class Densities {
  public:
   /// `eta`: π r² n of vertex merging.
-  Densities(const BdptContext& c, const WholePath& path, double eta);
+  Densities(const Context& c, const WholePath& path, double eta);
 
   /// Connection of s light vertices, s = 0 … k + 1.
   double of(size_t s) const;
@@ -77,7 +83,7 @@ class Densities {
   /// Number of samples per pixel of strategy s.
   double samples(size_t s) const;
 
-  const BdptContext& c_;
+  const Context& c_;
   const WholePath& path_;
   double eta_;
   size_t k_;

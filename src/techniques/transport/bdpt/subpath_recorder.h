@@ -1,0 +1,137 @@
+// Records camera subpaths for learned structures, as PathRecorder does for path tracing.
+//
+// The value of a record estimates the radiance that arrives along the sampled direction, without bias. It sums all
+// light that the remaining subpath finds: by meeting lights, by connections, and by merging. The weights are those for
+// a camera at the recorded vertex. Strategies that cut the path before its next vertex do not sample the direction, so
+// the recursion of partial weights starts at that vertex with A = B = 0. With the weights of the image, such light
+// would be missing in part.
+#pragma once
+
+#include "techniques/transport/bdpt/bdpt_context.h"
+
+namespace relume {
+
+/// A weight as a function of the partial weights of the camera subpath: 1 / (fixed + a A + b B).
+struct WeightTerms {
+  float fixed = 1;
+  float a = 0;
+  float b = 0;
+
+  RELUME_HD float inverse(const PartialWeights& at) const { return fixed + product(a, at.a) + product(b, at.b); }
+
+ private:
+  /// Zero if one factor is zero, also if the other overflowed to infinity.
+  RELUME_HD static float product(float x, float y) { return x > 0.0f && y > 0.0f ? x * y : 0.0f; }
+};
+
+/// Terms of weight_from(others, scale · PartialWeights::sum(p, sigma, merging)).
+RELUME_HD inline WeightTerms weight_terms(float others, float p, float sigma, float merging, float scale) {
+  const float cut = sqr(p) * scale;
+  return {1.0f + others + zero_or(merging, cut), cut, cut * sqr(sigma)};
+}
+
+/// The default does nothing and compiles away.
+struct NoRecorder {
+  /// Whether outcomes of the connections to lights are recorded at the current vertex.
+  RELUME_HD static constexpr bool needs_visibility() { return false; }
+  RELUME_HD void moved(float, float) const {}
+  RELUME_HD void arrived(SurfacePoint&, const PathState&) const {}
+  RELUME_HD void weigh(const WeightTerms&) const {}
+  RELUME_HD void add(const Rgb&, const PartialWeights&) const {}
+  RELUME_HD void add_met(const Rgb&, const PartialWeights&, const PathState&, bool) const {}
+  RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool) const {}
+  RELUME_HD void scattered(const BdptContext&, const SurfacePoint&, const BsdfSample&, const PathState&) const {}
+  RELUME_HD void left(float, float, float) const {}
+  RELUME_HD void left_delta(float, float) const {}
+  RELUME_HD void finished() const {}
+};
+
+class SubpathRecorder {
+ public:
+  RELUME_HD SubpathRecorder(const PathRecording& recording, uint32_t pixel) : recorder_(recording.begin(pixel)) {}
+
+  RELUME_HD bool needs_visibility() const { return recorder_.current < recorder_.recording->vertices; }
+
+  /// Called with the arguments of SubpathWeights::arrive().
+  RELUME_HD void moved(float cosine, float distance_squared) {
+    for (uint32_t v = 0; v < behind_; ++v) weights_[v].arrive(cosine, distance_squared);
+  }
+
+  /// Called at each surface that may scatter the subpath. Sets its region.
+  RELUME_HD void arrived(SurfacePoint& sp, const PathState& path) {
+    const PathRecording& recording = *recorder_.recording;
+    const RegionPair regions = recording.find(sp);
+    sp.region = recording.jitter > 0.0f ? recording.jittered_region(sp) : regions.sample;
+    recorder_.begin_vertex(path.bounce, regions.store);
+  }
+
+  /// Sets the terms of the weight within the light that add() or add_met() gets next.
+  RELUME_HD void weigh(const WeightTerms& terms) { terms_ = terms; }
+
+  /// Adds light to the records behind the current vertex. `at`: partial weights that its weight used.
+  RELUME_HD void add(const Rgb& light, const PartialWeights& at) { add_to(behind_, light, at); }
+
+  /// Adds the light of a source at the end of the ray. `connectable`: connections from the previous vertex could find
+  /// it, so directions need not.
+  RELUME_HD void add_met(const Rgb& light, const PartialWeights& at, const PathState& path, bool connectable) {
+    const bool leaves_out = connectable && behind_ > 0 && behind_ == path.bounce;
+    add_to(leaves_out ? behind_ - 1 : behind_, light, at);
+  }
+
+  /// Called after the connection to a light was tested.
+  RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& connection, bool visible) {
+    recorder_.connected(sp, path, connection, visible);
+  }
+
+  /// Called after a direction was sampled; `after`: the subpath with its new ray. left() or left_delta() follows.
+  RELUME_HD void scattered(const BdptContext& c, const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
+    recorder_.scattered(sp, s, after);
+    left_ = behind_;
+    behind_ = recorder_.reached;
+    for (uint32_t v = left_; v < behind_; ++v) {
+      weights_[v] = SubpathWeights::start(0.0f, 0.0f, 1.0f, 0.0f, false, c.merging, c.connected);
+      found_[v] = Rgb(0);
+    }
+  }
+  /// Called with the arguments of SubpathWeights::leave().
+  RELUME_HD void left(float cosine, float pdf, float reverse) {
+    for (uint32_t v = 0; v < left_; ++v) weights_[v].leave(cosine, pdf, reverse);
+  }
+  /// Called with the arguments of SubpathWeights::leave_delta().
+  RELUME_HD void left_delta(float cosine, float ratio) {
+    for (uint32_t v = 0; v < left_; ++v) weights_[v].leave_delta(cosine, ratio);
+  }
+
+  /// Called when the subpath is complete.
+  RELUME_HD void finished() {
+    recorder_.finish([&](uint32_t v) { return found_[v]; });
+  }
+
+ private:
+  RELUME_HD void add_to(uint32_t records, const Rgb& light, const PartialWeights& at) {
+    if (is_black(light)) return;
+    const float weighted = terms_.inverse(at);
+    for (uint32_t v = 0; v < records; ++v) {
+      const Rgb share = light * (weighted / terms_.inverse(weights_[v].at()));
+      if (is_finite(share)) found_[v] += share;
+    }
+  }
+
+  PathRecorder recorder_;
+  WeightTerms terms_;
+  uint32_t behind_ = 0;                           ///< number of recorded vertices behind the current one
+  uint32_t left_ = 0;                             ///< the same for the previous vertex
+  SubpathWeights weights_[kMaxRecordedVertices];  ///< for a camera at the recorded vertex
+  Rgb found_[kMaxRecordedVertices] = {};          ///< light along the direction of the recorded vertex, in the image
+};
+
+RELUME_HD inline NoRecorder recorder_of(const BdptContext&, uint32_t /*pixel*/) { return {}; }
+RELUME_HD inline SubpathRecorder recorder_of(const LearningContext& c, uint32_t pixel) { return {c.recording, pixel}; }
+
+/// Clears the records of a pixel without a path.
+template <typename Context>
+RELUME_HD inline void skip_records(const Context& c, uint32_t pixel) {
+  if constexpr (Context::kLearns) c.recording.skip(pixel);
+}
+
+}  // namespace relume
