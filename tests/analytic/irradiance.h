@@ -41,6 +41,7 @@ inline const auto kWays = ::testing::Values(
 inline const auto kOtherWays = ::testing::Values(
     Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
     Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
+    Way{"bdpt_vlc_cdq", EstimatorChoice::bdpt, LightSelectionChoice::vlc, GuideChoice::cdq, 8},
     Way{"ris", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 2, false, ReuseChoice::ris},
     Way{"ris_vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8, false, ReuseChoice::ris},
     Way{"restir_di", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::bsdf, 8, false,

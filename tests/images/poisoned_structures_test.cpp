@@ -16,6 +16,7 @@
 #include "techniques/radiance_cache/path_graphs/path_graphs.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
+#include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/path/recording_output.h"
 #include "testing/random.h"
 
@@ -36,8 +37,9 @@ struct Effort {
 const Effort kQuick{16, 8, {.detectable = 0.25, .detectable_mean = 0.2}};     // seconds
 const Effort kSharp{64, 128, {.detectable = 0.04, .detectable_mean = 0.03}};  // minutes; 64 times the samples
 
-/// Cache whose policy paths have. Its cells stay empty: images show the paths' own estimates.
-enum class PathCache { none, psf, apg };
+/// Paths, those with the policy of a cache, or subpaths from both ends. Cells stay empty: images show the paths' own
+/// estimates.
+enum class PathKind { plain, psf, apg, bdpt };
 
 /// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
@@ -105,13 +107,12 @@ class Poisoned {
 
   /// Images of several seeds, each the mean of one epoch's frames.
   Moments images(const PathContext& context, const Effort& effort, uint32_t first_seed,
-                 PathCache cache = PathCache::none) {
+                 PathKind kind = PathKind::plain) {
     std::vector<Image> images;
     for (uint32_t i = 0; i < effort.images; ++i) {
       Image mean(kWidth, kHeight);
       for (uint32_t frame = 0; frame < effort.frames; ++frame) {
-        const std::vector<Rgb> radiance =
-            trace(context, {.seed = first_seed + i, .sample = frame, .age = frame}, cache);
+        const std::vector<Rgb> radiance = trace(context, {.seed = first_seed + i, .sample = frame, .age = frame}, kind);
         for (uint32_t p = 0; p < kPixels; ++p) mean.pixels[p] += radiance[p] / static_cast<float>(effort.frames);
       }
       images.push_back(std::move(mean));
@@ -152,7 +153,7 @@ class Poisoned {
     uniform_ = make_uniform_lights(lights);
   }
 
-  std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index, PathCache cache) {
+  std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index, PathKind kind) {
     const PrimaryHitsKernel primary{context.scene, index, mutable_view_of(hits_), {}, kWidth};
     launch(backend_, "gbuffer", primary, kWidth, kHeight);
     std::vector<VertexSample> samples(kPixels);
@@ -162,14 +163,15 @@ class Poisoned {
     FilterContext filter;
     filter.grid = grid_.view(context.scene.camera);
     filter.width = kWidth;
-    switch (cache) {
-      case PathCache::none: {
+    switch (kind) {
+      case PathKind::plain: {
         std::vector<Rgb> radiance(kPixels);
         run(context, index, RadianceOutput{mutable_view_of(radiance)}, RecordingOutput{recording});
         return radiance;
       }
-      case PathCache::psf: return trace_into_cells(context, index, recording, filter);
-      case PathCache::apg: break;
+      case PathKind::psf: return trace_into_cells(context, index, recording, filter);
+      case PathKind::apg: break;
+      case PathKind::bdpt: return trace_from_both_ends(context, index, recording);
     }
     PathGraphContext graph;
     graph.filter = filter;
@@ -184,6 +186,31 @@ class Poisoned {
     run(context, index, CachedRecordingOutput{recording}, CellsOutput<Cache>{cache, mutable_view_of(pixels)});
     std::vector<Rgb> radiance;
     for (const FilteredPixel& pixel : pixels) radiance.push_back(pixel.unfiltered + pixel.traced);
+    return radiance;
+  }
+
+  /// Looks up regions with jitter, which light subpaths repeat.
+  std::vector<Rgb> trace_from_both_ends(const PathContext& context, const SampleIndex& index,
+                                        const PathRecording& recording) {
+    const std::vector<AliasEntry> power = build_power_lights(context.scene.lights);
+    std::vector<FixedPointRgb> splats(kPixels);
+    LearningContext c;
+    c.path = context;
+    c.emission = c.connection = {{view_of(power)}};
+    c.splats = mutable_view_of(splats);
+    c.width = kWidth;
+    c.connection_roulette = 0.25f;
+    c.recording = recording;
+    c.recording.jitter = 1;
+    c.recording.seed = hash(index.seed, index.sample);
+    std::vector<Rgb> radiance(kPixels);
+    uint64_t faults[2] = {};
+    const BdptKernelOf<LearningContext> kernel{
+        c, index, view_of(hits_), {}, mutable_view_of(radiance), mutable_view_of(rays_), {faults, 1}, {faults + 1, 1}};
+    launch(backend_, "trace", kernel, kWidth, kHeight);
+    const AddSplatsKernel add{c.splats, mutable_view_of(radiance), {}, 1.0f, kWidth};
+    launch(backend_, "splats", add, kWidth, kHeight);
+    EXPECT_EQ(faults[1], 0u);
     return radiance;
   }
 
@@ -237,14 +264,25 @@ void check_caches(const std::string& name, const Effort& effort) {
 void check_filtered_paths(const std::string& name, const Effort& effort) {
   Poisoned poisoned("cornell");
   const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
-  expect_same_image(name, poisoned.images(poisoned.guided_by_fractions(), effort, 1, PathCache::psf), expected,
+  expect_same_image(name, poisoned.images(poisoned.guided_by_fractions(), effort, 1, PathKind::psf), expected,
                     effort.options);
 }
 
 void check_path_graphs(const std::string& name, const Effort& effort) {
   Poisoned poisoned("turntable");
   const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
-  expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1, PathCache::apg), expected, effort.options);
+  expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1, PathKind::apg), expected, effort.options);
+}
+
+void check_both_ends(const std::string& name, const Effort& effort) {
+  Poisoned boxes("cornell");
+  const Moments expected = boxes.images(boxes.plain(), effort, 1001);
+  expect_same_image(name + "-quadtrees", boxes.images(boxes.guided_by_fractions(), effort, 1, PathKind::bdpt), expected,
+                    effort.options);
+  Poisoned table("turntable");
+  const Moments expected_table = table.images(table.plain(), effort, 1001);
+  expect_same_image(name + "-caches", table.images(table.cached(), effort, 1, PathKind::bdpt), expected_table,
+                    effort.options);
 }
 
 TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
@@ -252,12 +290,14 @@ TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fract
 TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
 TEST(PoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf", kQuick); }
 TEST(PoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg", kQuick); }
+TEST(PoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt", kQuick); }
 
 TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
 TEST(SlowPoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf-sharp", kSharp); }
 TEST(SlowPoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg-sharp", kSharp); }
+TEST(SlowPoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt-sharp", kSharp); }
 
 }  // namespace
 }  // namespace relume::support
