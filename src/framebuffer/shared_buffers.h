@@ -14,6 +14,9 @@ inline constexpr BufferKey<Hit> kPrimaryHits{"primary-hits"};
 inline constexpr BufferKey<Rgb> kRadiance{"radiance"};
 inline constexpr BufferKey<Rgb> kRadianceSpecular{"radiance-specular"};  ///< the part from specular lobes
 inline constexpr BufferKey<Rgb> kLightRadiance{"light-radiance"};        ///< the part from light paths
+inline constexpr BufferKey<Rgb> kCausticRadiance{"caustic-radiance"};    ///< the part in the caustic layer
+/// The same part, from half of the light paths minus that from the others: its square estimates the part's variance.
+inline constexpr BufferKey<Rgb> kCausticDifference{"caustic-difference"};
 inline constexpr BufferKey<uint32_t> kRays{"rays"};
 inline constexpr BufferKey<uint32_t> kEdgeRays{"edge-rays"};
 
@@ -40,6 +43,10 @@ inline constexpr BufferKey<Rgb> kLightMean{"light-mean"};  ///< from light paths
 inline constexpr BufferKey<float> kLightM2{"light-m2"};
 inline constexpr BufferKey<float> kLightPaths{"light-paths"};
 inline constexpr BufferKey<uint32_t> kLightFrames{"light-frames"};
+
+/// Moments of the caustic layer: of kCausticRadiance, as kMoments are of kRadiance.
+inline constexpr MomentBuffers kCausticMoments{
+    .mean = {"caustics"}, .m2 = {"caustics-m2"}, .m2_rgb = {}, .samples = {"caustics-samples"}};
 inline constexpr BufferKey<uint32_t> kNonfinite{"nonfinite"};
 inline constexpr BufferKey<Rgb> kFilled{"filled"};  ///< kMean without unsampled pixels; exists with temporal upscaling
 inline constexpr BufferKey<Rgb> kDenoised{"denoised"};

@@ -47,6 +47,12 @@ Layers all_layers() {
       add_layers(settings, fmt::format("`--{} {}`", slot.name, value), layers);
     }
   }
+  RenderSettings caustics;
+  caustics.estimator = EstimatorChoice::bdpt;
+  caustics.denoise = DenoiseChoice::svgf;
+  caustics.bdpt.caustic_layer = true;
+  for (const AovLayer& layer : aov_layers(plan(caustics)))
+    layers.try_emplace(layer.name, Layer{layer.help, {"`--bdpt.caustic-layer`"}});
   return layers;
 }
 

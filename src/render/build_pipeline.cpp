@@ -120,6 +120,12 @@ bool needs_splat_image(const RenderSettings& settings) {
   return settings.estimator != EstimatorChoice::path && skips_pixels(settings);
 }
 
+/// Whether frames have a caustic layer: if a denoiser filters it, or for the layers beside the image.
+bool has_caustic_layer(const RenderSettings& settings) {
+  return settings.bdpt.caustic_layer && settings.estimator != EstimatorChoice::path &&
+         (settings.denoise != DenoiseChoice::none || settings.auxiliary);
+}
+
 /// Whether diffuse and specular light are separated. Only path tracing without a radiance cache can separate them.
 bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
@@ -158,13 +164,14 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
                     const OctreePass* octree) {
   const PathRecording* const recording = octree ? &octree->recording() : nullptr;
   if (octree) builder.add<RegionViewPass>(*octree);
+  const SeparateParts parts{.splats = needs_splat_image(settings), .caustics = has_caustic_layer(settings)};
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
-        settings.history != HistoryChoice::none, source, recording, needs_splat_image(settings));
+        settings.history != HistoryChoice::none, source, recording, parts);
   } else if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
-                                                                                           needs_splat_image(settings));
+                                                                                           parts);
   }
   if (settings.estimator != EstimatorChoice::path) return nullptr;
   if (settings.cache == CacheChoice::none) {
@@ -210,7 +217,8 @@ uint32_t pixel_count(const RenderSettings& settings) {
 void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
   const AccumulatedParts parts{.m2_rgb = settings.allocation == AllocationChoice::adaptive,
                                .splat_image = needs_splat_image(settings),
-                               .specular = history_splits(settings)};
+                               .specular = history_splits(settings),
+                               .caustics = has_caustic_layer(settings)};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), parts.m2_rgb);

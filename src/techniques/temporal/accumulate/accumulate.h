@@ -2,6 +2,7 @@
 #pragma once
 
 #include "framebuffer/pixel_moments.h"
+#include "techniques/temporal/accumulate/caustic_moments.h"
 #include "techniques/temporal/accumulate/specular_mean.h"
 #include "techniques/temporal/accumulate/splat_image.h"
 
@@ -18,6 +19,7 @@ struct AccumulateKernel {
   View<uint32_t> nonfinite;  ///< count of samples that were not finite, which count as black
   SplatImage splat_image;    ///< splats of light paths, which `radiance` and the mean contain
   SpecularMean specular;     ///< the specular part of the mean
+  CausticMoments caustics;   ///< the caustic layer, which `radiance` and the mean contain
   bool keep = true;          ///< false: this frame's sample replaces all earlier ones
   uint32_t width = 0;
 
@@ -29,7 +31,8 @@ struct AccumulateKernel {
     const Rgb splats_before = splat_image.mean_of(pixel);
     splat_image.add(pixel);
     const Rgb splats_after = splat_image.mean_of(pixel);
-    if (!allocation.empty() && allocation[pixel] == 0) {
+    const bool sampled = allocation.empty() || allocation[pixel] != 0;
+    if (!sampled) {
       if (!splat_image.empty()) pixel_moments.mean += splats_after - splats_before;
       specular.keep(pixel);
     } else {
@@ -40,6 +43,10 @@ struct AccumulateKernel {
       if (!specular.empty()) specular.add(pixel, radiance[pixel], keep, pixel_moments);
     }
     moments.store(pixel, pixel_moments);
+    if (!caustics.empty()) {
+      caustics.add(pixel, keep, sampled, is_finite(radiance[pixel]),
+                   {splat_image.splat(pixel), splats_before, splats_after});
+    }
   }
 
  private:

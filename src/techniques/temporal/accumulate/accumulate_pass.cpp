@@ -33,6 +33,19 @@ void add_specular_part(PassDeclaration& declaration, Change reset) {
                            {kRadianceSpecular, kSpecularAlbedo, kInheritedSpecularMean, kInheritedSpecularSamples});
 }
 
+void add_caustic_layer(PassDeclaration& declaration, Change reset) {
+  const auto add = [&](const BufferId& id, const char* help, BufferDisplay display = BufferDisplay::hidden) {
+    declaration.owns.push_back(
+        {.id = id, .help = help, .persistent = true, .reset = reset, .follows_surface = true, .display = display});
+  };
+  add(kCausticMoments.mean,
+      "caustic layer, a part of mean: light paths connected to the camera, and merged light behind specular surfaces",
+      BufferDisplay::value);
+  add(kCausticMoments.m2, "sum of squared luminance deviations of the samples from caustics");
+  add(kCausticMoments.samples, "number of samples in caustics");
+  declaration.reads.push_back(kCausticRadiance);
+}
+
 SplatImage splat_image_of(const FrameContext& frame, PrimitiveScratch& scratch) {
   const uint64_t traced = sum({frame.backend, "accumulate", scratch}, frame.read(kAllocation));
   return {.splats = frame.read(kLightRadiance),
@@ -41,6 +54,14 @@ SplatImage splat_image_of(const FrameContext& frame, PrimitiveScratch& scratch) 
           .weight = frame.write(kLightPaths),
           .frames = frame.write(kLightFrames),
           .paths = static_cast<float>(traced) / static_cast<float>(frame.pixels())};
+}
+
+CausticMoments caustic_moments(const FrameContext& frame) {
+  return {.radiance = frame.read(kCausticRadiance),
+          .moments = {.mean = frame.write(kCausticMoments.mean),
+                      .m2 = frame.write(kCausticMoments.m2),
+                      .m2_rgb = {},
+                      .samples = frame.write(kCausticMoments.samples)}};
 }
 
 SpecularMean specular_mean(const FrameContext& frame) {
@@ -81,6 +102,7 @@ PassDeclaration AccumulatePass::declaration() const {
     declaration.owns.push_back(kept(kMoments.m2_rgb, "sum of squared deviations of all channels from mean"));
   if (parts_.splat_image) add_splat_image(declaration, invalidated_by_);
   if (parts_.specular) add_specular_part(declaration, invalidated_by_);
+  if (parts_.caustics) add_caustic_layer(declaration, invalidated_by_);
   return declaration;
 }
 
@@ -97,6 +119,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
   kernel.nonfinite = frame.write(kNonfinite);
   if (parts_.splat_image) kernel.splat_image = splat_image_of(frame, scratch_);
   if (parts_.specular) kernel.specular = specular_mean(frame);
+  if (parts_.caustics) kernel.caustics = caustic_moments(frame);
   kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
   // Cannot be cancelled: sums must change only in complete frames.

@@ -12,6 +12,7 @@ struct AccumulatedParts {
   bool m2_rgb = false;       ///< sum of squared distances of all channels from their mean
   bool splat_image = false;  ///< a separate image of the splats of light paths
   bool specular = false;     ///< a separate mean of the specular part
+  bool caustics = false;     ///< separate moments of the caustic layer
 };
 
 /// The only writer of kMoments.

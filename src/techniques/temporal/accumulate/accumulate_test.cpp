@@ -201,6 +201,44 @@ TEST(SplatImage, StartsAgainWithTheMean) {
   EXPECT_EQ(p.moments.m2_rgb[0], 0.0f);
 }
 
+/// Moments of the caustic layer of one pixel, over frames.
+struct LayerPixel {
+  void frame(float light, bool sampled, bool finite, const PixelSplats& splats = {}) {
+    const std::vector<Rgb> radiance{Rgb(light)};
+    CausticMoments{view_of(radiance), moments.mutable_view()}.add(0, keep, sampled, finite, splats);
+  }
+
+  bool keep = true;
+  testing::MomentVectors moments{1};
+};
+
+TEST(CausticMoments, AreThoseOfTheSamples) {
+  LayerPixel p;
+  p.frame(1, true, true);
+  p.frame(3, true, true);
+  p.frame(9, false, true);  // no sample
+  EXPECT_EQ(p.moments.mean[0], Rgb(2));
+  EXPECT_FLOAT_EQ(p.moments.m2[0], 2.0f);
+  EXPECT_EQ(p.moments.samples[0], 2u);
+  p.frame(5, true, false);  // its radiance is not finite
+  EXPECT_NEAR(p.moments.mean[0].g, 4.0f / 3, 1e-6f);
+  p.keep = false;
+  p.frame(7, true, true);
+  EXPECT_EQ(p.moments.mean[0], Rgb(7));
+  EXPECT_EQ(p.moments.samples[0], 1u);
+}
+
+TEST(CausticMoments, ContainTheSplatImage) {
+  LayerPixel p;
+  p.frame(6, true, true, {Rgb(4), Rgb(0), Rgb(4)});   // splats 4, merged light 2
+  p.frame(8, false, true, {Rgb(8), Rgb(4), Rgb(6)});  // splats alone
+  EXPECT_EQ(p.moments.mean[0], Rgb(8));
+  EXPECT_EQ(p.moments.samples[0], 1u);
+  p.frame(10, true, true, {Rgb(6), Rgb(6), Rgb(6)});  // merged light 4
+  EXPECT_EQ(p.moments.mean[0], Rgb(9));
+  EXPECT_EQ(p.moments.samples[0], 2u);
+}
+
 TEST(SplatImage, EstimatesTheVarianceOfItsMean) {
   // Frames of unequal numbers of light paths w, whose splats have the variance 1 / w.
   constexpr int kRuns = 4000;

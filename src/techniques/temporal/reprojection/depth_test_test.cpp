@@ -98,6 +98,19 @@ TEST(DepthTest, LimitHoldsForTheSplatImage) {
   EXPECT_EQ(moments.samples, (std::vector<uint32_t>{3, 3}));
 }
 
+TEST(DepthTest, LimitHoldsForTheCausticLayer) {
+  testing::MomentVectors moments(2, {Rgb(0), 5, 15, 3});
+  testing::MomentVectors layer(2, {Rgb(1), 19, 0, 20});
+  layer.samples[1] = 7;
+  LimitKernel kernel{moments.mutable_view(), {}, 11, 2};
+  kernel.caustics = layer.mutable_view();
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(layer.samples, (std::vector<uint32_t>{11, 7}));
+  EXPECT_EQ(layer.m2, (std::vector<float>{10, 19}));
+  EXPECT_EQ(moments.samples, (std::vector<uint32_t>{3, 3}));
+}
+
 TEST(DepthTest, PixelsOfLargeImagesHaveExactIndices) {
   CameraView camera;
   camera.resolution = {7680, 4320};  // twice as many pixels as floats can number

@@ -377,7 +377,8 @@ struct LimitKernel {
   View<const uint32_t> limits;  ///< limits by pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
-  View<float> light_paths = {};  ///< weight of SplatImage; empty: no splat image
+  View<float> light_paths = {};      ///< weight of SplatImage; empty: no splat image
+  MutableMomentsView caustics = {};  ///< of the caustic layer; empty: none
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
@@ -386,6 +387,10 @@ struct LimitKernel {
     PixelMoments limited = MomentsView(moments)[pixel];
     limited.limit(most);
     moments.store(pixel, limited);
+    if (caustics.mean.empty()) return;
+    PixelMoments layer = MomentsView(caustics)[pixel];
+    layer.limit(most);
+    caustics.store(pixel, layer);
   }
 };
 

@@ -91,7 +91,8 @@ PassDeclaration ReprojectionPass::declaration() const {
           .owns = std::move(owns),
           .reads = std::move(reads),
           .reads_if_any = {kMoments.m2_rgb, kSpecularMean, kInheritedSpecularMean},
-          .writes_if_any = {kInherited.m2_rgb, kLightPaths},
+          .writes_if_any = {kInherited.m2_rgb, kLightPaths, kCausticMoments.mean, kCausticMoments.m2,
+                            kCausticMoments.samples},
           .moves_surfaces = true};
 }
 
@@ -261,6 +262,10 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   if (settings_.method == ReprojectionMethod::forward) kernel.limits = limits_.view();
   kernel.max_samples = history_limit(frame, settings_);
   kernel.light_paths = frame.write(kLightPaths);
+  kernel.caustics = {.mean = frame.write(kCausticMoments.mean),
+                     .m2 = frame.write(kCausticMoments.m2),
+                     .m2_rgb = {},
+                     .samples = frame.write(kCausticMoments.samples)};
   kernel.width = frame.width();
   frame.launch("reproject", kernel);
 }

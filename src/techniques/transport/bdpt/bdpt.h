@@ -54,6 +54,7 @@ struct BdptKernelOf {
       return;
     }
     BdptCounters counters;
+    counters.subtracts = has_negative_sign(pixel);
     Sampler light_sampler = index.sampler(x, y);
     trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);
@@ -76,6 +77,18 @@ inline BdptKernelOf<Context> in_context(const Context& context, const BdptKernel
           k.saturated, k.nonfinite, k.vertices, k.to_camera,  k.kept_rows, k.guides};
 }
 
+/// The caustic layer of a frame, part of its radiance. Empty: not wanted.
+struct CausticViews {
+  View<Rgb> radiance;
+  View<Rgb> difference;  ///< as kCausticDifference
+
+  RELUME_HD bool empty() const { return radiance.empty(); }
+  RELUME_HD void set(uint32_t pixel, const Rgb& light, const Rgb& signed_light) const {
+    radiance[pixel] = light;
+    difference[pixel] = signed_light;
+  }
+};
+
 /// Adds the splats of the frame to the radiance of its samples and clears them.
 struct AddSplatsKernel {
   View<FixedPointRgb> splats;
@@ -83,13 +96,28 @@ struct AddSplatsKernel {
   View<Rgb> brought;  ///< radiance of the splats; may be empty
   float scale = 1;    ///< pixels over light subpaths of the frame
   uint32_t width = 0;
+  CausticViews caustics = {};
+  View<FixedPointRgb> differences = {};  ///< BdptContext::splat_differences, for `caustics`
+  bool joins_merged = false;             ///< `caustics` holds merged light, to which splats are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const Rgb splat = splats[pixel].value() * scale;
     radiance[pixel] += splat;
     if (!brought.empty()) brought[pixel] = splat;
+    if (!caustics.empty()) add_to_layer(pixel, splat);
     splats[pixel] = {};
+  }
+
+ private:
+  RELUME_HD void add_to_layer(uint32_t pixel, const Rgb& splat) const {
+    const Rgb difference = differences[pixel].value() * scale;
+    if (joins_merged) {
+      caustics.set(pixel, caustics.radiance[pixel] + splat, caustics.difference[pixel] + difference);
+    } else {
+      caustics.set(pixel, splat, difference);
+    }
+    differences[pixel] = {};
   }
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "core/hash.h"
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/bdpt/path_vertex.h"
 #include "techniques/transport/path/path.h"
@@ -25,6 +26,7 @@ struct BdptContext {
   float merging = 0;                    ///< η² of vertex merging (partial_weights.h); 0: none
   float connected = 1;                  ///< square of the number of connections between surfaces, as light_paths
   float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every sample has its own
+  View<FixedPointRgb> splat_differences = {};  ///< `splats` with the signs of has_negative_sign(); may be empty
 
   // Of LearningContext, which has no members of its own, as kernels have standard layout.
   PathRecording recording = {};
@@ -141,11 +143,15 @@ RELUME_HD inline float subpath_wavelength(const BdptContext& c, const Sampler& s
 inline constexpr uint32_t kLightDimensions = 4096;
 inline constexpr uint32_t kLightDimensionsPerVertex = 2;
 
+/// Whether a light subpath counts negatively in differences between halves of the subpaths. `number`: of the subpath.
+RELUME_HD inline bool has_negative_sign(uint32_t number) { return (hash(number) & 1u) != 0; }
+
 /// Counters of one sample of one pixel.
 struct BdptCounters {
   uint32_t rays = 0;
   uint32_t saturated = 0;  ///< splats clamped to kFixedPointMax
   uint32_t nonfinite = 0;  ///< splats left out as not finite
+  bool subtracts = false;  ///< has_negative_sign() of the light subpath
 };
 
 /// Adds radiance to the pixel at raster position `raster`.
@@ -155,7 +161,9 @@ RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb&
     return;
   }
   if (max_component(value) > kFixedPointMax) ++counters.saturated;
-  c.splats[static_cast<uint32_t>(raster.y) * c.width + static_cast<uint32_t>(raster.x)].add(value);
+  const uint32_t pixel = static_cast<uint32_t>(raster.y) * c.width + static_cast<uint32_t>(raster.x);
+  c.splats[pixel].add(value);
+  if (!c.splat_differences.empty()) c.splat_differences[pixel].add(counters.subtracts ? -value : value);
 }
 
 /// Selects the connections of a sample whose visibility is tested. Connections that are small relative to those tried

@@ -13,6 +13,7 @@ namespace relume {
 namespace {
 
 constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
+constexpr BufferKey<FixedPointRgb> kSplatDifferences{"splat-differences"};
 
 /// Limit of the memory for light subpaths of one launch, except that of a single row.
 constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
@@ -22,9 +23,15 @@ constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
 PassDeclaration BdptPass::declaration() const {
   std::vector<BufferDescription> owns = estimator_buffers();
   owns.push_back({.id = kSplats, .help = "radiance that light subpaths added to the pixel in the current frame"});
-  if (separate_splats_) {
+  if (parts_.splats) {
     owns.push_back(
         {.id = kLightRadiance, .help = "radiance of this frame's light paths", .display = BufferDisplay::value});
+  }
+  if (parts_.caustics) {
+    owns.push_back({.id = kSplatDifferences, .help = "splats, those of half of the light subpaths negative"});
+    owns.push_back({.id = kCausticRadiance, .help = "part of this frame's radiance in the caustic layer"});
+    owns.push_back({.id = kCausticDifference,
+                    .help = "difference of the halves of the light paths in this frame's caustic layer"});
   }
   return {.name = "trace",
           .stage = Stage::trace,
@@ -86,6 +93,11 @@ bool BdptPass::trace_in_bands(const FrameContext& frame, const BdptKernelOf<Cont
   return true;
 }
 
+CausticViews BdptPass::caustics(const FrameContext& frame) const {
+  if (!parts_.caustics) return {};
+  return {frame.write(kCausticRadiance), frame.write(kCausticDifference)};
+}
+
 bool BdptPass::run(const FrameContext& frame) {
   frame_faults_ = {};
   prepare_lights(frame);
@@ -96,6 +108,7 @@ bool BdptPass::run(const FrameContext& frame) {
   c.connection = {{connection_.view()}};
   c.light_medium = light_medium_.view();
   c.splats = frame.write(kSplats);
+  if (parts_.caustics) c.splat_differences = frame.write(kSplatDifferences);
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
   c.connection_roulette = settings_.connection_roulette;
@@ -111,12 +124,18 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.nonfinite = {&faults->nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
-  if (separate_splats_) add.brought = frame.write(kLightRadiance);
+  if (parts_.splats) add.brought = frame.write(kLightRadiance);
+  add.caustics = caustics(frame);
+  add.differences = c.splat_differences;
+  add.joins_merged = merges();
   uint64_t samples = frame.pixels();
   if (!kernel.allocation.empty()) samples = sum({frame.backend, "splats", scratch_}, kernel.allocation);
   const uint64_t light_paths = prepare_subpaths(frame, samples, kernel);
   add.scale = light_paths > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(light_paths) : 0.0f;
-  if (has_splats_) fill(frame.backend, "splats", c.splats, FixedPointRgb{});
+  if (has_splats_) {
+    fill(frame.backend, "splats", c.splats, FixedPointRgb{});
+    if (parts_.caustics) fill(frame.backend, "splats", c.splat_differences, FixedPointRgb{});
+  }
   has_splats_ = true;
   if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;
   frame_faults_ = faults_.read();

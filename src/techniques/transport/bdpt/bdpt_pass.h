@@ -18,6 +18,12 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
+/// Parts of the radiance that the pass also writes to buffers of their own.
+struct SeparateParts {
+  bool splats = false;    ///< for a history that stores splats separately
+  bool caustics = false;  ///< the caustic layer: splats, and merged light of specular light subpaths
+};
+
 /// Faulty splats of one frame.
 struct SplatFaults {
   uint64_t saturated = 0;  ///< clamped
@@ -27,16 +33,15 @@ struct SplatFaults {
 /// Traces one light and one camera subpath for each pixel that receives a sample.
 class BdptPass : public Pass {
  public:
-  /// `recording`: destination of samples for learning; nullptr: none. `separate_splats`: also writes splats to a
-  /// separate buffer, for a history that stores them separately.
+  /// `recording`: destination of samples for learning; nullptr: none.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, const PathRecording* recording, bool separate_splats, Memory& memory)
+           const PathSource& source, const PathRecording* recording, const SeparateParts& parts, Memory& memory)
       : settings_(settings),
         selection_(selection),
         mode_(mode),
         source_(source),
         recording_(recording),
-        separate_splats_(separate_splats),
+        parts_(parts),
         emission_(memory),
         connection_(memory),
         light_medium_(memory),
@@ -66,12 +71,16 @@ class BdptPass : public Pass {
   virtual uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel);
   /// Traces all subpaths. Returns false if a stop was requested.
   virtual bool trace(const FrameContext& frame, const BdptKernel& kernel);
-  bool separates_splats() const { return separate_splats_; }
+  /// Whether trace() writes merged light to the caustic layer.
+  virtual bool merges() const { return false; }
+  const SeparateParts& parts() const { return parts_; }
+  /// Views of the caustic layer; empty if it is not wanted.
+  CausticViews caustics(const FrameContext& frame) const;
   bool learns() const { return recording_ != nullptr; }
   /// Whether weights use the density of guided directions. Separate splats only add up to the image if the weights are
   /// the same in all frames, while guiding changes with each.
   bool weighs_guide() const {
-    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !separate_splats_;
+    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !parts_.splats;
   }
   LearningContext learning(const BdptContext& context) const;
 
@@ -85,7 +94,7 @@ class BdptPass : public Pass {
   BdptMode mode_;
   PathSource source_;
   const PathRecording* recording_;
-  bool separate_splats_;
+  SeparateParts parts_;
   Array<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media

@@ -16,6 +16,11 @@ SettingList describe(BdptSettings& s) {
        "Roulette: test a connection at random if its light is below this fraction of the sum over the sample's earlier "
        "connections. With one bounce, roulette also leaves out light subpaths. 0: test all",
        {.min = 0, .max = 1}},
+      {"caustic-layer",
+       &s.caustic_layer,
+       "Denoise light paths connected to the camera, and merged light behind specular surfaces, separately from the "
+       "rest of the image, also with --estimator light and vcm; adds the layer caustics",
+       {.biases = true}},
   };
 }
 

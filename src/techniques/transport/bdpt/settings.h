@@ -8,6 +8,7 @@ namespace relume {
 struct BdptSettings {
   int max_light_vertices = 16;
   float connection_roulette = 0.25f;
+  bool caustic_layer = false;
 };
 
 SettingList describe(BdptSettings& settings);

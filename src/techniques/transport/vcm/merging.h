@@ -121,6 +121,23 @@ RELUME_HD inline Rgb merged_radiance(const Context& c, const SurfacePoint& sp, c
 /// Vertices on surfaces with normals further apart (as cosine, regardless of the side) do not merge.
 inline constexpr float kMinMergingCosine = 0.7f;
 
+/// Whether specular scattering alone found the light vertex: no cut before it can be a connection, so A is zero
+/// (partial_weights.h). `number`: of the vertex in its subpath; 0 is the first behind the light.
+RELUME_HD inline bool found_specularly(const PathVertex& v, uint32_t number) {
+  return number > 0 && !(v.weights.a > 0.0f);
+}
+
+/// Merged light of a caustic layer.
+struct CausticSum {
+  Rgb light{0};
+  Rgb difference{0};  ///< with the signs of has_negative_sign()
+
+  RELUME_HD void add(const Rgb& merged, uint32_t path) {
+    light += merged;
+    difference += has_negative_sign(path) ? -merged : merged;
+  }
+};
+
 /// All light vertices of a frame. Camera vertices merge with those around them, in the order of the grid, and may be
 /// connected to random ones: a light vertex cache ([Davidovic14]).
 struct LightVertexGrid {
@@ -133,12 +150,14 @@ struct LightVertexGrid {
   float scale = 0;                 ///< of a connection: mean number of vertices of a light subpath over `connections`
 
   /// Adds the light of both to the camera subpath. `ray_id`: identity of the random choices at its last vertex.
+  /// `caustics`: also gets the merged light that found_specularly() selects; nullptr: not wanted.
   template <typename Context, typename Recorder>
   RELUME_HD void add(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
+                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder,
+                     CausticSum* caustics = nullptr) const {
     if (near.sorted.empty()) return;
     for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder);
-    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder);
+    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder, caustics);
   }
 
  private:
@@ -157,11 +176,13 @@ struct LightVertexGrid {
   }
 
   template <typename Context, typename Recorder>
-  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder) const {
+  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder,
+                       CausticSum* caustics) const {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
     const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
     Rgb sum(0);
+    CausticSum focused;
     near.for_each_near(sp.position, [&](uint32_t vertex) {
       if (vertex % stride >= most) return;
       const PathVertex& v = vertices[vertex];
@@ -169,8 +190,28 @@ struct LightVertexGrid {
       const Rgb merged = merged_radiance(c, sp, e, v, recorder);
       sum += merged;
       recorder.add(e.path.throughput * merged * density, e.weights.at());
+      if (caustics && found_specularly(v, vertex % stride)) focused.add(merged, vertex / stride);
     });
     e.path.radiance += e.path.throughput * sum * density;
+    if (!caustics) return;
+    caustics->light = e.path.throughput * focused.light * density;
+    caustics->difference = e.path.throughput * focused.difference * density;
+  }
+};
+
+/// LightVertexGrid for one camera subpath, which also sums the merged part of its caustic layer: light that light
+/// subpaths found specularly, at the first vertex of the camera subpath that does not only scatter specularly.
+struct GridWithCaustics {
+  const LightVertexGrid& grid;
+  CausticSum* caustics = nullptr;  ///< set to the sum, black at first; nullptr: not wanted
+  bool* reached = nullptr;         ///< whether that vertex has been reached; false at first
+
+  template <typename Context, typename Recorder>
+  RELUME_HD void add(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
+                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
+    const bool first = caustics && !*reached;
+    if (first) *reached = true;
+    grid.add(c, sp, ray_id, e, roulette, counters, recorder, first ? caustics : nullptr);
   }
 };
 

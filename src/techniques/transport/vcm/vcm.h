@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/light_subpath.h"
 #include "techniques/transport/vcm/merging.h"
 
@@ -30,6 +31,7 @@ struct LightSubpathKernelOf {
     LightVertices kept{{vertices.data + size_t{path} * stride, stride}, {}};
     if (Context::kLearns && !guides.empty()) kept.guides = {guides.data + size_t{path} * stride, stride};
     BdptCounters counters;
+    counters.subtracts = has_negative_sign(path);
     Sampler sampler = index.sampler(x, y);
     trace_light_subpath(context, sampler, kept, counters);
     for (uint32_t i = 0; !keys.empty() && i < stride; ++i)
@@ -57,6 +59,7 @@ struct VcmKernelOf {
   uint32_t stride = 1;  ///< slots of a light subpath
   uint32_t pixels = 0;
   LightVertexGrid grid;
+  CausticViews caustics = {};  ///< merged part of the caustic layer
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
@@ -65,13 +68,19 @@ struct VcmKernelOf {
       radiance[pixel] = Rgb(0);
       rays[pixel] = rays_of_light;
       skip_records(context, pixel);
+      if (!caustics.empty()) caustics.set(pixel, Rgb(0), Rgb(0));
       return;
     }
     BdptCounters counters;
     Sampler sampler = index.sampler(x, y);
     ConnectionRoulette roulette;
+    CausticSum merged;
+    bool reached = false;
+    const GridWithCaustics others{grid, caustics.empty() ? nullptr : &merged, &reached};
     radiance[pixel] =
-        trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters, grid);
+        trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters, others);
+    if (!is_finite(merged.light) || !is_finite(merged.difference)) merged = {};
+    if (!caustics.empty()) caustics.set(pixel, merged.light, merged.difference);
     rays[pixel] = counters.rays + rays_of_light;
   }
 

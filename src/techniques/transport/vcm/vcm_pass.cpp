@@ -78,7 +78,7 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   if (sqr(radius_) < kMinRadiusSquared) radius_ = 0;
   // The splats of all frames, and the samples of those frames in which a pixel has one, only add up to the image if the
   // weights are the same in all frames.
-  const float weighted = separates_splats() ? merging_radius(vcm_, scene_radius, 0) : radius_;
+  const float weighted = parts().splats ? merging_radius(vcm_, scene_radius, 0) : radius_;
   c.light_paths = static_cast<float>(most) / static_cast<float>(pixels);
   if (vcm_.connections > 0) c.connected = sqr(static_cast<float>(vcm_.connections) / kTypicalVertices);
   if (radius_ > 0.0f) c.merging = sqr(clamp(kPi * sqr(weighted) * static_cast<float>(most), kMinEta, kMaxEta));
@@ -158,6 +158,7 @@ bool VcmPass::trace_in_context(const FrameContext& frame, const BdptKernel& kern
   camera.light_rays = rays_.view();
   camera.stride = stride_;
   camera.pixels = frame.pixels();
+  camera.caustics = caustics(frame);
   return frame.launch_or_stop("trace", camera);
 }
 

@@ -24,12 +24,11 @@ float merging_radius(const VcmSettings& settings, float scene_radius, uint32_t n
 /// that receives a sample.
 class VcmPass final : public BdptPass {
  public:
-  /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `separate_splats`: as for
-  /// BdptPass.
+  /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `parts`: as for BdptPass.
   VcmPass(const VcmSettings& settings, const BdptSettings& bdpt, const LightSelectionSettings& selection,
-          bool accumulates, const PathSource& source, const PathRecording* recording, bool separate_splats,
+          bool accumulates, const PathSource& source, const PathRecording* recording, const SeparateParts& parts,
           Memory& memory)
-      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, recording, separate_splats, memory),
+      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, recording, parts, memory),
         vcm_(settings),
         accumulates_(accumulates),
         light_vertices_(memory),
@@ -53,6 +52,7 @@ class VcmPass final : public BdptPass {
  protected:
   uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel) override;
   bool trace(const FrameContext& frame, const BdptKernel& kernel) override;
+  bool merges() const override { return true; }
 
  private:
   /// Whether the frame sorts its light vertices.

@@ -116,6 +116,24 @@ TEST(Vcm, FindsLightBelowGlassThatNoConnectionFinds) {
   }
 }
 
+/// Light subpaths reach the floor through the glass alone, so all merged light is in the caustic layer.
+TEST(Vcm, LightBelowGlassIsInTheCausticLayer) {
+  RenderSettings settings = vcm_settings(0.02f);
+  settings.path.max_bounces = 3;
+  settings.bdpt.caustic_layer = true;
+  settings.auxiliary = true;
+  Session session(pool_under_spotlight(0, 3), settings);
+  session.render_frame();
+  const Image image = session.image();
+  const View<const Rgb> layer = buffer_table(session).read(kCausticMoments.mean);
+  double sum = 0;
+  for (uint32_t i = 0; i < layer.size; ++i) {
+    EXPECT_NEAR(layer[i].g, image.pixels[i].g, 1e-4f * image.pixels[i].g) << i;
+    sum += static_cast<double>(layer[i].g);
+  }
+  EXPECT_GT(sum / layer.size, 0.5 * static_cast<double>(expected_pool_radiance()));
+}
+
 TEST(Vcm, AgreesWithPathTracingBelowGlassUnderALargeLamp) {
   const Scene scene = pool_under_lamp();
   const ImageMean camera_alone = mean_of_frames(scene, settings_of(EstimatorChoice::path, 32), 192);
