@@ -7,6 +7,7 @@
 #include "render/pipeline_builder.h"
 #include "techniques/denoise/asvgf/asvgf_pass.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
+#include "techniques/denoise/caustic_layer/caustic_layer_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
 #include "techniques/denoise/oidn/oidn_pass.h"
 #include "techniques/denoise/shared/edge_emission_pass.h"
@@ -124,6 +125,15 @@ bool needs_splat_image(const RenderSettings& settings) {
 bool has_caustic_layer(const RenderSettings& settings) {
   return settings.bdpt.caustic_layer && settings.estimator != EstimatorChoice::path &&
          (settings.denoise != DenoiseChoice::none || settings.auxiliary);
+}
+
+/// Settings of the filter of the caustic layer: those of the denoiser, as far as it has them.
+SvgfSettings caustic_filter(const RenderSettings& settings) {
+  if (settings.denoise == DenoiseChoice::svgf) return settings.svgf;
+  if (settings.denoise == DenoiseChoice::asvgf) return svgf_settings(settings.asvgf, false);
+  SvgfSettings filter;
+  filter.history = settings.bmfr.history;
+  return filter;
 }
 
 /// Whether diffuse and specular light are separated. Only path tracing without a radiance cache can separate them.
@@ -262,12 +272,16 @@ void add_denoiser(PipelineBuilder& builder, const RenderSettings& settings, cons
   const bool split = denoiser_splits(settings);
   builder.add<EdgeEmissionPass, &RenderSettings::features, &RenderSettings::path>(mirrors);
   if (split) builder.add<SplitLightPass>();
+  const bool caustics = has_caustic_layer(settings);
+  if (caustics && denoiser_fills(settings)) {
+    builder.add_follower(builder.add<CausticLayerPass>(), [](const RenderSettings& s) { return caustic_filter(s); });
+  }
   switch (settings.denoise) {
     case DenoiseChoice::none: break;
     case DenoiseChoice::bmfr: builder.add<BmfrPass, &RenderSettings::bmfr>(split); break;
     case DenoiseChoice::svgf: builder.add<SvgfPass, &RenderSettings::svgf>(split); break;
     case DenoiseChoice::asvgf: builder.add<AsvgfPass, &RenderSettings::asvgf>(split, gradients); break;
-    case DenoiseChoice::oidn: builder.add<OidnPass>(); break;
+    case DenoiseChoice::oidn: builder.add<OidnPass>(caustics); break;
   }
 }
 

@@ -95,6 +95,7 @@ constexpr std::array kDetails = {
     Detail{"vlc.energy-weight", {"0.01", "1", "1000"}},
     Detail{"vlc.change-weight", {"0", "1", "1000"}},
     Detail{"vlc.distance-weight", {"0", "1", "1000"}},
+    Detail{"bdpt.caustic-layer", {"off", "on", "on"}},
     Detail{"cdq.bits", {"32", "64", "128"}},
     Detail{"cdq.memory", {"0", "8", "100"}},
     Detail{"cdq.sampling", {"bottom-up", "stratified", "bottom-up"}},

@@ -58,6 +58,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "bmfr": "features shared",
     "svgf": "shared",
     "asvgf": "path reprojection shared svgf",
+    "caustic_layer": "features shared svgf",
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",

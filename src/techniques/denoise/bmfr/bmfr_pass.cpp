@@ -94,7 +94,7 @@ PassDeclaration BmfrPass::declaration() const {
                scratch(kBmfrShown, "this frame's denoised image"),
                scratch(kBmfrAge, "number of samples in the reprojected history")},
       .reads = feature_buffers(),
-      .reads_if_any = {kAllocation}};
+      .reads_if_any = {kAllocation, kFilteredCaustics}};
   if (split_) add_parts(declaration);
   return declaration;
 }

@@ -27,6 +27,34 @@ struct OidnAuxiliaryKernel {
   }
 };
 
+/// Divides the image between the caustic layer and the rest, for the library to filter each of them. Neither is
+/// negative where the image is not: the library clamps negative values.
+struct OidnSplitKernel {
+  View<const Rgb> image;
+  View<const Rgb> caustics;
+  View<Rgb> layer;
+  View<Rgb> rest;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    layer[pixel] = glm::min(caustics[pixel], glm::max(image[pixel], Rgb(0)));
+    rest[pixel] = image[pixel] - layer[pixel];
+  }
+};
+
+/// Adds the filtered caustic layer to the filtered rest of the image.
+struct OidnSumKernel {
+  View<const Rgb> layer;
+  View<Rgb> image;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    image[pixel] += layer[pixel];
+  }
+};
+
 /// Whether the image is filtered after `frames` frames without a change. True up to 15, then every 2^k / 8 frames
 /// between frames 2^k and 2^(k+1): filtering takes longer than a frame, and its result changes less and less.
 constexpr bool oidn_filters_at(uint32_t frames) {

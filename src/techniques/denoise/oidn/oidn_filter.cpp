@@ -30,6 +30,7 @@ void oidn_filter(const OidnImages& images, int threads) {
   device.commit();
   oidn::FilterRef filter = device.newFilter("RT");
   const auto set = [&](const char* name, const void* data) {
+    if (!data) return;
     filter.setImage(name, const_cast<void*>(data), oidn::Format::Float3, images.width, images.height);
   };
   set("color", images.color);

@@ -14,7 +14,7 @@ std::string oidn_missing();
 /// Images of width × height pixels, row by row.
 struct OidnImages {
   const Rgb* color = nullptr;   ///< noisy, linear
-  const Rgb* albedo = nullptr;  ///< in [0, 1]
+  const Rgb* albedo = nullptr;  ///< in [0, 1]; nullptr: not used, nor are normals
   const Vec3* normal = nullptr;
   Rgb* output = nullptr;
   uint32_t width = 0;

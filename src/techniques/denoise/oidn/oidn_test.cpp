@@ -30,6 +30,29 @@ TEST(Oidn, PassesTheImageAndItsFeatures) {
   for (const Rgb& pixel : output) EXPECT_EQ(pixel, Rgb(0.5f, 1, 1.5f));
 }
 
+TEST(Oidn, LeavesOutFeaturesThatAreNotGiven) {
+  const std::vector<Rgb> color(6, Rgb(1, 2, 3));
+  std::vector<Rgb> output(6, Rgb(0));
+  oidn::log = {};
+  oidn_filter({color.data(), nullptr, nullptr, output.data(), 3, 2}, 2);
+  EXPECT_EQ(oidn::log.images.size(), 2u) << "colour and output";
+  for (const Rgb& pixel : output) EXPECT_EQ(pixel, Rgb(0.5f, 1, 1.5f));
+}
+
+TEST(Oidn, CausticLayerAndRestAddUpToTheImage) {
+  const std::vector<Rgb> image{Rgb(1, 2, 3), Rgb(0.5f), Rgb(-0.25f)};
+  const std::vector<Rgb> caustics{Rgb(0.5f, 0, 1), Rgb(2), Rgb(0)};  // the second exceeds its image
+  std::vector<Rgb> layer(3);
+  std::vector<Rgb> rest(3);
+  const OidnSplitKernel split{view_of(image), view_of(caustics), mutable_view_of(layer), mutable_view_of(rest), 3};
+  for (uint32_t x = 0; x < 3; ++x) split(x, 0);
+  EXPECT_EQ(layer, (std::vector<Rgb>{Rgb(0.5f, 0, 1), Rgb(0.5f), Rgb(0)}));
+  EXPECT_EQ(rest, (std::vector<Rgb>{Rgb(0.5f, 2, 2), Rgb(0), Rgb(-0.25f)}));
+  const OidnSumKernel sum{view_of(layer), mutable_view_of(rest), 3};
+  for (uint32_t x = 0; x < 3; ++x) sum(x, 0);
+  EXPECT_EQ(rest, image);
+}
+
 TEST(Oidn, ErrorsGiveTheReason) {
   std::vector<Rgb> pixel(1);
   oidn::log = {};

@@ -75,11 +75,13 @@ void ReflectingFrames::abandon_frame() {
 }
 
 SurfaceLight surface_light(const FrameContext& frame, LightPart part) {
-  constexpr BufferKey<Rgb> kPartScattered[] = {kScattered, kDiffuseScattered, kSpecularScattered};
-  constexpr BufferKey<Rgb> kPartAlbedo[] = {kFeatureAlbedo, kDiffuseAlbedo, kSpecularAlbedo};
+  constexpr BufferKey<Rgb> kPartScattered[] = {kScattered, kDiffuseScattered, kSpecularScattered, kCausticRadiance};
+  constexpr BufferKey<Rgb> kPartAlbedo[] = {kFeatureAlbedo, kDiffuseAlbedo, kSpecularAlbedo, kCausticAlbedo};
   const auto i = static_cast<size_t>(part);
-  return {frame.read(kRadiance), frame.read(kPartScattered[i]), frame.read(kAllocation), frame.read(kPartAlbedo[i]),
-          frame.read(kShownEmission)};
+  SurfaceLight light{frame.read(kRadiance), frame.read(kPartScattered[i]), frame.read(kAllocation),
+                     frame.read(kPartAlbedo[i]), frame.read(kShownEmission)};
+  if (part != LightPart::caustics) light.caustics = frame.read(kFilteredCaustics);
+  return light;
 }
 
 LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,

@@ -16,6 +16,8 @@ inline constexpr BufferKey<Rgb> kShownEmission{"shown-emission"};        ///< em
 inline constexpr BufferKey<Rgb> kScattered{"scattered"};                 ///< radiance of a sample without its emission
 inline constexpr BufferKey<Rgb> kDiffuseScattered{"diffuse-scattered"};  ///< part of it from diffuse lobes
 inline constexpr BufferKey<Rgb> kSpecularScattered{"specular-scattered"};
+inline constexpr BufferKey<Rgb> kCausticAlbedo{"caustic-albedo"};        ///< 1 where light is filtered, else 0
+inline constexpr BufferKey<Rgb> kFilteredCaustics{"filtered-caustics"};  ///< filtered caustic layer of this frame
 
 /// Changes that end the histories of denoisers.
 inline constexpr Change kEndsDenoiserHistory = Change::materials | Change::settings;
@@ -34,8 +36,8 @@ BufferDescription filtered_share_buffer();
 /// Features and samples that a denoiser reads, for its declaration.
 std::vector<BufferId> feature_buffers();
 
-/// Part of the light at a surface in a history.
-enum class LightPart : int { whole, diffuse, specular };
+/// Part of the light at a surface in a history. `caustics`: the caustic layer, which the others do not contain.
+enum class LightPart : int { whole, diffuse, specular, caustics };
 
 /// Adds the buffers that a denoiser also reads if it keeps diffuse and specular light apart.
 void add_split_buffers(std::vector<BufferId>& reads);

@@ -76,12 +76,14 @@ struct ReplaceEmissionKernel {
   View<Rgb> scattered;  ///< radiance without the sample's emission; added to that of a sun, it would be lost
   View<uint32_t> rays;  ///< rays of this frame's sample, plus the camera rays of edges
   uint32_t width = 0;
+  View<const Rgb> caustics = {};  ///< caustic layer, which `radiance` contains and `scattered` does not; may be empty
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    scattered[pixel] = radiance[pixel] - emission[pixel];
+    const Rgb all = radiance[pixel] - emission[pixel];
+    scattered[pixel] = caustics.empty() ? all : all - caustics[pixel];
     if (edge_rays[pixel] == 0) return;
-    if (allocation.empty() || allocation[pixel] != 0) radiance[pixel] = shown_emission[pixel] + scattered[pixel];
+    if (allocation.empty() || allocation[pixel] != 0) radiance[pixel] = shown_emission[pixel] + all;
     rays[pixel] += edge_rays[pixel];
   }
 };

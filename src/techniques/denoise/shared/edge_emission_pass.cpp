@@ -19,7 +19,7 @@ PassDeclaration EdgeEmissionPass::declaration() const {
                    {.id = kScattered, .help = "radiance of this frame's sample without directly visible emission"}},
           .reads = {kFeatureAlbedo, kFeatureEmission},
           .writes = {kRadiance, kRays},
-          .reads_if_any = {kAllocation}};
+          .reads_if_any = {kAllocation, kCausticRadiance}};
 }
 
 bool EdgeEmissionPass::run(const FrameContext& frame) {
@@ -47,6 +47,7 @@ bool EdgeEmissionPass::run(const FrameContext& frame) {
   replace.scattered = frame.write(kScattered);
   replace.rays = frame.write(kRays);
   replace.width = frame.width();
+  replace.caustics = frame.read(kCausticRadiance);
   return frame.launch_or_stop("edges", replace);
 }
 

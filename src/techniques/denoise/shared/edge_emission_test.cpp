@@ -51,6 +51,29 @@ TEST(EmissionEdge, IsWhereNeighboursDifferByFarMoreThanItIsBright) {
   EXPECT_EQ(darkest_around(0, 0, 1, 1, [](uint32_t) { return 0.0f; }), kInfinity);  // no neighbours
 }
 
+TEST(EdgeEmission, LeavesTheCausticLayerOutOfScatteredLight) {
+  std::vector<Rgb> radiance{Rgb(5), Rgb(7)};
+  const std::vector<Rgb> emission(2, Rgb(1));
+  const std::vector<Rgb> shown_emission(2, Rgb(2));
+  const std::vector<uint32_t> edge_rays{0, 16};
+  const std::vector<Rgb> caustics(2, Rgb(3));
+  std::vector<Rgb> scattered(2);
+  std::vector<uint32_t> rays(2);
+  ReplaceEmissionKernel kernel;
+  kernel.emission = view_of(emission);
+  kernel.shown_emission = view_of(shown_emission);
+  kernel.edge_rays = view_of(edge_rays);
+  kernel.radiance = mutable_view_of(radiance);
+  kernel.scattered = mutable_view_of(scattered);
+  kernel.rays = mutable_view_of(rays);
+  kernel.width = 2;
+  kernel.caustics = view_of(caustics);
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(scattered, (std::vector<Rgb>{Rgb(1), Rgb(3)}));
+  EXPECT_EQ(radiance, (std::vector<Rgb>{Rgb(5), Rgb(8)})) << "the image keeps its caustics";
+}
+
 TEST(EdgeEmission, FramesTheLampAndNothingElse) {
   Session session = box(settings_with(16));
   session.render_frame();

@@ -18,7 +18,8 @@ struct SurfaceLight {
   View<const Rgb> scattered;        ///< radiance without the sample's emission
   View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1 everywhere
   View<const Rgb> albedo;
-  View<const Rgb> emission;  ///< emission that the image shows
+  View<const Rgb> emission;       ///< emission that the image shows
+  View<const Rgb> caustics = {};  ///< caustic layer, filtered separately and not part of `scattered`; may be empty
 
   RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
 
@@ -41,7 +42,10 @@ struct SurfaceLight {
   /// The image from filtered light. Unfiltered pixels show this frame's sample or, without one, their emission. Samples
   /// that miss some emission leave negative light, which is clamped to black.
   RELUME_HD Rgb image(uint32_t pixel, const Rgb& light) const {
-    if (is_filtered(albedo[pixel])) return glm::max(emission[pixel] + albedo[pixel] * light, Rgb(0));
+    if (is_filtered(albedo[pixel])) {
+      const Rgb surface = emission[pixel] + albedo[pixel] * light;
+      return glm::max(caustics.empty() ? surface : surface + caustics[pixel], Rgb(0));
+    }
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
 };

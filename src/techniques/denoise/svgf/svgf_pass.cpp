@@ -69,7 +69,7 @@ PassDeclaration SvgfPass::declaration() const {
                filtered_share_buffer(),
                {.id = kSvgfShown, .help = "this frame's denoised image"}},
       .reads = feature_buffers(),
-      .reads_if_any = {kAllocation}};
+      .reads_if_any = {kAllocation, kFilteredCaustics}};
   if (split_) add_parts(declaration);
   return declaration;
 }
