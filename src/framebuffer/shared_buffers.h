@@ -15,7 +15,8 @@ inline constexpr BufferKey<Rgb> kRadiance{"radiance"};
 inline constexpr BufferKey<Rgb> kRadianceSpecular{"radiance-specular"};  ///< the part from specular lobes
 inline constexpr BufferKey<Rgb> kLightRadiance{"light-radiance"};        ///< the part from light paths
 inline constexpr BufferKey<Rgb> kCausticRadiance{"caustic-radiance"};    ///< the part in the caustic layer
-/// The same part, from half of the light paths minus that from the others: its square estimates the part's variance.
+/// The same part, from half of the light paths minus that from the others: its square estimates the variance that the
+/// light paths cause.
 inline constexpr BufferKey<Rgb> kCausticDifference{"caustic-difference"};
 inline constexpr BufferKey<uint32_t> kRays{"rays"};
 inline constexpr BufferKey<uint32_t> kEdgeRays{"edge-rays"};

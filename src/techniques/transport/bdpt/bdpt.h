@@ -44,6 +44,12 @@ struct BdptKernelOf {
   }
 
  private:
+  /// Number for has_negative_sign(). With a blue-noise tile, light subpaths repeat: repetitions are one light path.
+  RELUME_HD uint32_t number_of_subpath(uint32_t x, uint32_t y) const {
+    if (index.tile.empty()) return y * context.width + x;
+    return y % kBlueNoiseEdge * kBlueNoiseEdge + x % kBlueNoiseEdge;
+  }
+
   /// `kept`: memory for the light subpath.
   RELUME_HD void trace(uint32_t x, uint32_t y, LightVertices kept) const {
     const uint32_t pixel = y * context.width + x;
@@ -54,7 +60,7 @@ struct BdptKernelOf {
       return;
     }
     BdptCounters counters;
-    counters.subtracts = has_negative_sign(pixel);
+    counters.subtracts = has_negative_sign(number_of_subpath(x, y));
     Sampler light_sampler = index.sampler(x, y);
     trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);

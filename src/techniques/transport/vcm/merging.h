@@ -121,8 +121,9 @@ RELUME_HD inline Rgb merged_radiance(const Context& c, const SurfacePoint& sp, c
 /// Vertices on surfaces with normals further apart (as cosine, regardless of the side) do not merge.
 inline constexpr float kMinMergingCosine = 0.7f;
 
-/// Whether specular scattering alone found the light vertex: no cut before it can be a connection, so A is zero
-/// (partial_weights.h). `number`: of the vertex in its subpath; 0 is the first behind the light.
+/// Whether the light vertex was found by specular scattering at its predecessor: the cut between them cannot be a
+/// connection, so A is zero (partial_weights.h). `number`: of the vertex in its subpath; 0 is the first behind the
+/// light.
 RELUME_HD inline bool found_specularly(const PathVertex& v, uint32_t number) {
   return number > 0 && !(v.weights.a > 0.0f);
 }

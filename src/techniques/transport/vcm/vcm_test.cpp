@@ -118,7 +118,7 @@ TEST(Vcm, FindsLightBelowGlassThatNoConnectionFinds) {
 
 /// Light subpaths reach the floor through the glass alone, so all merged light is in the caustic layer.
 TEST(Vcm, LightBelowGlassIsInTheCausticLayer) {
-  RenderSettings settings = vcm_settings(0.02f);
+  RenderSettings settings = vcm_settings(0.02f, 32);
   settings.path.max_bounces = 3;
   settings.bdpt.caustic_layer = true;
   settings.auxiliary = true;
@@ -132,6 +132,44 @@ TEST(Vcm, LightBelowGlassIsInTheCausticLayer) {
     sum += static_cast<double>(layer[i].g);
   }
   EXPECT_GT(sum / layer.size, 0.5 * static_cast<double>(expected_pool_radiance()));
+}
+
+/// The square of the difference of two halves of the light paths estimates the variance that they cause. The glass
+/// reflects some camera paths, which find no light: only frames with light count.
+TEST(Vcm, HalvesOfLightPathsShowTheNoiseOfMergedLight) {
+  constexpr int kFrames = 1024;
+  constexpr uint32_t kPixels = 16 * 16;
+  RenderSettings settings = vcm_settings(0.04f);  // about ten light paths reach each camera path
+  settings.path.max_bounces = 3;
+  settings.stratify = false;
+  settings.bdpt.caustic_layer = true;
+  settings.auxiliary = true;
+  Session session(pool_under_spotlight(0, 3), settings);
+  std::vector<double> counts(kPixels);
+  std::vector<double> sums(kPixels);
+  std::vector<double> squares(kPixels);
+  std::vector<double> estimates(kPixels);
+  for (int frame = 0; frame < kFrames; ++frame) {
+    session.render_frame();
+    const View<const Rgb> light = buffer_table(session).read(kCausticRadiance);
+    const View<const Rgb> difference = buffer_table(session).read(kCausticDifference);
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      if (!(light[i].g > 0.0f)) continue;
+      const auto value = static_cast<double>(light[i].g);
+      counts[i] += 1;
+      sums[i] += value;
+      squares[i] += value * value;
+      estimates[i] += static_cast<double>(sqr(difference[i].g));
+    }
+  }
+  double measured = 0;
+  double estimated = 0;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    ASSERT_GT(counts[i], 0.8 * kFrames);
+    measured += (squares[i] - sums[i] * sums[i] / counts[i]) / (counts[i] - 1);
+    estimated += estimates[i] / counts[i];
+  }
+  EXPECT_NEAR(estimated / measured, 1.0, 0.15);  // four standard errors: the pixels share their light paths
 }
 
 TEST(Vcm, AgreesWithPathTracingBelowGlassUnderALargeLamp) {
