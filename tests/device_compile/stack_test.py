@@ -26,8 +26,11 @@ LIMIT = 4096
 # their vertices. Learning from paths with a cache adds the recorder, 0.2 KB.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 3100),  # surface points of the pixel, its mirror image and its reflection
-    (r"(BdptKernelOf|LightSubpathKernelOf|VcmKernelOf)<LearningContext>", 2900),  # 330 bytes for records of the path
-    (r"BdptKernel|LightSubpathKernel|VcmKernel", 2300),
+    # A filtered vertex beside both subpaths, and 0.3 KB for records of the path.
+    (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 3300),
+    (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2700),
+    (r"(BidirectionalKernel|LightSubpathKernelOf|MergingKernel)<LearningContext", 2900),
+    (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2300),
     (r"TemporalReuseKernel|SpatialReuseKernel", 3100),  # receivers of the pixel, and of its history or a neighbour
     (r"RisKernel", 1700),
     (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2300),  # vertices of the path

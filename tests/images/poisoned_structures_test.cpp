@@ -206,7 +206,8 @@ class Poisoned {
     std::vector<Rgb> radiance(kPixels);
     uint64_t faults[2] = {};
     const BdptKernelOf<LearningContext> kernel{
-        c, index, view_of(hits_), {}, mutable_view_of(radiance), mutable_view_of(rays_), {faults, 1}, {faults + 1, 1}};
+        c,           index,          view_of(hits_), {}, {mutable_view_of(radiance)}, mutable_view_of(rays_),
+        {faults, 1}, {faults + 1, 1}};
     launch(backend_, "trace", kernel, kWidth, kHeight);
     const AddSplatsKernel add{c.splats, mutable_view_of(radiance), {}, 1.0f, kWidth};
     launch(backend_, "splats", add, kWidth, kHeight);

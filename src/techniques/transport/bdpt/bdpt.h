@@ -7,22 +7,39 @@
 
 namespace relume {
 
-/// Traces one light and one camera subpath per pixel, with all their connections.
-template <typename Context>
-struct BdptKernelOf {
+/// Output of the radiance of camera subpaths. Outputs of other kinds have the same functions, with a policy for
+/// trace_camera_subpath().
+struct SubpathRadiance {
+  View<Rgb> radiance;  ///< of this sample, without splats; may be not finite
+
+  RELUME_HD NoPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t /*pixel*/) const { return {}; }
+  RELUME_HD void finish(uint32_t pixel, const NoPolicy&, const Rgb& seen) const { radiance[pixel] = seen; }
+  RELUME_HD void leave_out(uint32_t pixel) const { radiance[pixel] = Rgb(0); }
+};
+
+/// Traces one light and one camera subpath per pixel, with all their connections. `Context`: BdptContext or
+/// LearningContext. `Sink`: SubpathRadiance or another output.
+template <typename Context, typename Sink>
+struct BidirectionalKernel {
   Context context;
   SampleIndex index;
   View<const Hit> hits;
   View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
-  View<Rgb> radiance;               ///< of this sample, without splats; may be not finite
-  View<uint32_t> rays;              ///< of this sample
-  View<uint64_t> saturated;         ///< one counter of clamped splats
-  View<uint64_t> nonfinite;         ///< one counter of splats left out as not finite
+  Sink output;
+  View<uint32_t> rays;       ///< of this sample
+  View<uint64_t> saturated;  ///< one counter of clamped splats
+  View<uint64_t> nonfinite;  ///< one counter of splats left out as not finite
   // Of the form for one pixel: memory of LightVertices for `kept_rows` rows. A launch traces at most as many.
   View<PathVertex> vertices = {};
   View<CameraConnection> to_camera = {};
   uint32_t kept_rows = 0;
   View<GuidedPoint> guides = {};  ///< as many; empty: camera subpaths are not guided
+
+  /// The same kernel with another context and output.
+  template <typename OtherContext, typename OtherSink>
+  BidirectionalKernel<OtherContext, OtherSink> with(const OtherContext& c, const OtherSink& sink) const {
+    return {c, index, hits, allocation, sink, rays, saturated, nonfinite, vertices, to_camera, kept_rows, guides};
+  }
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t size = context.max_kept_vertices();
@@ -54,7 +71,7 @@ struct BdptKernelOf {
   RELUME_HD void trace(uint32_t x, uint32_t y, LightVertices kept) const {
     const uint32_t pixel = y * context.width + x;
     if (!allocation.empty() && allocation[pixel] == 0) {
-      radiance[pixel] = Rgb(0);
+      output.leave_out(pixel);
       rays[pixel] = 0;
       skip_records(context, pixel);
       return;
@@ -65,23 +82,20 @@ struct BdptKernelOf {
     trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);
     ConnectionRoulette roulette;
-    const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], kept.view(), sampler, roulette, counters);
+    auto policy = output.policy(index, x, y, pixel);
+    const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], kept.view(), sampler, roulette, counters,
+                                          OneLightSubpath{}, policy);
     try_camera_connections(context, kept, roulette, counters);
-    radiance[pixel] = seen;
+    output.finish(pixel, policy, seen);
     rays[pixel] = counters.rays;
     if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});
     if (counters.nonfinite > 0) atomic_add(&nonfinite[0], uint64_t{counters.nonfinite});
   }
 };
 
-using BdptKernel = BdptKernelOf<BdptContext>;
-
-/// The same kernel in another context.
+using BdptKernel = BidirectionalKernel<BdptContext, SubpathRadiance>;
 template <typename Context>
-inline BdptKernelOf<Context> in_context(const Context& context, const BdptKernel& k) {
-  return {context,     k.index,     k.hits,     k.allocation, k.radiance,  k.rays,
-          k.saturated, k.nonfinite, k.vertices, k.to_camera,  k.kept_rows, k.guides};
-}
+using BdptKernelOf = BidirectionalKernel<Context, SubpathRadiance>;
 
 /// The caustic layer of a frame, part of its radiance. Empty: not wanted.
 struct CausticViews {

@@ -174,10 +174,11 @@ struct ConnectionRoulette {
   /// Counts a connection that is tested in any case.
   RELUME_HD void count(const Rgb& contribution) { tested += luminance(contribution); }
 
-  /// Returns whether to test the connection, and scales its contribution by the inverse probability.
-  RELUME_HD bool survives(const BdptContext& c, uint32_t ray_id, Rgb& contribution) {
+  /// Returns whether to test the connection, and scales its contribution by the inverse probability. `unit`: factor by
+  /// which contributions count in the image.
+  RELUME_HD bool survives(const BdptContext& c, uint32_t ray_id, Rgb& contribution, const Rgb& unit = Rgb(1)) {
     if (!(c.connection_roulette > 0.0f)) return true;
-    const float carried = luminance(contribution);
+    const float carried = luminance(contribution * unit);
     const float scale = c.connection_roulette * tested;
     tested += carried;
     if (!(carried < scale)) return true;

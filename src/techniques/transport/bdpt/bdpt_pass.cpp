@@ -79,18 +79,7 @@ LearningContext BdptPass::learning(const BdptContext& context) const {
 }
 
 bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
-  return learns() ? trace_in_bands(frame, in_context(learning(kernel.context), kernel)) : trace_in_bands(frame, kernel);
-}
-
-template <typename Context>
-bool BdptPass::trace_in_bands(const FrameContext& frame, const BdptKernelOf<Context>& kernel) const {
-  if (kernel.kept_rows == 0) return frame.launch_or_stop("trace", kernel);
-  Tile band = frame.rendered();
-  for (const uint32_t end = band.y1; band.y0 < end; band.y0 = band.y1) {
-    band.y1 = std::min(band.y0 + kernel.kept_rows, end);
-    if (!launch(frame.backend, "trace", kernel, band, frame.stop)) return false;
-  }
-  return true;
+  return trace_into(frame, kernel, kernel.output);
 }
 
 CausticViews BdptPass::caustics(const FrameContext& frame) const {
@@ -116,14 +105,14 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.index = frame.index;
   kernel.hits = frame.read(kPrimaryHits);
   kernel.allocation = frame.read(kAllocation);
-  kernel.radiance = frame.write(kRadiance);
+  kernel.output.radiance = frame.write(kRadiance);
   kernel.rays = frame.write(kRays);
   faults_.write() = {};
   SplatFaults* const faults = faults_.mutable_view().data;
   kernel.saturated = {&faults->saturated, 1};
   kernel.nonfinite = {&faults->nonfinite, 1};
 
-  AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
+  AddSplatsKernel add{c.splats, kernel.output.radiance, {}, 1.0f, c.width};
   if (parts_.splats) add.brought = frame.write(kLightRadiance);
   add.caustics = caustics(frame);
   add.differences = c.splat_differences;
@@ -131,6 +120,7 @@ bool BdptPass::run(const FrameContext& frame) {
   uint64_t samples = frame.pixels();
   if (!kernel.allocation.empty()) samples = sum({frame.backend, "splats", scratch_}, kernel.allocation);
   const uint64_t light_paths = prepare_subpaths(frame, samples, kernel);
+  c.light_paths /= averaged_subpaths();
   add.scale = light_paths > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(light_paths) : 0.0f;
   if (has_splats_) {
     fill(frame.backend, "splats", c.splats, FixedPointRgb{});

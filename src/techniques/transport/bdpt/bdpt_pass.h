@@ -1,6 +1,7 @@
 // The pass of the estimators "bdpt" and "light".
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/array.h"
@@ -71,22 +72,28 @@ class BdptPass : public Pass {
   virtual uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel);
   /// Traces all subpaths. Returns false if a stop was requested.
   virtual bool trace(const FrameContext& frame, const BdptKernel& kernel);
+  /// Launches the kernel with another output. Returns false if a stop was requested.
+  template <typename Sink>
+  bool trace_into(const FrameContext& frame, const BdptKernel& kernel, const Sink& sink) const;
   /// Whether trace() writes merged light to the caustic layer.
   virtual bool merges() const { return false; }
-  const SeparateParts& parts() const { return parts_; }
+  /// Camera subpaths over which a pixel averages in a frame. Weights count the camera's strategies as often.
+  virtual float averaged_subpaths() const { return 1.0f; }
+  /// Whether an image adds samples of a pixel to splats of other frames, so that the weights of all frames must agree.
+  virtual bool mixes_frames() const { return parts_.splats; }
   /// Views of the caustic layer; empty if it is not wanted.
   CausticViews caustics(const FrameContext& frame) const;
   bool learns() const { return recording_ != nullptr; }
-  /// Whether weights use the density of guided directions. Separate splats only add up to the image if the weights are
-  /// the same in all frames, while guiding changes with each.
+  /// Whether weights use the density of guided directions, which changes with each frame.
   bool weighs_guide() const {
-    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !parts_.splats;
+    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !mixes_frames();
   }
   LearningContext learning(const BdptContext& context) const;
 
  private:
-  template <typename Context>
-  bool trace_in_bands(const FrameContext& frame, const BdptKernelOf<Context>& kernel) const;
+  /// Launches the kernel in bands of rows for whose light subpaths there is memory.
+  template <typename Context, typename Sink>
+  static bool trace_in_bands(const FrameContext& frame, const BidirectionalKernel<Context, Sink>& kernel);
   void prepare_lights(const FrameContext& frame);
 
   BdptSettings settings_;
@@ -109,5 +116,22 @@ class BdptPass : public Pass {
   uint64_t saturated_ = 0;    ///< splats clamped so far
   uint64_t nonfinite_ = 0;    ///< splats left out so far
 };
+
+template <typename Sink>
+bool BdptPass::trace_into(const FrameContext& frame, const BdptKernel& kernel, const Sink& sink) const {
+  if (learns()) return trace_in_bands(frame, kernel.with(learning(kernel.context), sink));
+  return trace_in_bands(frame, kernel.with(kernel.context, sink));
+}
+
+template <typename Context, typename Sink>
+bool BdptPass::trace_in_bands(const FrameContext& frame, const BidirectionalKernel<Context, Sink>& kernel) {
+  if (kernel.kept_rows == 0) return frame.launch_or_stop("trace", kernel);
+  Tile band = frame.rendered();
+  for (const uint32_t end = band.y1; band.y0 < end; band.y0 = band.y1) {
+    band.y1 = std::min(band.y0 + kernel.kept_rows, end);
+    if (!launch(frame.backend, "trace", kernel, band, frame.stop)) return false;
+  }
+  return true;
+}
 
 }  // namespace relume

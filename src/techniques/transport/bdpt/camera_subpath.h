@@ -2,17 +2,37 @@
 // subpath (s ≥ 2).
 #pragma once
 
+#include <type_traits>
+
 #include "techniques/transport/bdpt/subpath_recorder.h"
 
 namespace relume {
 
+/// Units of a camera subpath, as a policy reports them.
+struct SubpathUnits : NoPolicy {
+  Rgb unit{1};  ///< factor by which radiance and throughput of the path count in the image
+
+  RELUME_HD void rebased(const Rgb& /*found*/, const Rgb& next_unit) { unit = next_unit; }
+};
+
 struct CameraSubpath {
   PathState path;
   SubpathWeights weights;
+  SubpathUnits units;
 
   /// Number of vertices so far, including that on the camera and the current surface point.
   RELUME_HD uint32_t count() const { return path.bounce + 2; }
 };
+
+/// Whether a camera subpath has a policy that may change it.
+template <typename Policy>
+inline constexpr bool kIsPolicy = !std::is_same_v<Policy, NoPolicy>;
+
+/// SubpathUnits::unit; without a policy, the code for it compiles away.
+template <typename Policy>
+RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
+  return kIsPolicy<Policy> ? e.units.unit : Rgb(1);
+}
 
 RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler,
                                            CameraSubpath& e) {
@@ -193,60 +213,73 @@ RELUME_HD inline Connection connect_to_vertex(const Context& c, const SurfacePoi
   return connection;
 }
 
-/// Adds a connection if roulette selects it and nothing blocks it.
-template <typename Recorder>
-RELUME_HD inline void try_connection(const BdptContext& c, const Connection& connection, uint32_t ray_id,
-                                     CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters,
-                                     Recorder& recorder) {
+/// Adds the light of a connection of the last vertex `sp`, which counts `contribution` after roulette, if it is
+/// visible.
+template <typename Recorder, typename Policy>
+RELUME_HD inline void add_tested(const SurfacePoint& sp, const Connection& connection, const Rgb& contribution,
+                                 bool is_visible, CameraSubpath& e, Recorder& recorder, Policy& policy) {
+  if (is_visible) {
+    e.path.radiance += contribution;
+    recorder.add(contribution, e.weights.at());
+  }
+  if constexpr (kIsPolicy<Policy>) {
+    Connection tested = connection;
+    tested.contribution = contribution;
+    policy.connected(sp, e.path, tested, is_visible);
+  }
+}
+
+/// Adds a connection of the last vertex `sp` if roulette selects it and nothing blocks it.
+template <typename Recorder, typename Policy>
+RELUME_HD inline void try_connection(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
+                                     uint32_t ray_id, CameraSubpath& e, ConnectionRoulette& roulette,
+                                     BdptCounters& counters, Recorder& recorder, Policy& policy) {
   if (!connection.valid()) return;
   Rgb contribution = connection.contribution;
-  if (!roulette.survives(c, ray_id, contribution)) return;
-  if (!visible(c, connection.ray, ray_id, counters)) return;
-  e.path.radiance += contribution;
-  recorder.add(contribution, e.weights.at());
+  if (!roulette.survives(c, ray_id, contribution, unit_of<Policy>(e))) return;
+  const bool is_visible = visible(c, connection.ray, ray_id, counters);
+  add_tested(sp, connection, contribution, is_visible, e, recorder, policy);
 }
 
 /// The same for a connection to a light. Roulette leaves it alone where its visibility is recorded.
-template <typename Recorder>
+template <typename Recorder, typename Policy>
 RELUME_HD inline void try_light_connection(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
                                            uint32_t ray_id, CameraSubpath& e, ConnectionRoulette& roulette,
-                                           BdptCounters& counters, Recorder& recorder) {
+                                           BdptCounters& counters, Recorder& recorder, Policy& policy) {
   if (!recorder.needs_visibility()) {
-    try_connection(c, connection, ray_id, e, roulette, counters, recorder);
+    try_connection(c, sp, connection, ray_id, e, roulette, counters, recorder, policy);
     return;
   }
   if (!connection.valid()) return;
-  roulette.count(connection.contribution);
-  const bool reaches = visible(c, connection.ray, ray_id, counters);
-  recorder.connected(sp, e.path, connection, reaches);
-  if (!reaches) return;
-  e.path.radiance += connection.contribution;
-  recorder.add(connection.contribution, e.weights.at());
+  roulette.count(connection.contribution * unit_of<Policy>(e));
+  const bool is_visible = visible(c, connection.ray, ray_id, counters);
+  recorder.connected(sp, e.path, connection, is_visible);
+  add_tested(sp, connection, connection.contribution, is_visible, e, recorder, policy);
 }
 
 /// Tries all connections of the last vertex. `kept`: vertices of the light subpath except the first.
-template <typename Context, typename Recorder>
+template <typename Context, typename Recorder, typename Policy>
 RELUME_HD inline void connect(const Context& c, const SurfacePoint& sp, const KeptVertices& kept, CameraSubpath& e,
                               Sampler& sampler, ConnectionRoulette& roulette, BdptCounters& counters,
-                              Recorder& recorder) {
+                              Recorder& recorder, Policy& policy) {
   const Connection to_light = connect_to_light(c, sp, e, sampler, recorder);
   // Take the identity after the draws for the light. Before, it would equal that of the arriving ray, and partly
   // transparent surfaces would pass both rays or neither.
   const uint32_t ray_id = sampler.ray_id();
-  try_light_connection(c, sp, to_light, ray_id, e, roulette, counters, recorder);
+  try_light_connection(c, sp, to_light, ray_id, e, roulette, counters, recorder, policy);
   const uint32_t longest = c.max_bidirectional_vertices();
   for (uint32_t i = 0; i < kept.vertices.size && e.count() + i + 2 <= longest; ++i) {
     const PathVertex& v = kept.vertices[i];
     if (!v.connectable()) continue;
     const Connection to_vertex = connect_to_vertex(c, sp, e, v, kept_guide(c, kept.guides, i), recorder);
-    try_connection(c, to_vertex, hash(ray_id, i), e, roulette, counters, recorder);
+    try_connection(c, sp, to_vertex, hash(ray_id, i), e, roulette, counters, recorder, policy);
   }
 }
 
 /// Samples the next direction. Returns false if the subpath ends here.
-template <typename Context, typename Recorder = NoRecorder>
+template <typename Context, typename Recorder, typename Policy>
 RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoint& sp, CameraSubpath& e,
-                                              Sampler& sampler, Recorder&& recorder = Recorder{}) {
+                                              Sampler& sampler, Recorder& recorder, Policy& policy) {
   const BsdfSample s = c.path.directions.sample(sp, sampler);
   if (!follow(c.path, sp, s, e.path, sampler)) return false;
   const Vec3& wi = e.path.ray.direction;
@@ -262,22 +295,42 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
     e.weights.leave(cosine, pdf, reverse);
     recorder.left(cosine, pdf, reverse);
   }
+  if constexpr (kIsPolicy<Policy>) {
+    PathEvents<SubpathUnits, Recorder> events{e.units, recorder};
+    path_policy::scattered(policy, sp, s, e.path, events);
+  }
   return true;
+}
+
+/// Lets the policy see and change the path at the last vertex. Returns false if the subpath ends here.
+template <typename Recorder, typename Policy>
+RELUME_HD inline bool arrive_with(const BdptContext& c, SurfacePoint& sp, CameraSubpath& e, Recorder& recorder,
+                                  Policy& policy) {
+  if constexpr (kIsPolicy<Policy>) {
+    // As in path tracing, policies see a dispersed path inside a dispersive medium.
+    if (c.scene().disperses) disperse(c.scene(), sp, sp.ng, TransportMode::radiance, e.path);
+    PathEvents<SubpathUnits, Recorder> events{e.units, recorder};
+    return path_policy::arrived(policy, sp, e.path, events);
+  } else {
+    return true;
+  }
 }
 
 /// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
 struct OneLightSubpath {
-  template <typename Recorder>
+  template <typename Recorder, typename Policy>
   RELUME_HD void add(const BdptContext&, const SurfacePoint&, uint32_t, CameraSubpath&, ConnectionRoulette&,
-                     BdptCounters&, Recorder&) const {}
+                     BdptCounters&, Recorder&, Policy&) const {}
 };
 
 /// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
-/// camera. `others`: adds light of other light subpaths at each vertex that does not only scatter specularly.
-template <typename Context, typename Others = OneLightSubpath>
+/// camera. `others`: adds light of other light subpaths at each vertex that does not only scatter specularly. `policy`:
+/// its hooks arrived(), connected(), scattered() and finished() are called as by trace_path(), connected() for every
+/// connection and merging. The radiance is that which the policy leaves in the path.
+template <typename Context, typename Others, typename Policy>
 RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t y, Hit hit, const KeptVertices& kept,
                                           Sampler& sampler, ConnectionRoulette& roulette, BdptCounters& counters,
-                                          const Others& others = {}) {
+                                          const Others& others, Policy& policy) {
   CameraSubpath e;
   auto recorder = recorder_of(c, y * c.width + x);
   start_camera_subpath(c, x, y, sampler, e);
@@ -299,17 +352,19 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     add_met_emission(c, sp, e, recorder);
     if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
     recorder.arrived(sp, e.path);
+    if (!arrive_with(c, sp, e, recorder, policy)) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) {
-      connect(c, sp, kept, e, sampler, roulette, counters, recorder);
-      others.add(c, sp, sampler.ray_id(), e, roulette, counters, recorder);
+      connect(c, sp, kept, e, sampler, roulette, counters, recorder, policy);
+      others.add(c, sp, sampler.ray_id(), e, roulette, counters, recorder, policy);
     }
-    if (!continue_camera_subpath(c, sp, e, sampler, recorder)) break;
+    if (!continue_camera_subpath(c, sp, e, sampler, recorder, policy)) break;
     hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
     ++counters.rays;
   }
   recorder.finished();
+  policy.finished(e.path);
   return e.path.radiance;
 }
 

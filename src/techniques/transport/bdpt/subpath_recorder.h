@@ -7,6 +7,7 @@
 // would be missing in part.
 #pragma once
 
+#include "techniques/spatial/octree/cached_path_recorder.h"
 #include "techniques/transport/bdpt/bdpt_context.h"
 
 namespace relume {
@@ -31,7 +32,7 @@ RELUME_HD inline WeightTerms weight_terms(float others, float p, float sigma, fl
 }
 
 /// The default does nothing and compiles away.
-struct NoRecorder {
+struct NoRecorder : NoPolicy {
   /// Whether outcomes of the connections to lights are recorded at the current vertex.
   RELUME_HD static constexpr bool needs_visibility() { return false; }
   RELUME_HD void moved(float, float) const {}
@@ -85,7 +86,7 @@ class SubpathRecorder {
 
   /// Called after a direction was sampled; `after`: the subpath with its new ray. left() or left_delta() follows.
   RELUME_HD void scattered(const BdptContext& c, const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
-    recorder_.scattered(sp, s, after);
+    recorder_.scattered(sp, s, in_image(after));
     left_ = behind_;
     behind_ = recorder_.reached;
     for (uint32_t v = left_; v < behind_; ++v) {
@@ -105,22 +106,47 @@ class SubpathRecorder {
   /// Called when the subpath is complete.
   RELUME_HD void finished() {
     recorder_.finish([&](uint32_t v) { return found_[v]; });
+    if (weight_ == 1.0f) return;
+    for (uint32_t v = 0; v < recorder_.reached; ++v) recorder_.recording->sample(v, recorder_.pixel).weight = weight_;
   }
 
+  // Events of a cache (techniques/transport/path/path_policy.h).
+
+  RELUME_HD void rebased(const Rgb& /*found*/, const Rgb& unit) { unit_ = unit; }
+  /// The cell lacks the light of strategies that do not sample its vertex from the camera, so no record takes its mean.
+  RELUME_HD void ended_in_cell(const Rgb&) const {}
+  /// All records of a subpath that continues stand for those of subpaths that end, including the vertices before.
+  RELUME_HD void survived(float probability) { weight_ = 1.0f / probability; }
+  RELUME_HD void culled() { weight_ = 0; }
+
  private:
+  /// The subpath in the units of the image.
+  RELUME_HD PathInImage in_image(const PathState& path) const {
+    return {path.ray,
+            unit_ * path.throughput,
+            unit_ * path.radiance,
+            path.pdf_w,
+            path.wavelength_nm,
+            path.dispersed,
+            path.delta,
+            path.bounce};
+  }
+
   RELUME_HD void add_to(uint32_t records, const Rgb& light, const PartialWeights& at) {
     if (is_black(light)) return;
     const float weighted = terms_.inverse(at);
     for (uint32_t v = 0; v < records; ++v) {
-      const Rgb share = light * (weighted / terms_.inverse(weights_[v].at()));
+      const Rgb share = unit_ * light * (weighted / terms_.inverse(weights_[v].at()));
       if (is_finite(share)) found_[v] += share;
     }
   }
 
   PathRecorder recorder_;
   WeightTerms terms_;
-  uint32_t behind_ = 0;                           ///< number of recorded vertices behind the current one
-  uint32_t left_ = 0;                             ///< the same for the previous vertex
+  Rgb unit_{1};          ///< factor by which radiance and throughput of the subpath count in the image
+  float weight_ = 1;     ///< of the records
+  uint32_t behind_ = 0;  ///< number of recorded vertices behind the current one
+  uint32_t left_ = 0;    ///< the same for the previous vertex
   SubpathWeights weights_[kMaxRecordedVertices];  ///< for a camera at the recorded vertex
   Rgb found_[kMaxRecordedVertices] = {};          ///< light along the direction of the recorded vertex, in the image
 };

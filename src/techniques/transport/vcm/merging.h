@@ -152,20 +152,21 @@ struct LightVertexGrid {
 
   /// Adds the light of both to the camera subpath. `ray_id`: identity of the random choices at its last vertex.
   /// `caustics`: also gets the merged light that found_specularly() selects; nullptr: not wanted.
-  template <typename Context, typename Recorder>
+  template <typename Context, typename Recorder, typename Policy>
   RELUME_HD void add(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder,
+                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder, Policy& policy,
                      CausticSum* caustics = nullptr) const {
     if (near.sorted.empty()) return;
-    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder);
-    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder, caustics);
+    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder, policy);
+    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder, policy, caustics);
   }
 
  private:
   /// Connects to a random vertex, number `i` at this camera vertex.
-  template <typename Context, typename Recorder>
+  template <typename Context, typename Recorder, typename Policy>
   RELUME_HD void connect(uint32_t i, const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                         ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
+                         ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder,
+                         Policy& policy) const {
     constexpr uint32_t kSalt = 0x5c000000u;  // connections to one light subpath have small numbers
     const uint32_t id = hash(ray_id, kSalt + i);
     const auto chosen = static_cast<uint32_t>(uint64_t{hash(id)} * near.sorted.size >> 32);
@@ -173,11 +174,11 @@ struct LightVertexGrid {
     if (e.count() + vertex % stride + 2 > c.max_bidirectional_vertices()) return;
     Connection connection = connect_to_vertex(c, sp, e, vertices[vertex], kept_guide(c, guides, vertex), recorder);
     connection.contribution *= scale;
-    try_connection(c, connection, id, e, roulette, counters, recorder);
+    try_connection(c, sp, connection, id, e, roulette, counters, recorder, policy);
   }
 
-  template <typename Context, typename Recorder>
-  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder,
+  template <typename Context, typename Recorder, typename Policy>
+  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder, Policy& policy,
                        CausticSum* caustics) const {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
@@ -190,8 +191,15 @@ struct LightVertexGrid {
       if (!(std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine)) return;
       const Rgb merged = merged_radiance(c, sp, e, v, recorder);
       sum += merged;
-      recorder.add(e.path.throughput * merged * density, e.weights.at());
+      const Rgb light = e.path.throughput * merged * density;
+      recorder.add(light, e.weights.at());
       if (caustics && found_specularly(v, vertex % stride)) focused.add(merged, vertex / stride);
+      if constexpr (kIsPolicy<Policy>) {
+        Connection found;
+        found.ray.direction = v.wo;
+        found.contribution = light;
+        policy.connected(sp, e.path, found, true);
+      }
     });
     e.path.radiance += e.path.throughput * sum * density;
     if (!caustics) return;
@@ -207,12 +215,12 @@ struct GridWithCaustics {
   CausticSum* caustics = nullptr;  ///< set to the sum, black at first; nullptr: not wanted
   bool* reached = nullptr;         ///< whether that vertex has been reached; false at first
 
-  template <typename Context, typename Recorder>
+  template <typename Context, typename Recorder, typename Policy>
   RELUME_HD void add(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e,
-                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder) const {
+                     ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder, Policy& policy) const {
     const bool first = caustics && !*reached;
     if (first) *reached = true;
-    grid.add(c, sp, ray_id, e, roulette, counters, recorder, first ? caustics : nullptr);
+    grid.add(c, sp, ray_id, e, roulette, counters, recorder, policy, first ? caustics : nullptr);
   }
 };
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "techniques/transport/bdpt/bdpt.h"
-#include "techniques/transport/bdpt/light_subpath.h"
 #include "techniques/transport/vcm/merging.h"
 
 namespace relume {
@@ -44,14 +43,15 @@ struct LightSubpathKernelOf {
 };
 
 /// Traces a camera subpath per pixel. It connects to one light subpath or to random vertices, and merges with all.
-template <typename Context>
-struct VcmKernelOf {
+/// `Context` and `Sink`: as for BidirectionalKernel.
+template <typename Context, typename Sink>
+struct MergingKernel {
   Context context;
   SampleIndex index;
   View<const Hit> hits;
   View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
-  View<Rgb> radiance;               ///< of this sample, without splats; may be not finite
-  View<uint32_t> rays;              ///< of this sample, and of the light subpath with the number of the pixel
+  Sink output;
+  View<uint32_t> rays;  ///< of this sample, and of the light subpath with the number of the pixel
   View<const PathVertex> vertices;
   View<const GuidedPoint> guides;  ///< of the vertices; empty: camera subpaths are not guided
   View<const uint32_t> counts;     ///< vertices by light subpath; empty: no light subpaths
@@ -61,11 +61,18 @@ struct VcmKernelOf {
   LightVertexGrid grid;
   CausticViews caustics = {};  ///< merged part of the caustic layer
 
+  /// The same kernel with another context and output.
+  template <typename OtherContext, typename OtherSink>
+  MergingKernel<OtherContext, OtherSink> with(const OtherContext& c, const OtherSink& sink) const {
+    return {c,      index,  hits,       allocation, sink,   rays, vertices,
+            guides, counts, light_rays, stride,     pixels, grid, caustics};
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
     const uint32_t rays_of_light = pixel < counts.size ? light_rays[pixel] : 0;
     if (!allocation.empty() && allocation[pixel] == 0) {
-      radiance[pixel] = Rgb(0);
+      output.leave_out(pixel);
       rays[pixel] = rays_of_light;
       skip_records(context, pixel);
       if (!caustics.empty()) caustics.set(pixel, Rgb(0), Rgb(0));
@@ -77,8 +84,10 @@ struct VcmKernelOf {
     CausticSum merged;
     bool reached = false;
     const GridWithCaustics others{grid, caustics.empty() ? nullptr : &merged, &reached};
-    radiance[pixel] =
-        trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters, others);
+    auto policy = output.policy(index, x, y, pixel);
+    const Rgb seen =
+        trace_camera_subpath(context, x, y, hits[pixel], connected(pixel), sampler, roulette, counters, others, policy);
+    output.finish(pixel, policy, seen);
     if (!is_finite(merged.light) || !is_finite(merged.difference)) merged = {};
     if (!caustics.empty()) caustics.set(pixel, merged.light, merged.difference);
     rays[pixel] = counters.rays + rays_of_light;
@@ -95,5 +104,7 @@ struct VcmKernelOf {
     return kept;
   }
 };
+
+using VcmKernel = MergingKernel<BdptContext, SubpathRadiance>;
 
 }  // namespace relume

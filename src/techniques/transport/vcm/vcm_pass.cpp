@@ -77,8 +77,8 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   radius_ = merging_radius(vcm_, scene_radius, accumulates_ ? frame.since_change : 0);
   if (sqr(radius_) < kMinRadiusSquared) radius_ = 0;
   // The splats of all frames, and the samples of those frames in which a pixel has one, only add up to the image if the
-  // weights are the same in all frames.
-  const float weighted = parts().splats ? merging_radius(vcm_, scene_radius, 0) : radius_;
+  // weights are the same in all frames. So do the splats of this frame and cells with samples of earlier ones.
+  const float weighted = mixes_frames() ? merging_radius(vcm_, scene_radius, 0) : radius_;
   c.light_paths = static_cast<float>(most) / static_cast<float>(pixels);
   if (vcm_.connections > 0) c.connected = sqr(static_cast<float>(vcm_.connections) / kTypicalVertices);
   if (radius_ > 0.0f) c.merging = sqr(clamp(kPi * sqr(weighted) * static_cast<float>(most), kMinEta, kMaxEta));
@@ -130,27 +130,22 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   return sorted_.empty() || frame.launch_or_stop("merging", sort, {sort.sorted.size, 1, kVerticesPerTile});
 }
 
-bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
-  return learns() ? trace_in_context(frame, kernel, learning(kernel.context))
-                  : trace_in_context(frame, kernel, kernel.context);
-}
-
-template <typename Context>
-bool VcmPass::trace_in_context(const FrameContext& frame, const BdptKernel& kernel, const Context& context) {
-  VcmKernelOf<Context> camera;
+bool VcmPass::prepare_camera(const FrameContext& frame, const BdptKernel& kernel, VcmKernel& camera) {
   if (paths_ > 0) {
     MergeGrid& grid = camera.grid.near.grid;
     grid.center = frame.scene.lights.bounds.center;
     grid.inverse_edge = radius_ > 0.0f ? 0.5f / radius_ : 0.0f;
     grid.buckets = std::bit_ceil(std::max(paths_, 2u));
-    if (!trace_light_subpaths(frame, kernel, context, grid)) return false;
+    const bool traced = learns() ? trace_light_subpaths(frame, kernel, learning(kernel.context), grid)
+                                 : trace_light_subpaths(frame, kernel, kernel.context, grid);
+    if (!traced) return false;
     if (sorts() && !sort_vertices(frame, camera.grid)) return false;
   }
-  camera.context = context;
+  camera.context = kernel.context;
   camera.index = kernel.index;
   camera.hits = kernel.hits;
   camera.allocation = kernel.allocation;
-  camera.radiance = kernel.radiance;
+  camera.output = kernel.output;
   camera.rays = kernel.rays;
   camera.vertices = light_vertices_.view();
   camera.guides = guides_.view();
@@ -158,8 +153,12 @@ bool VcmPass::trace_in_context(const FrameContext& frame, const BdptKernel& kern
   camera.light_rays = rays_.view();
   camera.stride = stride_;
   camera.pixels = frame.pixels();
-  camera.caustics = caustics(frame);
-  return frame.launch_or_stop("trace", camera);
+  if (merges()) camera.caustics = caustics(frame);
+  return true;
+}
+
+bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
+  return trace_into(frame, kernel, kernel.output);
 }
 
 std::vector<PassStatistic> VcmPass::statistics() const {

@@ -22,7 +22,7 @@ float merging_radius(const VcmSettings& settings, float scene_radius, uint32_t n
 
 /// Traces the light subpaths of the frame, sorts their vertices into a grid, and traces a camera subpath for each pixel
 /// that receives a sample.
-class VcmPass final : public BdptPass {
+class VcmPass : public BdptPass {
  public:
   /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `parts`: as for BdptPass.
   VcmPass(const VcmSettings& settings, const BdptSettings& bdpt, const LightSelectionSettings& selection,
@@ -53,12 +53,16 @@ class VcmPass final : public BdptPass {
   uint64_t prepare_subpaths(const FrameContext& frame, uint64_t samples, BdptKernel& kernel) override;
   bool trace(const FrameContext& frame, const BdptKernel& kernel) override;
   bool merges() const override { return true; }
+  /// Traces and sorts the light subpaths, then launches the camera subpaths with another output. Returns false if a
+  /// stop was requested.
+  template <typename Sink>
+  bool trace_into(const FrameContext& frame, const BdptKernel& kernel, const Sink& sink);
 
  private:
   /// Whether the frame sorts its light vertices.
   bool sorts() const { return paths_ > 0 && (radius_ > 0.0f || vcm_.connections > 0); }
-  template <typename Context>
-  bool trace_in_context(const FrameContext& frame, const BdptKernel& kernel, const Context& context);
+  /// Traces and sorts the light subpaths, and completes `camera`. Returns false if a stop was requested.
+  bool prepare_camera(const FrameContext& frame, const BdptKernel& kernel, VcmKernel& camera);
   template <typename Context>
   bool trace_light_subpaths(const FrameContext& frame, const BdptKernel& kernel, const Context& context,
                             const MergeGrid& grid);
@@ -78,5 +82,13 @@ class VcmPass final : public BdptPass {
   uint32_t paths_ = 0;  ///< light subpaths of the frame
   float radius_ = 0;    ///< metres; 0: no merging
 };
+
+template <typename Sink>
+bool VcmPass::trace_into(const FrameContext& frame, const BdptKernel& kernel, const Sink& sink) {
+  VcmKernel camera;
+  if (!prepare_camera(frame, kernel, camera)) return false;
+  if (learns()) return frame.launch_or_stop("trace", camera.with(learning(kernel.context), sink));
+  return frame.launch_or_stop("trace", camera.with(kernel.context, sink));
+}
 
 }  // namespace relume

@@ -56,7 +56,7 @@ void BdptFrame::run(uint32_t seed, uint32_t sample, uint32_t rows) {
                     index,
                     view_of(hits),
                     view_of(allocation),
-                    mutable_view_of(radiance),
+                    {mutable_view_of(radiance)},
                     mutable_view_of(rays),
                     {&saturated, 1},
                     {&nonfinite, 1}};

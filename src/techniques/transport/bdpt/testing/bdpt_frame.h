@@ -41,7 +41,7 @@ class BdptFrame {
                                        index,
                                        view_of(hits),
                                        view_of(allocation),
-                                       mutable_view_of(radiance),
+                                       {mutable_view_of(radiance)},
                                        mutable_view_of(rays),
                                        {&saturated, 1},
                                        {&nonfinite, 1}};

@@ -40,6 +40,8 @@ template <typename Context>
 TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler) {
   TracedCamera t;
   CameraSubpath e;
+  NoRecorder recorder;
+  NoPolicy policy;
   start_camera_subpath(c, x, y, sampler, e);
   e.path.wavelength_nm = kZooWavelength;
   t.ray = e.path.ray;
@@ -52,7 +54,7 @@ TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sam
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     t.places.push_back({hit, sp.position, sp.ng, false});
     t.states.push_back(e);
-    if (sp.bsdf.empty() || !continue_camera_subpath(c, sp, e, sampler)) break;
+    if (sp.bsdf.empty() || !continue_camera_subpath(c, sp, e, sampler, recorder, policy)) break;
     t.places.back().delta = e.path.delta;
   }
   return t;
