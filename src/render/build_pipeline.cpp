@@ -21,6 +21,7 @@
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
+#include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter_pass.h"
 #include "techniques/radiance_cache/sharc/sharc_pass.h"
@@ -168,36 +169,43 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
   builder.add<MaintainSharcPass>(cells);
 }
 
-/// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
-/// nullptr. Returns the pass of path tracing without a cache, or nullptr.
-PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const OctreePass* octree) {
-  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
-  if (octree) builder.add<RegionViewPass>(*octree);
-  const SeparateParts parts{.splats = needs_splat_image(settings), .caustics = has_caustic_layer(settings)};
+/// Parts of the radiance of light paths with buffers of their own.
+SeparateParts separate_parts(const RenderSettings& settings) {
+  return {.splats = needs_splat_image(settings), .caustics = has_caustic_layer(settings)};
+}
+
+/// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
+void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                     const PathRecording* recording) {
+  const SeparateParts parts = separate_parts(settings);
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
         settings.history != HistoryChoice::none, source, recording, parts);
-  } else if (settings.estimator != EstimatorChoice::path) {
-    const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-    builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
-                                                                                           parts);
+    return;
   }
-  if (settings.estimator != EstimatorChoice::path) return nullptr;
-  if (settings.cache == CacheChoice::none) {
-    const PathRecords records{.first_vertices = needs_first_vertices(settings),
-                              .specular = splits_light(settings),
-                              .first_scatters = settings.reuse != ReuseChoice::none};
-    auto& paths = builder.add_tracing<PathPass>(source, records, recording);
-    add_reuse(builder, settings, source, recording);
-    return &paths;
+  const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
+  builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
+                                                                                         parts);
+}
+
+/// Adds light paths beside camera subpaths that fill cells.
+void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                                const PathRecording* recording, const CellsPass& cells) {
+  const SeparateParts parts = separate_parts(settings);
+  const bool adapts = settings.cache == CacheChoice::apsf;
+  if (settings.estimator == EstimatorChoice::vcm) {
+    builder.add_tracing<VcmCellsPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection,
+                        &RenderSettings::apsf>(adapts, cells, settings.history != HistoryChoice::none, source,
+                                               recording, parts);
+    return;
   }
-  if (settings.cache == CacheChoice::sharc) {
-    add_sharc(builder, settings, source);
-    return nullptr;
-  }
-  const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
-  CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
+  builder.add_tracing<BdptCellsPass, &RenderSettings::bdpt, &RenderSettings::light_selection, &RenderSettings::apsf>(
+      adapts, cells, source, recording, parts);
+}
+
+/// Adds camera paths that fill cells.
+void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                          const PathRecording* recording, const CellsPass& cells) {
   switch (settings.cache) {
     case CacheChoice::none:
     case CacheChoice::sharc: break;
@@ -211,8 +219,43 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
           settings.cache == CacheChoice::apsf_apg, source, cells, recording);
       break;
   }
-  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none);
-  return nullptr;
+}
+
+/// Adds the estimator with a cache that replaces parts of its paths.
+void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                      const PathRecording* recording) {
+  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source);
+  const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
+  const bool has_splats = settings.estimator != EstimatorChoice::path;
+  CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
+  if (has_splats) {
+    add_light_paths_with_cells(builder, settings, source, recording, cells);
+  } else {
+    add_paths_with_cells(builder, settings, source, recording, cells);
+  }
+  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none, has_splats);
+}
+
+/// Adds the estimator. `octree`: destination of path samples, or nullptr. Returns the pass of path tracing without a
+/// cache, or nullptr.
+PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                    const OctreePass* octree) {
+  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
+  if (octree) builder.add<RegionViewPass>(*octree);
+  if (settings.cache != CacheChoice::none) {
+    add_cached_paths(builder, settings, source, recording);
+    return nullptr;
+  }
+  if (settings.estimator != EstimatorChoice::path) {
+    add_light_paths(builder, settings, source, recording);
+    return nullptr;
+  }
+  const PathRecords records{.first_vertices = needs_first_vertices(settings),
+                            .specular = splits_light(settings),
+                            .first_scatters = settings.reuse != ReuseChoice::none};
+  auto& paths = builder.add_tracing<PathPass>(source, records, recording);
+  add_reuse(builder, settings, source, recording);
+  return &paths;
 }
 
 /// Changes that end the history.

@@ -82,6 +82,22 @@ void check_reuse(const RenderSettings& s) {
   }
 }
 
+/// Throws if light paths do not combine with the cache.
+void check_cache_of_light_paths(const RenderSettings& s) {
+  if (s.cache == CacheChoice::none) return;
+  if (s.estimator == EstimatorChoice::light) {
+    throw Error(
+        "estimator 'light' does not combine with a radiance cache: it samples no vertex from the camera, and only the "
+        "light of such vertices has a cell; use estimator 'bdpt' or cache 'none'");
+  }
+  if (s.cache == CacheChoice::apg || s.cache == CacheChoice::apsf_apg || s.cache == CacheChoice::sharc) {
+    throw Error(
+        "estimators 'bdpt' and 'vcm' do not combine with caches 'apg', 'apsf+apg' and 'sharc': beyond the first "
+        "vertex, MIS weights depend on all earlier vertices of a path, so the mean of a cell over the paths that reach "
+        "it is not the light that one of them lacks; use cache 'psf' or 'apsf', or estimator 'path'");
+  }
+}
+
 }  // namespace
 
 void check_combination(const RenderSettings& settings) {
@@ -97,11 +113,7 @@ void check_combination(const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   if (!settings.crop.empty()) check_crop(settings);
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
-  if (from_both_ends && settings.cache != CacheChoice::none) {
-    throw Error(
-        "estimators 'bdpt', 'light' and 'vcm' do not combine with a radiance cache: light paths add radiance to "
-        "pixels, not to cells; use estimator 'path' or cache 'none'");
-  }
+  if (from_both_ends) check_cache_of_light_paths(settings);
   if (from_both_ends && needs_first_vertices(settings)) {
     throw Error(
         "estimators 'bdpt', 'light' and 'vcm' do not combine with history 'reproject' by reproject.method 'forward', "

@@ -61,7 +61,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "caustic_layer": "features shared svgf",
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
-    "adaptive_psf": "path path_space_filter",
+    "adaptive_psf": "bdpt path path_space_filter vcm",
     "path_graphs": "adaptive_psf path path_space_filter",
     "sharc": "path path_space_filter",
     "reservoir": "octree path",

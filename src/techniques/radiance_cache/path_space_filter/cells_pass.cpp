@@ -153,7 +153,8 @@ PassDeclaration ResolveCellsPass::declaration() const {
                    layer(kCellTermination, kCellTerminationHelp),
                    layer(kCellOccupancy, "fraction of occupied slots around the pixel's cell")},
           .reads = {kFilteredPixels},
-          .writes = {kRadiance, kRays}};
+          .writes = {kRadiance, kRays},
+          .reads_if_any = {kAllocation}};
 }
 
 std::vector<PassStatistic> ResolveCellsPass::statistics() const {
@@ -166,6 +167,10 @@ std::vector<PassStatistic> ResolveCellsPass::statistics() const {
   return {{"culled", filtered > 0 ? static_cast<double>(culled) / static_cast<double>(filtered) : 0.0}};
 }
 
+BufferDescription filtered_pixels_buffer() {
+  return {.id = kFilteredPixels, .help = "vertex and sample of each pixel for its cell"};
+}
+
 PassDeclaration cell_paths_declaration() {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
@@ -173,7 +178,7 @@ PassDeclaration cell_paths_declaration() {
                               .reads = {kPrimaryHits},
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
-  declaration.owns.push_back({.id = kFilteredPixels, .help = "vertex and sample of each pixel for its cell"});
+  declaration.owns.push_back(filtered_pixels_buffer());
   return declaration;
 }
 
@@ -191,6 +196,8 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.rays = frame.write(kRays);
   kernel.refine = cells_.refine();
   kernel.others = cells_.others();
+  kernel.allocation = frame.read(kAllocation);
+  kernel.has_splats = has_splats_;
   kernel.edges = {.context = make_path_context(source_, frame),
                   .index = frame.index,
                   .pixels = kernel.pixels,

@@ -59,6 +59,8 @@ class CellsPass final : public Pass {
   /// The setting split, and the setting refine or 0. Cells of every vertex have neither.
   bool splits() const { return depths_ == 1 && settings_.split; }
   float refine() const { return depths_ == 1 ? settings_.refine : 0.0f; }
+  /// Approximate number of a cell's samples per frame: the pixels that it covers.
+  float samples_per_frame() const { return relume::max(1.0f, sqr(settings_.grid.cell_size)); }
   View<const OtherCells> others() const { return others_.view(); }
   /// Call after all samples of the frame. Moments that filter() reads then include them.
   void advance(const FrameContext& frame);
@@ -83,8 +85,9 @@ class CellsPass final : public Pass {
 class ResolveCellsPass final : public Pass {
  public:
   /// `sharpens_edges`: whether this pass traces more camera rays at edges of light sources. Denoisers trace their own.
-  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges)
-      : source_(source), cells_(cells), sharpens_edges_(sharpens_edges) {}
+  /// `has_splats`: whether kRadiance holds splats of light paths, to which it adds the light of the cells.
+  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges, bool has_splats)
+      : source_(source), cells_(cells), sharpens_edges_(sharpens_edges), has_splats_(has_splats) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
@@ -96,8 +99,12 @@ class ResolveCellsPass final : public Pass {
   PathSource source_;
   CellsPass& cells_;
   bool sharpens_edges_;
+  bool has_splats_;
   const Buffer* pixels_ = nullptr;  ///< pixels of the last frame
 };
+
+/// The buffer of FilteredPixel, which the pass that traces paths owns.
+BufferDescription filtered_pixels_buffer();
 
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels.
 PassDeclaration cell_paths_declaration();

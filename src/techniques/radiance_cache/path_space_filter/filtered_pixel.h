@@ -7,8 +7,10 @@
 
 namespace relume {
 
-/// Layer of the cells that hold only light from specular lobes.
+/// Flag in the layer of the cells that hold only light from specular lobes.
 inline constexpr uint16_t kSpecularLayer = 1;
+/// Flag in the layer of cells of vertices behind others (FilterContext::by_prefix).
+inline constexpr uint16_t kBehindLayer = 0x4000;
 
 /// Result of a pixel's path. If `split`, the diffuse and the specular lobes of the vertex have a cell each.
 struct FilteredPixel {
@@ -45,7 +47,7 @@ struct OtherCells {
   RELUME_HD CellPoint specular_point(const CellPoint& diffuse) const {
     CellPoint p = diffuse;
     p.direction = specular_direction;
-    p.layer = kSpecularLayer;
+    p.layer = static_cast<uint16_t>(p.layer | kSpecularLayer);
     return p;
   }
 };

@@ -25,6 +25,8 @@ struct FilterContext {
   bool refine = false;         ///< whether finer cells receive samples, too
   View<OtherCells> others;     ///< by pixel, with `split` or `refine`; else empty
   uint32_t width = 0;          ///< pixels per row of `others`
+  bool by_prefix = false;      ///< whether primary hits have cells of their own: with light paths, their samples lack
+                               ///< the light of splats, those of vertices behind mirrors do not
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -55,7 +57,8 @@ class FilterVertex : public NoPolicy {
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
-    pixel_.point = context_->grid.keys.point(sp, jitter, 0, d.glossy, 0, d.roughness);
+    const uint16_t layer = context_->by_prefix && path.bounce > 0 ? kBehindLayer : uint16_t{0};
+    pixel_.point = context_->grid.keys.point(sp, jitter, layer, d.glossy, 0, d.roughness);
     if (context_->split || context_->refine) find_others(d, path.throughput, sp.position);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.divisor();
@@ -122,7 +125,7 @@ class FilterVertex : public NoPolicy {
     const float all = luminance(d.albedo);
     pixel_.split = relume::min(specular, all - specular) > kSmallestPart * all;
     if (!pixel_.split && specular > 0.5f * all) {
-      pixel_.point.layer = kSpecularLayer;
+      pixel_.point.layer = static_cast<uint16_t>(pixel_.point.layer | kSpecularLayer);
       return;
     }
     others().specular_direction = pixel_.point.direction;
@@ -196,15 +199,18 @@ struct ResolveCellsKernel {
   CellLayers layers;
   uint32_t width = 0;
   CellEdges edges;
-  View<uint32_t> rays;            ///< rays of this sample, to which edge rays are added
-  float refine = 0;               ///< standard errors by which a finer cell must differ to be shown; 0: never
-  View<const OtherCells> others;  ///< as FilterContext::others
+  View<uint32_t> rays;                   ///< rays of this sample, to which edge rays are added
+  float refine = 0;                      ///< standard errors by which a finer cell must differ to be shown; 0: never
+  View<const OtherCells> others;         ///< as FilterContext::others
+  View<const uint32_t> allocation = {};  ///< paths of the pixel, 0 or 1; empty: 1
+  bool has_splats = false;               ///< whether `radiance` holds splats of light paths, which no cell contains
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
     const FilteredPixel& p = pixels[i];
     CellMoments cell;
     Rgb value = p.unfiltered;
+    if (has_splats) value += radiance[i];
     if (p.filtered) {
       const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
@@ -214,7 +220,8 @@ struct ResolveCellsKernel {
     } else {
       leave_out(i);
     }
-    if (edges.rays > 0 && rays[i] > 0 && edges.contains(grid, x, y)) {
+    const bool is_sampled = allocation.empty() ? rays[i] > 0 : allocation[i] > 0;
+    if (edges.rays > 0 && is_sampled && edges.contains(grid, x, y)) {
       value += edges.emission(x, y) - p.seen;
       rays[i] += edges.rays;
     }

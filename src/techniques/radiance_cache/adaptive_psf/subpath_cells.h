@@ -1,0 +1,35 @@
+// Path space filtering of bidirectional estimators, with or without survival. The strategies that sample the filtered
+// vertex from the camera share it, so the sum of their light is the sample for its cell. Splats have no cell: they stay
+// beside it, in the pixel that they reach.
+//
+// The weights of both sides are those of the sample's own densities, so they sum to one for every path. Because a cell
+// averages over the pixels that it covers, weights count the camera's strategies as often (BdptContext::light_paths).
+// The part of a cell depends on the density with which the camera finds the vertex. Neighbours share it approximately.
+#pragma once
+
+#include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"
+#include "techniques/transport/bdpt/bdpt.h"
+#include "techniques/transport/vcm/vcm.h"
+
+namespace relume {
+
+/// Output of camera subpaths that fill cells, as SubpathRadiance.
+struct SubpathCells {
+  AdaptiveFilterContext cache;
+  View<FilteredPixel> pixels;
+  View<Rgb> radiance;  ///< cleared for splats
+
+  RELUME_HD AdaptiveVertex policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
+    return cache.policy(index, x, y);
+  }
+  RELUME_HD void finish(uint32_t pixel, AdaptiveVertex& policy, const Rgb& /*seen*/) const {
+    pixels[pixel] = policy.pixel();
+    radiance[pixel] = Rgb(0);
+  }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    pixels[pixel] = {};
+    radiance[pixel] = Rgb(0);
+  }
+};
+
+}  // namespace relume
