@@ -3,16 +3,31 @@
 
 #include "techniques/reuse/reservoir/choose_light.h"
 #include "techniques/spatial/octree/path_recording.h"
+#include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
 
 namespace relume {
+
+/// Records a reservoir's sample as the light sample of the pixel's first vertex, except its share of the pixel. The
+/// record's `light_u` are the coordinates of a LightPoint.
+RELUME_HD inline void record_candidate(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir,
+                                       bool visible, FirstVertex& vertex) {
+  const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);
+  vertex.to_light = light.wi;
+  vertex.light = reservoir.sample.light;
+  vertex.light_u = reservoir.sample.coordinates;
+  vertex.light_scale = reservoir.weight;
+  const float factor = visible ? shading_cosine(r.sp, light.wi) / light.pdf_w : 0.0f;
+  vertex.light_value = luminance(light.radiance * factor);
+}
 
 struct CandidateStage {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
   View<const FirstScatter> scatters;
-  PathRecording recording;  ///< receives the chosen lights, from which light selection learns; may be empty
+  View<FirstVertex> first_vertices;  ///< receives the chosen light samples; may be empty
+  PathRecording recording;           ///< receives the chosen lights, from which light selection learns; may be empty
   uint32_t light_candidates = 1;
   uint32_t width = 0;
 
@@ -36,6 +51,7 @@ struct CandidateStage {
     const bool visible = sees(context.scene, r, light_at(context.scene.lights, own.sample, r.sp.position));
     if (!recording.samples.empty() && recording.vertices > 0)
       recording.sample(0, pixel).light = own.sample.light | (visible ? kVisibleLight : 0u);
+    if (!first_vertices.empty()) record_candidate(context.scene, r, own, visible, first_vertices[pixel]);
     if (!visible) own.weight = 0;
     return own;
   }
@@ -46,6 +62,7 @@ struct ReservoirImage {
   View<Rgb> radiance;
   View<Rgb> specular;  ///< part from specular lobes; may be empty
   View<uint32_t> rays;
+  View<FirstVertex> first_vertices = {};  ///< records of what is added; may be empty
 
   /// Adds the light of a reservoir whose sample the receiver sees. A weight that is not finite shows as such.
   RELUME_HD void add(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir, uint32_t pixel) const {
@@ -58,6 +75,18 @@ struct ReservoirImage {
     const Rgb value = r.path.throughput * reflected(scene, r, light) * reservoir.weight;
     radiance[pixel] += value;
     if (!specular.empty()) specular[pixel] += value * specular_share(r.sp, light.wi);
+    if (!first_vertices.empty()) record(scene, r, reservoir, light, first_vertices[pixel]);
+  }
+
+ private:
+  /// Records the light of the reservoir like a connection of next event estimation.
+  RELUME_HD static void record(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir,
+                               const LightSample& light, FirstVertex& vertex) {
+    record_candidate(scene, r, reservoir, true, vertex);
+    Rgb direct = light.radiance * (shading_cosine(r.sp, light.wi) / light.pdf_w * reservoir.weight);
+    if (scene.absorbs) direct *= transmittance(medium_along(scene, r.sp, light.wi, r.path.medium), light.distance);
+    if (r.path.dispersed || disperses(scene, r.sp, light.wi)) direct *= wavelength_weight(r.path.wavelength_nm);
+    vertex.direct = direct;
   }
 };
 

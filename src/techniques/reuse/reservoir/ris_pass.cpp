@@ -11,6 +11,7 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
   stage.index = frame.index;
   stage.hits = frame.read(kPrimaryHits);
   stage.scatters = frame.read(kFirstScatters);
+  stage.first_vertices = frame.write(kFirstVertices);
   if (recording) stage.recording = *recording;
   stage.light_candidates = static_cast<uint32_t>(settings.candidates);
   stage.width = frame.width();
@@ -18,11 +19,12 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
 }
 
 ReservoirImage reservoir_image(const FrameContext& frame) {
-  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays)};
+  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays), frame.write(kFirstVertices)};
 }
 
 std::vector<BufferId> reservoir_reads() { return {kPrimaryHits, kFirstScatters}; }
 std::vector<BufferId> reservoir_writes() { return {kRadiance, kRays}; }
+std::vector<BufferId> reservoir_writes_if_any() { return {kRadianceSpecular, kFirstVertices}; }
 
 PassDeclaration RisPass::declaration() const {
   return {.name = "ris",
@@ -30,7 +32,7 @@ PassDeclaration RisPass::declaration() const {
           .reads = reservoir_reads(),
           .writes = reservoir_writes(),
           .reads_if_any = {kAllocation},
-          .writes_if_any = {kRadianceSpecular},
+          .writes_if_any = reservoir_writes_if_any(),
           .only_sampled_pixels = true};
 }
 

@@ -40,7 +40,7 @@ PassDeclaration RestirPass::declaration() const {
                 .reset = ends_reservoirs(settings_)}},
       .reads = reservoir_reads(),
       .writes = reservoir_writes(),
-      .writes_if_any = {kRadianceSpecular}};
+      .writes_if_any = reservoir_writes_if_any()};
   for (const BufferId& id : {BufferId(kSurface.motion), BufferId(kSurface.previous), BufferId(kSurface.position),
                              BufferId(kSurface.normal), BufferId(kSurface.depth), BufferId(kSurface.surface)})
     declaration.reads.push_back(id);

@@ -13,7 +13,7 @@ struct FirstVertex {
   Vec3 to_light{0};  ///< direction of next event estimation; zero: none
   Rgb direct{0};     ///< the same along `to_light`
   LightId light = kNoLight;
-  Vec2 light_u{0};        ///< random numbers that chose the point on `light`
+  Vec2 light_u{0};        ///< random numbers that chose the point on `light`; of reservoirs: the point's coordinates
   float light_value = 0;  ///< luminance of radiance · cos / pdf_w at that point; 0 if hidden
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };
@@ -48,8 +48,10 @@ struct FirstVertexPolicy : NoPolicy {
     if (after.dispersed) throughput /= wavelength_weight(after.wavelength_nm);
     throughput /= after.indirect_weight;
   }
-  RELUME_HD void finished(const PathState& path) {
-    const Rgb found = path.radiance - radiance_before;
+  RELUME_HD void finished(const PathState& path) { finish_with(path.radiance); }
+  /// Completes the record of a path that has found `radiance`, in the units of its throughput at the first vertex.
+  RELUME_HD void finish_with(const Rgb& radiance) {
+    const Rgb found = radiance - radiance_before;
     for (int c = 0; c < 3; ++c) vertex->indirect[c] = throughput[c] > 0.0f ? found[c] / throughput[c] : 0.0f;
   }
 };

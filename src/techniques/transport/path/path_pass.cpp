@@ -51,8 +51,7 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing. First scattering events and first
-// vertices do not combine.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing.
 
 struct Tracing {
   const PathSource& source;
@@ -62,7 +61,12 @@ struct Tracing {
 
   template <typename... Outputs>
   bool run(const Outputs&... outputs) const {
-    if (records.first_scatters) return run_with_specular(outputs..., FirstScatterOutput{frame.write(kFirstScatters)});
+    if (!records.first_scatters) return run_with_vertices(outputs...);
+    return run_with_vertices(outputs..., FirstScatterOutput{frame.write(kFirstScatters)});
+  }
+
+  template <typename... Outputs>
+  bool run_with_vertices(const Outputs&... outputs) const {
     if (!records.first_vertices) return run_with_specular(outputs...);
     return run_with_specular(outputs..., FirstVertexOutput{frame.write(kFirstVertices)});
   }
