@@ -18,6 +18,9 @@ inline constexpr BufferKey<Rgb> kCausticRadiance{"caustic-radiance"};    ///< th
 /// The same part, from half of the light paths minus that from the others: its square estimates the variance that the
 /// light paths cause.
 inline constexpr BufferKey<Rgb> kCausticDifference{"caustic-difference"};
+inline constexpr BufferKey<Rgb> kRadianceCells{"radiance-cells"};        ///< the part from cells of a cache
+/// 1: cells show the light that the first surface reflects; 0: none, or that of a later surface.
+inline constexpr BufferKey<uint32_t> kCellsAtHit{"cells-at-hit"};
 inline constexpr BufferKey<uint32_t> kRays{"rays"};
 inline constexpr BufferKey<uint32_t> kEdgeRays{"edge-rays"};
 
@@ -31,6 +34,8 @@ inline constexpr BufferKey<uint32_t> kSamples{"samples"};
 inline constexpr MomentBuffers kMoments{.mean = kMean, .m2 = {"m2"}, .m2_rgb = {"m2-rgb"}, .samples = kSamples};
 inline constexpr BufferKey<Rgb> kSpecularMean{"specular-mean"};  ///< the part of kMean from specular lobes
 inline constexpr BufferKey<uint32_t> kSpecularSamples{"specular-samples"};
+inline constexpr BufferKey<Rgb> kCellsMean{"cells-mean"};  ///< the part of kMean from cells of a cache
+inline constexpr BufferKey<uint32_t> kCellsSamples{"cells-samples"};
 
 /// Moments reprojected to this frame's pixels, before this frame's sample. They exist only with reprojection.
 inline constexpr MomentBuffers kInherited{.mean = {"inherited-mean"},
@@ -39,6 +44,8 @@ inline constexpr MomentBuffers kInherited{.mean = {"inherited-mean"},
                                           .samples = {"inherited-samples"}};
 inline constexpr BufferKey<Rgb> kInheritedSpecularMean{"inherited-specular-mean"};
 inline constexpr BufferKey<uint32_t> kInheritedSpecularSamples{"inherited-specular-samples"};
+inline constexpr BufferKey<Rgb> kInheritedCellsMean{"inherited-cells-mean"};
+inline constexpr BufferKey<uint32_t> kInheritedCellsSamples{"inherited-cells-samples"};
 
 inline constexpr BufferKey<Rgb> kLightMean{"light-mean"};  ///< from light paths, which reach every pixel
 inline constexpr BufferKey<float> kLightM2{"light-m2"};

@@ -162,7 +162,8 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
 
 /// Adds path tracing with the spatially hashed radiance cache.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source) {
-  auto& cells = builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, "sharc");
+  auto& cells =
+      builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells);
@@ -227,7 +228,8 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source);
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
-  CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
+  CellsPass& cells =
+      builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, needs_first_vertices(settings));
   if (has_splats) {
     add_light_paths_with_cells(builder, settings, source, recording, cells);
   } else {
@@ -271,7 +273,8 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
   const AccumulatedParts parts{.m2_rgb = settings.allocation == AllocationChoice::adaptive,
                                .splat_image = needs_splat_image(settings),
                                .specular = history_splits(settings),
-                               .caustics = has_caustic_layer(settings)};
+                               .caustics = has_caustic_layer(settings),
+                               .cells = needs_first_vertices(settings) && settings.cache != CacheChoice::none};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), parts.m2_rgb);

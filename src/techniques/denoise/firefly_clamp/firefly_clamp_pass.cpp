@@ -18,7 +18,7 @@ PassDeclaration FireflyClampPass::declaration() const {
           .reads = {kPrimaryHits},
           .writes = {kRadiance},
           .reads_if_any = {kAllocation},
-          .writes_if_any = {kRadianceSpecular, kLightRadiance, kCausticRadiance, kCausticDifference},
+          .writes_if_any = {kRadianceSpecular, kLightRadiance, kCausticRadiance, kCausticDifference, kRadianceCells},
           .only_sampled_pixels = true};
 }
 
@@ -34,7 +34,7 @@ bool FireflyClampPass::run(const FrameContext& frame) {
   factor.height = frame.height();
   if (!frame.launch_or_stop("firefly-clamp", factor)) return false;
   for (const BufferKey<Rgb>& key :
-       {kRadiance, kRadianceSpecular, kLightRadiance, kCausticRadiance, kCausticDifference}) {
+       {kRadiance, kRadianceSpecular, kLightRadiance, kCausticRadiance, kCausticDifference, kRadianceCells}) {
     const View<Rgb> values = frame.write(key);
     if (values.empty()) continue;
     const FireflyScaleKernel scale{frame.read(kFireflyFactor), values, frame.width()};

@@ -103,6 +103,7 @@ class AdaptiveVertex : public NoPolicy {
       : context_(&context), vertex_(context.filter, index, x, y), u_survival_(filter_random(index, x, y, 1)) {}
 
   RELUME_HD const FilteredPixel& pixel() { return vertex_.pixel(); }
+  RELUME_HD Rgb found(const PathState& path) const { return vertex_.found(path); }
 
   template <typename Earlier>
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path, Earlier& earlier) {

@@ -4,11 +4,11 @@
 
 namespace relume {
 
-PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declaration(); }
+PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declaration(cells_); }
 
 bool AdaptivePsfPass::run(const FrameContext& frame) {
   const AdaptiveFilterContext filter{cells_.filter(), make_adaptive_psf(settings_)};
-  return trace_into_cells(source_, frame, filter, recording_);
+  return trace_into_cells(source_, frame, cells_, filter, recording_);
 }
 
 }  // namespace relume

@@ -44,6 +44,8 @@ class PathGraph : public NoPolicy {
   }
 
   RELUME_HD const FilteredPixel& pixel() const { return pixel_; }
+  /// As FilterVertex::found().
+  RELUME_HD Rgb found(const PathState&) const { return pixel_.traced / positive_or_one(pixel_.factor); }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;

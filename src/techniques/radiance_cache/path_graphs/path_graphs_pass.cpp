@@ -4,7 +4,7 @@
 
 namespace relume {
 
-PassDeclaration PathGraphPass::declaration() const { return cell_paths_declaration(); }
+PassDeclaration PathGraphPass::declaration() const { return cell_paths_declaration(cells_); }
 
 bool PathGraphPass::run(const FrameContext& frame) {
   PathGraphContext graph;
@@ -16,7 +16,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   graph.feed = settings_.feed;
   graph.guards = settings_.guards;
   graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
-  return trace_into_cells(source_, frame, graph, recording_);
+  return trace_into_cells(source_, frame, cells_, graph, recording_);
 }
 
 }  // namespace relume

@@ -141,20 +141,24 @@ PassDeclaration ResolveCellsPass::declaration() const {
   const auto layer = [](const BufferId& id, const char* help) {
     return BufferDescription{.id = id, .help = help, .display = BufferDisplay::value};
   };
-  return {.name = "resolve",
-          .stage = Stage::resolve,
-          .owns = {layer(kCellIdentity, "identifier of the pixel's cell"),
-                   layer(kCellLevel, "log2 of the size of the pixel's cell, metres"),
-                   layer(kCellCount, "number of samples in the pixel's cell"),
-                   layer(kCellAge, "number of frames with samples since the pixel's cell was created"),
-                   layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
-                   layer(kCellSurvival, "probability that the pixel's path is followed"),
-                   layer(kCellBlend, "weight of the cell in the pixel; the rest is the weight of the path"),
-                   layer(kCellTermination, kCellTerminationHelp),
-                   layer(kCellOccupancy, "fraction of occupied slots around the pixel's cell")},
-          .reads = {kFilteredPixels},
-          .writes = {kRadiance, kRays},
-          .reads_if_any = {kAllocation}};
+  PassDeclaration declaration{
+      .name = "resolve",
+      .stage = Stage::resolve,
+      .owns = {layer(kCellIdentity, "identifier of the pixel's cell"),
+               layer(kCellLevel, "log2 of the size of the pixel's cell, metres"),
+               layer(kCellCount, "number of samples in the pixel's cell"),
+               layer(kCellAge, "number of frames with samples since the pixel's cell was created"),
+               layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
+               layer(kCellSurvival, "probability that the pixel's path is followed"),
+               layer(kCellBlend, "weight of the cell in the pixel; the rest is the weight of the path"),
+               layer(kCellTermination, kCellTerminationHelp),
+               layer(kCellOccupancy, "fraction of occupied slots around the pixel's cell")},
+      .reads = {kFilteredPixels},
+      .writes = {kRadiance, kRays},
+      .reads_if_any = {kAllocation}};
+  if (cells_.verified())
+    declaration.owns.push_back({.id = kRadianceCells, .help = "part of this frame's sample from cells"});
+  return declaration;
 }
 
 std::vector<PassStatistic> ResolveCellsPass::statistics() const {
@@ -171,7 +175,7 @@ BufferDescription filtered_pixels_buffer() {
   return {.id = kFilteredPixels, .help = "vertex and sample of each pixel for its cell"};
 }
 
-PassDeclaration cell_paths_declaration() {
+PassDeclaration cell_paths_declaration(const CellsPass& cells) {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
                               .owns = estimator_buffers(),
@@ -179,6 +183,10 @@ PassDeclaration cell_paths_declaration() {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back(filtered_pixels_buffer());
+  if (cells.verified()) {
+    declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
+    declaration.owns.push_back({.id = kCellsAtHit, .help = "1 where cells show the light that the surface reflects"});
+  }
   return declaration;
 }
 
@@ -189,6 +197,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.pixels = frame.read(kFilteredPixels);
   pixels_ = frame.buffer(kFilteredPixels);
   kernel.radiance = frame.write(kRadiance);
+  if (cells_.verified()) kernel.from_cells = frame.write(kRadianceCells);
   kernel.layers = {frame.write(kCellIdentity), frame.write(kCellLevel),       frame.write(kCellCount),
                    frame.write(kCellAge),      frame.write(kCellVariance),    frame.write(kCellSurvival),
                    frame.write(kCellBlend),    frame.write(kCellTermination), frame.write(kCellOccupancy)};

@@ -10,6 +10,7 @@
 #include "frame/pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/radiance_cache/path_space_filter/verified_cells.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/transport/path/path_pass.h"
 #include "techniques/transport/path/recording_output.h"
@@ -34,11 +35,13 @@ struct CellDepths {
 /// pixel.
 class CellsPass final : public Pass {
  public:
-  /// `depths`: as CellDepths. `prefix`: of the settings that warnings name.
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, std::string_view prefix, Memory& memory)
-      : settings_(settings), depths_(depths), prefix_(prefix), grid_(memory), others_(memory) {}
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, Memory& memory)
-      : CellsPass(settings, depths, "psf", memory) {}
+  /// `depths`: as CellDepths. `verified`: whether a history verifies pixels, for which paths and pixels have more
+  /// outputs. `prefix`: of the settings that warnings name.
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, bool verified, std::string_view prefix,
+            Memory& memory)
+      : settings_(settings), depths_(depths), verified_(verified), prefix_(prefix), grid_(memory), others_(memory) {}
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, bool verified, Memory& memory)
+      : CellsPass(settings, depths, verified, "psf", memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   void configure(const CellDepths& depths) { depths_ = depths.count; }
@@ -55,6 +58,7 @@ class CellsPass final : public Pass {
 
   /// Valid after the first run().
   const FilterContext& filter() const { return filter_; }
+  bool verified() const { return verified_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
   /// The setting split, and the setting refine or 0. Cells of every vertex have neither.
   bool splits() const { return depths_ == 1 && settings_.split; }
@@ -72,6 +76,7 @@ class CellsPass final : public Pass {
 
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
+  bool verified_;
   std::string_view prefix_;  ///< a literal
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
@@ -106,17 +111,26 @@ class ResolveCellsPass final : public Pass {
 /// The buffer of FilteredPixel, which the pass that traces paths owns.
 BufferDescription filtered_pixels_buffer();
 
-/// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels.
-PassDeclaration cell_paths_declaration();
+/// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels; if
+/// `cells` are verified, kFirstVertices and kCellsAtHit, too.
+PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
-/// Traces paths and fills cells; `cache` as for CellsOutput. `recording`: destination of samples for learning; nullptr:
-/// none.
+/// Traces paths with `output` for each. `recording`: destination of samples for learning; nullptr: none.
+template <typename Output>
+bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, const PathRecording* recording,
+                          const Output& output) {
+  if (!recording) return trace_paths(source, frame, nullptr, output);
+  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, output);
+}
+
+/// Traces paths and fills `cells`; `cache` as for CellsOutput. `recording`: as for trace_recorded_paths().
 template <typename Cache>
-bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache,
+bool trace_into_cells(const PathSource& source, const FrameContext& frame, const CellsPass& cells, const Cache& cache,
                       const PathRecording* recording) {
-  const CellsOutput<Cache> cells{cache, frame.write(kFilteredPixels)};
-  if (!recording) return trace_paths(source, frame, nullptr, cells);
-  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, cells);
+  const CellsOutput<Cache> output{cache, frame.write(kFilteredPixels)};
+  if (!cells.verified()) return trace_recorded_paths(source, frame, recording, output);
+  const VerifiedCellsOutput<Cache> verified{output, frame.write(kFirstVertices), frame.write(kCellsAtHit)};
+  return trace_recorded_paths(source, frame, recording, verified);
 }
 
 }  // namespace relume

@@ -93,6 +93,9 @@ class FilterVertex : public NoPolicy {
     path.rr_reference *= max_component(anchor_);
   }
 
+  /// Radiance that the finished path found since its filtered vertex, in units of its throughput there.
+  RELUME_HD Rgb found(const PathState& path) const { return path.radiance; }
+
   /// Adds the path's sample to the cell.
   RELUME_HD void finished(const PathState& path) {
     if (!reached()) {
@@ -204,6 +207,7 @@ struct ResolveCellsKernel {
   View<const OtherCells> others;         ///< as FilterContext::others
   View<const uint32_t> allocation = {};  ///< paths of the pixel, 0 or 1; empty: 1
   bool has_splats = false;               ///< whether `radiance` holds splats of light paths, which no cell contains
+  View<Rgb> from_cells = {};             ///< part of the radiance that comes from cells; may be empty
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
@@ -220,6 +224,7 @@ struct ResolveCellsKernel {
     } else {
       leave_out(i);
     }
+    write(from_cells, i, value - p.unfiltered);
     const bool is_sampled = allocation.empty() ? rays[i] > 0 : allocation[i] > 0;
     if (edges.rays > 0 && is_sampled && edges.contains(grid, x, y)) {
       value += edges.emission(x, y) - p.seen;

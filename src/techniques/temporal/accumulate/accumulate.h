@@ -18,7 +18,7 @@ struct AccumulateKernel {
   View<uint32_t> ray_sum;
   View<uint32_t> nonfinite;  ///< count of samples that were not finite, which count as black
   SplatImage splat_image;    ///< splats of light paths, which `radiance` and the mean contain
-  SpecularMean specular;     ///< the specular part of the mean
+  SpecularMean specular;     ///< the specular part of the mean, or the part from cells
   CausticMoments caustics;   ///< the caustic layer, which `radiance` and the mean contain
   bool keep = true;          ///< false: this frame's sample replaces all earlier ones
   uint32_t width = 0;

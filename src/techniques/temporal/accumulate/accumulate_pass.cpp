@@ -46,6 +46,13 @@ void add_caustic_layer(PassDeclaration& declaration, Change reset) {
   declaration.reads.push_back(kCausticRadiance);
 }
 
+void add_cells_part(PassDeclaration& declaration, Change reset) {
+  declaration.owns.push_back({.id = kCellsMean, .help = "part of mean from cells", .persistent = true, .reset = reset});
+  declaration.owns.push_back(
+      {.id = kCellsSamples, .help = "number of samples in cells-mean", .persistent = true, .reset = reset});
+  declaration.reads.insert(declaration.reads.end(), {kRadianceCells, kInheritedCellsMean, kInheritedCellsSamples});
+}
+
 SplatImage splat_image_of(const FrameContext& frame, PrimitiveScratch& scratch) {
   const uint64_t traced = sum({frame.backend, "accumulate", scratch}, frame.read(kAllocation));
   return {.splats = frame.read(kLightRadiance),
@@ -71,6 +78,15 @@ SpecularMean specular_mean(const FrameContext& frame) {
           .history_samples = frame.read(kInheritedSpecularSamples),
           .mean = frame.write(kSpecularMean),
           .samples = frame.write(kSpecularSamples)};
+}
+
+SpecularMean cells_mean(const FrameContext& frame) {
+  return {.radiance = frame.read(kRadianceCells),
+          .albedo = {},
+          .history = frame.read(kInheritedCellsMean),
+          .history_samples = frame.read(kInheritedCellsSamples),
+          .mean = frame.write(kCellsMean),
+          .samples = frame.write(kCellsSamples)};
 }
 
 }  // namespace
@@ -103,6 +119,7 @@ PassDeclaration AccumulatePass::declaration() const {
   if (parts_.splat_image) add_splat_image(declaration, invalidated_by_);
   if (parts_.specular) add_specular_part(declaration, invalidated_by_);
   if (parts_.caustics) add_caustic_layer(declaration, invalidated_by_);
+  if (parts_.cells) add_cells_part(declaration, invalidated_by_);
   return declaration;
 }
 
@@ -120,6 +137,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
   if (parts_.splat_image) kernel.splat_image = splat_image_of(frame, scratch_);
   if (parts_.specular) kernel.specular = specular_mean(frame);
   if (parts_.caustics) kernel.caustics = caustic_moments(frame);
+  if (parts_.cells) kernel.specular = cells_mean(frame);
   kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
   // Cannot be cancelled: sums must change only in complete frames.

@@ -13,6 +13,7 @@ struct AccumulatedParts {
   bool splat_image = false;  ///< a separate image of the splats of light paths
   bool specular = false;     ///< a separate mean of the specular part
   bool caustics = false;     ///< separate moments of the caustic layer
+  bool cells = false;        ///< a separate mean of the part from cells of a cache; excludes `specular`
 };
 
 /// The only writer of kMoments.
