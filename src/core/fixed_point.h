@@ -94,6 +94,16 @@ RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
 }
 
 /// Replaces a shared word with `value` if that is larger.
+RELUME_HD inline void atomic_max(uint64_t* target, uint64_t value) {
+#if RELUME_DEVICE_CODE
+  atomicMax(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<uint64_t> shared(*target);
+  uint64_t seen = shared.load(std::memory_order_relaxed);
+  while (value > seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
 RELUME_HD inline void atomic_max(uint32_t* target, uint32_t value) {
 #if RELUME_DEVICE_CODE
   atomicMax(target, value);

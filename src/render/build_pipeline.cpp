@@ -170,38 +170,40 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
   builder.add<MaintainSharcPass>(cells);
 }
 
-/// Parts of the radiance of light paths with buffers of their own.
-SeparateParts separate_parts(const RenderSettings& settings) {
-  return {.splats = needs_splat_image(settings), .caustics = has_caustic_layer(settings)};
+/// Outputs of light paths besides the radiance.
+BdptRecords bdpt_records(const RenderSettings& settings) {
+  return {.splats = needs_splat_image(settings),
+          .caustics = has_caustic_layer(settings),
+          .first_vertices = needs_first_vertices(settings)};
 }
 
 /// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                      const PathRecording* recording) {
-  const SeparateParts parts = separate_parts(settings);
+  const BdptRecords records = bdpt_records(settings);
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
-        settings.history != HistoryChoice::none, source, recording, parts);
+        settings.history != HistoryChoice::none, source, recording, records);
     return;
   }
   const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
   builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
-                                                                                         parts);
+                                                                                         records);
 }
 
 /// Adds light paths beside camera subpaths that fill cells.
 void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                                 const PathRecording* recording, const CellsPass& cells) {
-  const SeparateParts parts = separate_parts(settings);
+  const BdptRecords records = bdpt_records(settings);
   const bool adapts = settings.cache == CacheChoice::apsf;
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmCellsPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection,
                         &RenderSettings::apsf>(adapts, cells, settings.history != HistoryChoice::none, source,
-                                               recording, parts);
+                                               recording, records);
     return;
   }
   builder.add_tracing<BdptCellsPass, &RenderSettings::bdpt, &RenderSettings::light_selection, &RenderSettings::apsf>(
-      adapts, cells, source, recording, parts);
+      adapts, cells, source, recording, records);
 }
 
 /// Adds camera paths that fill cells.

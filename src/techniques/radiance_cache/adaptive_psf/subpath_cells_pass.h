@@ -26,8 +26,8 @@ class BdptCellsPass final : public BdptPass {
   /// `adapts`: whether `apsf` applies. The other arguments are those of BdptPass.
   BdptCellsPass(const BdptSettings& settings, const LightSelectionSettings& selection, const AdaptivePsfSettings& apsf,
                 bool adapts, const CellsPass& cells, const PathSource& source, const PathRecording* recording,
-                const SeparateParts& parts, Memory& memory)
-      : BdptPass(settings, selection, BdptMode::bidirectional, source, recording, parts, memory),
+                const BdptRecords& records, Memory& memory)
+      : BdptPass(settings, selection, BdptMode::bidirectional, source, recording, records, memory),
         cells_{cells, adapts, apsf} {}
 
   using BdptPass::configure;
@@ -49,8 +49,8 @@ class VcmCellsPass final : public VcmPass {
   /// `adapts`: whether `apsf` applies. The other arguments are those of VcmPass.
   VcmCellsPass(const VcmSettings& settings, const BdptSettings& bdpt, const LightSelectionSettings& selection,
                const AdaptivePsfSettings& apsf, bool adapts, const CellsPass& cells, bool accumulates,
-               const PathSource& source, const PathRecording* recording, const SeparateParts& parts, Memory& memory)
-      : VcmPass(settings, bdpt, selection, accumulates, source, recording, parts, memory),
+               const PathSource& source, const PathRecording* recording, const BdptRecords& records, Memory& memory)
+      : VcmPass(settings, bdpt, selection, accumulates, source, recording, records, memory),
         cells_{cells, adapts, apsf} {}
 
   using VcmPass::configure;

@@ -4,6 +4,7 @@
 #include "core/fixed_point.h"
 #include "core/hash.h"
 #include "techniques/spatial/octree/path_recording.h"
+#include "techniques/transport/bdpt/first_light.h"
 #include "techniques/transport/bdpt/path_vertex.h"
 #include "techniques/transport/path/path.h"
 
@@ -18,6 +19,7 @@ struct BdptContext {
   PowerLights connection;        ///< distribution that weights assume for connections; see weighting_pmf()
   View<const Rgb> light_medium;  ///< output of LightMediumKernel; empty: no light is inside a tinted medium
   View<FixedPointRgb> splats;
+  FirstLight first_light;  ///< empty: no history verifies pixels
   uint32_t width = 0;
   uint32_t max_light_vertices = 16;     ///< at most kMaxLightVertices
   float connection_roulette = 0;        ///< strength of ConnectionRoulette; 0: tests every connection
@@ -154,8 +156,10 @@ struct BdptCounters {
   bool subtracts = false;  ///< has_negative_sign() of the light subpath
 };
 
-/// Adds radiance to the pixel at raster position `raster`.
-RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb& value, BdptCounters& counters) {
+/// Adds radiance to the pixel at raster position `raster`. `direction`: octahedral, from the first surface seen by the
+/// camera along the light subpath. `id`: unique in the frame.
+RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb& value, uint32_t direction, uint32_t id,
+                            BdptCounters& counters) {
   if (!is_finite(value)) {
     ++counters.nonfinite;
     return;
@@ -164,6 +168,7 @@ RELUME_HD inline void splat(const BdptContext& c, const Vec2& raster, const Rgb&
   const uint32_t pixel = static_cast<uint32_t>(raster.y) * c.width + static_cast<uint32_t>(raster.x);
   c.splats[pixel].add(value);
   if (!c.splat_differences.empty()) c.splat_differences[pixel].add(counters.subtracts ? -value : value);
+  c.first_light.offer_splat(pixel, direction, value, id);
 }
 
 /// Selects the connections of a sample whose visibility is tested. Connections that are small relative to those tried

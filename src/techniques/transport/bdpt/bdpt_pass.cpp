@@ -7,6 +7,7 @@
 #include "core/stream_io.h"
 #include "frame/primitives/fill.h"
 #include "frame/primitives/reduce.h"
+#include "techniques/transport/bdpt/first_light_kernel.h"
 #include "techniques/transport/bdpt/light_medium.h"
 
 namespace relume {
@@ -14,6 +15,7 @@ namespace {
 
 constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
 constexpr BufferKey<FixedPointRgb> kSplatDifferences{"splat-differences"};
+constexpr BufferKey<uint64_t> kChosenDirections{"chosen-directions"};
 
 /// Limit of the memory for light subpaths of one launch, except that of a single row.
 constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
@@ -23,15 +25,19 @@ constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
 PassDeclaration BdptPass::declaration() const {
   std::vector<BufferDescription> owns = estimator_buffers();
   owns.push_back({.id = kSplats, .help = "radiance that light subpaths added to the pixel in the current frame"});
-  if (parts_.splats) {
+  if (records_.splats) {
     owns.push_back(
         {.id = kLightRadiance, .help = "radiance of this frame's light paths", .display = BufferDisplay::value});
   }
-  if (parts_.caustics) {
+  if (records_.caustics) {
     owns.push_back({.id = kSplatDifferences, .help = "splats, those of half of the light subpaths negative"});
     owns.push_back({.id = kCausticRadiance, .help = "part of this frame's radiance in the caustic layer"});
     owns.push_back({.id = kCausticDifference,
                     .help = "difference of the halves of the light paths in this frame's caustic layer"});
+  }
+  if (records_.first_vertices) {
+    owns.push_back({.id = kFirstVertices, .help = "direction and light at the first vertex of this frame's sample"});
+    owns.push_back({.id = kChosenDirections, .help = "direction of one contribution to the pixel, and its key"});
   }
   return {.name = "trace",
           .stage = Stage::trace,
@@ -83,8 +89,14 @@ bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
 }
 
 CausticViews BdptPass::caustics(const FrameContext& frame) const {
-  if (!parts_.caustics) return {};
+  if (!records_.caustics) return {};
   return {frame.write(kCausticRadiance), frame.write(kCausticDifference)};
+}
+
+bool BdptPass::record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const {
+  if (!records_.first_vertices) return true;
+  const FirstLightKernel record{kernel.context, kernel.index, kernel.hits, kernel.allocation, frame.read(kRadiance)};
+  return frame.launch_or_stop("first-vertices", record);
 }
 
 bool BdptPass::run(const FrameContext& frame) {
@@ -97,7 +109,7 @@ bool BdptPass::run(const FrameContext& frame) {
   c.connection = {{connection_.view()}};
   c.light_medium = light_medium_.view();
   c.splats = frame.write(kSplats);
-  if (parts_.caustics) c.splat_differences = frame.write(kSplatDifferences);
+  if (records_.caustics) c.splat_differences = frame.write(kSplatDifferences);
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
   c.connection_roulette = settings_.connection_roulette;
@@ -113,7 +125,7 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.nonfinite = {&faults->nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.output.radiance, {}, 1.0f, c.width};
-  if (parts_.splats) add.brought = frame.write(kLightRadiance);
+  if (records_.splats) add.brought = frame.write(kLightRadiance);
   add.caustics = caustics(frame);
   add.differences = c.splat_differences;
   add.joins_merged = merges();
@@ -122,12 +134,18 @@ bool BdptPass::run(const FrameContext& frame) {
   const uint64_t light_paths = prepare_subpaths(frame, samples, kernel);
   c.light_paths /= averaged_subpaths();
   add.scale = light_paths > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(light_paths) : 0.0f;
+  if (records_.first_vertices) {
+    c.first_light = {frame.write(kFirstVertices), frame.write(kChosenDirections),
+                     hash(frame.index.seed, frame.index.frame, 0x46564c31u), add.scale};
+    fill(frame.backend, "splats", c.first_light.chosen, uint64_t{0});
+  }
   if (has_splats_) {
     fill(frame.backend, "splats", c.splats, FixedPointRgb{});
-    if (parts_.caustics) fill(frame.backend, "splats", c.splat_differences, FixedPointRgb{});
+    if (records_.caustics) fill(frame.backend, "splats", c.splat_differences, FixedPointRgb{});
   }
   has_splats_ = true;
   if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;
+  if (!record_first_vertices(frame, kernel)) return false;
   frame_faults_ = faults_.read();
   has_splats_ = false;  // only now: reading waits for the launches, and throws if one has failed
   saturated_ += frame_faults_.saturated;

@@ -19,10 +19,11 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
-/// Parts of the radiance that the pass also writes to buffers of their own.
-struct SeparateParts {
-  bool splats = false;    ///< for a history that stores splats separately
-  bool caustics = false;  ///< the caustic layer: splats, and merged light of specular light subpaths
+/// Outputs besides estimator_buffers().
+struct BdptRecords {
+  bool splats = false;          ///< fills kLightRadiance, for a history that stores splats separately
+  bool caustics = false;        ///< the caustic layer: splats, and merged light of specular light subpaths
+  bool first_vertices = false;  ///< fills kFirstVertices, for a history that verifies pixels
 };
 
 /// Faulty splats of one frame.
@@ -36,13 +37,13 @@ class BdptPass : public Pass {
  public:
   /// `recording`: destination of samples for learning; nullptr: none.
   BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
-           const PathSource& source, const PathRecording* recording, const SeparateParts& parts, Memory& memory)
+           const PathSource& source, const PathRecording* recording, const BdptRecords& records, Memory& memory)
       : settings_(settings),
         selection_(selection),
         mode_(mode),
         source_(source),
         recording_(recording),
-        parts_(parts),
+        records_(records),
         emission_(memory),
         connection_(memory),
         light_medium_(memory),
@@ -80,7 +81,7 @@ class BdptPass : public Pass {
   /// Camera subpaths over which a pixel averages in a frame. Weights count the camera's strategies as often.
   virtual float averaged_subpaths() const { return 1.0f; }
   /// Whether an image adds samples of a pixel to splats of other frames, so that the weights of all frames must agree.
-  virtual bool mixes_frames() const { return parts_.splats; }
+  virtual bool mixes_frames() const { return records_.splats; }
   /// Views of the caustic layer; empty if it is not wanted.
   CausticViews caustics(const FrameContext& frame) const;
   bool learns() const { return recording_ != nullptr; }
@@ -95,13 +96,15 @@ class BdptPass : public Pass {
   template <typename Context, typename Sink>
   static bool trace_in_bands(const FrameContext& frame, const BidirectionalKernel<Context, Sink>& kernel);
   void prepare_lights(const FrameContext& frame);
+  /// Completes the records of first vertices. Returns false if a stop was requested.
+  bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const;
 
   BdptSettings settings_;
   LightSelectionSettings selection_;
   BdptMode mode_;
   PathSource source_;
   const PathRecording* recording_;
-  SeparateParts parts_;
+  BdptRecords records_;
   Array<AliasEntry> emission_;    ///< by power; for light tracing with a constant environment
   Array<AliasEntry> connection_;  ///< by power, over the lights that connections sample
   Array<Rgb> light_medium_;       ///< per light; empty: the scene has no tinted media

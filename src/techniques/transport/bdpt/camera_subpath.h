@@ -19,6 +19,9 @@ struct CameraSubpath {
   PathState path;
   SubpathWeights weights;
   SubpathUnits units;
+  uint32_t pixel = 0;
+  Vec3 first_direction{0};  ///< sampled at the first surface; zero: none, or from a delta lobe
+  Rgb found_before{0};      ///< radiance found before that direction
 
   /// Number of vertices so far, including that on the camera and the current surface point.
   RELUME_HD uint32_t count() const { return path.bounce + 2; }
@@ -37,6 +40,7 @@ RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
 RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler,
                                            CameraSubpath& e) {
   const CameraView& camera = c.scene().camera;
+  e.pixel = y * c.width + x;
   e.path.ray = camera_ray(camera, x, y, sampler);
   e.path.cone_width = camera.cone_width();
   e.path.cone_spread = camera.cone_spread();
@@ -216,11 +220,13 @@ RELUME_HD inline Connection connect_to_vertex(const Context& c, const SurfacePoi
 /// Adds the light of a connection of the last vertex `sp`, which counts `contribution` after roulette, if it is
 /// visible.
 template <typename Recorder, typename Policy>
-RELUME_HD inline void add_tested(const SurfacePoint& sp, const Connection& connection, const Rgb& contribution,
-                                 bool is_visible, CameraSubpath& e, Recorder& recorder, Policy& policy) {
+RELUME_HD inline void add_tested(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
+                                 const Rgb& contribution, uint32_t ray_id, bool is_visible, CameraSubpath& e,
+                                 Recorder& recorder, Policy& policy) {
   if (is_visible) {
     e.path.radiance += contribution;
     recorder.add(contribution, e.weights.at());
+    if (e.path.bounce == 0) c.first_light.offer(e.pixel, connection.ray.direction, contribution, ray_id);
   }
   if constexpr (kIsPolicy<Policy>) {
     Connection tested = connection;
@@ -238,7 +244,7 @@ RELUME_HD inline void try_connection(const BdptContext& c, const SurfacePoint& s
   Rgb contribution = connection.contribution;
   if (!roulette.survives(c, ray_id, contribution, unit_of<Policy>(e))) return;
   const bool is_visible = visible(c, connection.ray, ray_id, counters);
-  add_tested(sp, connection, contribution, is_visible, e, recorder, policy);
+  add_tested(c, sp, connection, contribution, ray_id, is_visible, e, recorder, policy);
 }
 
 /// The same for a connection to a light. Roulette leaves it alone where its visibility is recorded.
@@ -254,7 +260,7 @@ RELUME_HD inline void try_light_connection(const BdptContext& c, const SurfacePo
   roulette.count(connection.contribution * unit_of<Policy>(e));
   const bool is_visible = visible(c, connection.ray, ray_id, counters);
   recorder.connected(sp, e.path, connection, is_visible);
-  add_tested(sp, connection, connection.contribution, is_visible, e, recorder, policy);
+  add_tested(c, sp, connection, connection.contribution, ray_id, is_visible, e, recorder, policy);
 }
 
 /// Tries all connections of the last vertex. `kept`: vertices of the light subpath except the first.
@@ -299,6 +305,10 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
     PathEvents<SubpathUnits, Recorder> events{e.units, recorder};
     path_policy::scattered(policy, sp, s, e.path, events);
   }
+  if (e.path.bounce == 1 && !e.path.delta) {
+    e.first_direction = wi;
+    e.found_before = e.path.radiance;
+  }
   return true;
 }
 
@@ -314,6 +324,13 @@ RELUME_HD inline bool arrive_with(const BdptContext& c, SurfacePoint& sp, Camera
   } else {
     return true;
   }
+}
+
+/// Offers the light that arrived along the direction sampled at the first surface, after the subpath has ended.
+RELUME_HD inline void offer_first_direction(const BdptContext& c, const CameraSubpath& e) {
+  constexpr uint32_t kId = 0x3c6ef372u;
+  if (c.first_light.empty() || length_squared(e.first_direction) == 0.0f) return;
+  c.first_light.offer(e.pixel, e.first_direction, e.path.radiance - e.found_before, kId);
 }
 
 /// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
@@ -365,6 +382,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
   }
   recorder.finished();
   policy.finished(e.path);
+  offer_first_direction(c, e);
   return e.path.radiance;
 }
 

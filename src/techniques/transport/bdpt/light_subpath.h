@@ -10,6 +10,7 @@ namespace relume {
 struct LightSubpath {
   PathState path;  ///< radiance collects only non-finite values; throughput excludes the wavelength weight
   SubpathWeights weights;
+  Vec3 from{0};        ///< from the last surface vertex that scattered to its predecessor; for lens hits
   uint32_t count = 0;  ///< vertices, including that on the light
   bool from_infinity = false;
   bool turned_away = false;  ///< a camera on the ray would look through the last vertex
@@ -53,6 +54,7 @@ struct CameraConnection {
   Rgb contribution{0};  ///< radiance if the ray is not blocked
   Vec2 raster{0};
   uint32_t ray_id = 0;
+  uint32_t from = 0;  ///< octahedral direction from the vertex to its predecessor, if BdptContext::first_light needs it
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
@@ -88,6 +90,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const Context& c, const Surf
   connection.raster = s.raster;
   constexpr uint32_t kSalt = 0xffffffffu;  // the continued ray has the plain identity
   connection.ray_id = hash(sampler.ray_id(), kSalt);
+  if (!c.first_light.empty()) connection.from = pack_direction(sp.wo);
   return connection;
 }
 
@@ -95,7 +98,7 @@ RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnectio
                                      BdptCounters& counters) {
   ++counters.rays;
   if (!occluded_to_camera(c.scene(), connection.ray, connection.ray_id))
-    splat(c, connection.raster, contribution, counters);
+    splat(c, connection.raster, contribution, connection.from, connection.ray_id, counters);
 }
 
 /// Vertices and camera connections kept until the camera subpath is traced.
@@ -109,7 +112,7 @@ struct LightVertices {
   RELUME_HD KeptVertices view() const { return {{vertices.data, count}, {guides.data, guides.empty() ? 0u : count}}; }
 };
 
-/// Memory for the longest light subpath, 4.5 KB.
+/// Memory for the longest light subpath, 4.6 KB.
 struct LightVertexArrays {
   PathVertex vertices[kMaxLightVertices - 1];
   CameraConnection to_camera[kMaxLightVertices - 1];
@@ -168,7 +171,8 @@ RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, con
   const float weight = weight_of_lens_hit(c, l, hit);
   Rgb light = l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight);
   if (l.path.dispersed) light *= wavelength_weight(l.path.wavelength_nm);
-  splat(c, hit.raster, light, counters);
+  const uint32_t from = c.first_light.empty() ? 0u : pack_direction(l.from);
+  splat(c, hit.raster, light, from, hash(float_bits(hit.raster.x), float_bits(hit.raster.y)), counters);
 }
 
 /// Whether the camera sees the last vertex through the lens. `hit`: nearest hit of the ray, ignoring the lens.
@@ -191,6 +195,7 @@ RELUME_HD inline bool continue_light_subpath(const Context& c, const SurfacePoin
   BsdfSample s = c.path.directions.sample(sp, sampler, TransportMode::importance);
   if (!s.valid || !same_shading_frame(sp, s.wi)) return false;
   s.weight *= adjoint_correction(sp, s.wi);
+  l.from = sp.wo;
   l.turned_away = hidden_from_camera(c.scene(), sp, s.wi);
   const float cosine = std::fabs(glm::dot(sp.ng, s.wi));
   const GuidedPoint guide = guided_point(c, sp);

@@ -158,7 +158,7 @@ struct LightVertexGrid {
                      CausticSum* caustics = nullptr) const {
     if (near.sorted.empty()) return;
     for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder, policy);
-    if (near.radius_squared > 0.0f) merge(c, sp, e, recorder, policy, caustics);
+    if (near.radius_squared > 0.0f) merge(c, sp, ray_id, e, recorder, policy, caustics);
   }
 
  private:
@@ -178,8 +178,8 @@ struct LightVertexGrid {
   }
 
   template <typename Context, typename Recorder, typename Policy>
-  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, CameraSubpath& e, Recorder& recorder, Policy& policy,
-                       CausticSum* caustics) const {
+  RELUME_HD void merge(const Context& c, const SurfacePoint& sp, uint32_t ray_id, CameraSubpath& e, Recorder& recorder,
+                       Policy& policy, CausticSum* caustics) const {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
     const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
@@ -193,6 +193,7 @@ struct LightVertexGrid {
       sum += merged;
       const Rgb light = e.path.throughput * merged * density;
       recorder.add(light, e.weights.at());
+      if (e.path.bounce == 0) c.first_light.offer(e.pixel, v.wo, light, hash(ray_id, vertex, 0x5d000000u));
       if (caustics && found_specularly(v, vertex % stride)) focused.add(merged, vertex / stride);
       if constexpr (kIsPolicy<Policy>) {
         Connection found;

@@ -24,11 +24,11 @@ float merging_radius(const VcmSettings& settings, float scene_radius, uint32_t n
 /// that receives a sample.
 class VcmPass : public BdptPass {
  public:
-  /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `parts`: as for BdptPass.
+  /// `accumulates`: whether frames add up, so that the radius may shrink. `recording`, `records`: as for BdptPass.
   VcmPass(const VcmSettings& settings, const BdptSettings& bdpt, const LightSelectionSettings& selection,
-          bool accumulates, const PathSource& source, const PathRecording* recording, const SeparateParts& parts,
+          bool accumulates, const PathSource& source, const PathRecording* recording, const BdptRecords& records,
           Memory& memory)
-      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, recording, parts, memory),
+      : BdptPass(bdpt, selection, BdptMode::bidirectional, source, recording, records, memory),
         vcm_(settings),
         accumulates_(accumulates),
         light_vertices_(memory),
