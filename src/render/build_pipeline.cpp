@@ -279,7 +279,9 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
                                .cells = needs_first_vertices(settings) && settings.cache != CacheChoice::none};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
-    auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), parts.m2_rgb);
+    const HistoryContents contents{
+        .m2_rgb = parts.m2_rgb, .cells = parts.cells, .light_points = settings.reuse != ReuseChoice::none};
+    auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), contents);
     if (settings.reproject.method == ReprojectionMethod::forward)
       builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);
   }

@@ -68,12 +68,6 @@ void check_reuse(const RenderSettings& s) {
         "reuse 'ris' and 'restir-di' do not combine with a radiance cache: its cells would lack the direct light that "
         "reservoirs add; use cache 'none' or reuse 'none'");
   }
-  if (needs_first_vertices(s)) {
-    throw Error(
-        "reuse 'ris' and 'restir-di' do not combine with history 'reproject' by reproject.method 'forward', which "
-        "verifies the light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse "
-        "'none'");
-  }
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
     throw Error(
         "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
@@ -114,11 +108,6 @@ void check_combination(const RenderSettings& settings) {
   if (!settings.crop.empty()) check_crop(settings);
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
   if (from_both_ends) check_cache_of_light_paths(settings);
-  if (from_both_ends && needs_first_vertices(settings)) {
-    throw Error(
-        "estimators 'bdpt', 'light' and 'vcm' do not combine with history 'reproject' by reproject.method 'forward', "
-        "which verifies the directions of a single path; use reproject.method 'backward' or history 'accumulate'");
-  }
   check_reuse(settings);
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
@@ -126,11 +115,6 @@ void check_combination(const RenderSettings& settings) {
         "lights 'vlc' and guide 'cdq' by nature do not combine with estimator 'light', whose camera paths end at their "
         "first surface: they choose no lights or directions there, and find nothing to learn from; use estimator "
         "'bdpt', or lights 'light-tree' and guide 'bsdf'");
-  }
-  if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
-    throw Error(
-        "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs the "
-        "paths of each pixel; use reproject.method 'backward' or history 'accumulate'");
   }
 }
 

@@ -36,9 +36,13 @@ BOUNDS = (
     (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2300),  # vertices of the path
     (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2550),
     (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1950),
+    (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2700),  # and an evaluation for mirror reflection
+    (r"PathKernel<VerifiedCellsOutput<", 2000),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2950),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 2250),
     (r"PathKernel<RadianceOutput> ", 1450),
     (r"PathKernel<", 1700),
-    (r"DepthVoteKernel", 1600),
+    (r"DepthVoteKernel|FirstLightKernel", 1600),
     (r"IncidentLightKernel", 1600),
     (r"ResolveCellsKernel", 1450),  # a surface point of an edge ray, beside the cells of a pixel
     (r"RecordSamplesKernel", 1350),

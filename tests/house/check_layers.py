@@ -59,7 +59,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "svgf": "shared",
     "asvgf": "path reprojection shared svgf",
     "caustic_layer": "features shared svgf",
-    "reprojection": "path",
+    "reprojection": "path reservoir",
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "bdpt path path_space_filter vcm",
     "path_graphs": "adaptive_psf path path_space_filter",

@@ -28,7 +28,7 @@ struct LookBack {
   RELUME_HD bool passed(uint32_t pixel) const {
     if (reprojection.previous_surface[pixel] == kNoSurface) return true;
     const auto reject_reason = static_cast<RejectReason>(reject_reasons[pixel]);
-    return (reject_reason == RejectReason::none || reject_reason == RejectReason::mixed) && limits[pixel] > 0;
+    return (is_kept(reject_reason) || reject_reason == RejectReason::mixed) && limits[pixel] > 0;
   }
 };
 

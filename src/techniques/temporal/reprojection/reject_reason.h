@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "core/hd.h"
+
 namespace relume {
 
 /// Numbers in two buffers. `history-reject-reason` has a reason for each pixel of the previous frame (forward
@@ -19,7 +21,13 @@ enum class RejectReason : uint32_t {
   covered,         ///< lost the depth test
   other_surface,   ///< backward: the previous pixel shows another surface; forward: this pixel does
   filled,          ///< forward: no history moved here, and the pixel looked back
+  looked_up,       ///< forward: kept, except the light of a cache's cells, which this frame looks up
 };
+
+/// Whether the history moves to this frame's pixels, with or without the light of cells.
+RELUME_HD constexpr bool is_kept(RejectReason reason) {
+  return reason == RejectReason::none || reason == RejectReason::looked_up;
+}
 
 /// Value in place of a source pixel in the previous frame: no source.
 inline constexpr uint32_t kNoSource = 0xffffffffu;

@@ -4,32 +4,13 @@
 
 #include "core/fixed_point.h"
 #include "core/math.h"
+#include "techniques/reuse/reservoir/light_point.h"
 #include "techniques/temporal/reprojection/look_back.h"
 #include "techniques/temporal/reprojection/reject_reason.h"
 #include "techniques/temporal/reprojection/stored_sample.h"
+#include "techniques/temporal/reprojection/vote.h"
 
 namespace relume {
-
-inline constexpr uint64_t kNoVote = ~uint64_t{0};
-
-/// A depth-test vote of a stored sample for a pixel, as a key whose minimum wins: the least depth (metres), then the
-/// lowest index of a stored sample.
-RELUME_HD inline uint64_t vote_of(float depth, uint32_t stored_sample) {
-  return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
-}
-
-/// Flag of a rejection, which makes it larger than every vote. A pixel without votes keeps the nearest rejection.
-inline constexpr uint64_t kRejected = uint64_t{1} << 63;
-RELUME_HD inline uint64_t rejection_of(float depth, RejectReason reject_reason) {
-  return kRejected | vote_of(depth, static_cast<uint32_t>(reject_reason));
-}
-RELUME_HD inline bool is_vote(uint64_t vote) { return vote < kRejected; }
-
-/// The reason in a pixel's smallest vote.
-RELUME_HD inline RejectReason reason_of(uint64_t vote) {
-  if (is_vote(vote)) return RejectReason::none;
-  return vote == kNoVote ? RejectReason::empty : static_cast<RejectReason>(static_cast<uint32_t>(vote));
-}
 
 /// Index of the pixel that contains raster position `raster`, or of the nearest one. NaN counts as 0.
 RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& raster) {
@@ -54,7 +35,8 @@ struct DepthVoteKernel {
   float exposure = 1;         ///< factor from radiance to display units
   uint32_t max_samples_changed = 1;  ///< limit of the sample count for changes of light up to max_light_error
   bool lights_changed = false;
-  uint32_t seed = 0;  ///< seed of stochastic alpha
+  bool light_points = false;  ///< whether light samples are those of reservoirs
+  uint32_t seed = 0;          ///< seed of stochastic alpha
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -66,7 +48,8 @@ struct DepthVoteKernel {
       const uint32_t sample = pixel * capacity + k;
       if (!stored[sample].valid()) break;
       const RejectReason f = vote(sample, pixels[pixel], voted);
-      if (k == 0 || f == RejectReason::none) reject_reason = static_cast<uint32_t>(f);
+      const bool replaces = is_kept(f) && reject_reason != static_cast<uint32_t>(RejectReason::looked_up);
+      if (k == 0 || replaces) reject_reason = static_cast<uint32_t>(f);
     }
     reject_reasons[pixel] = limits[pixel] == 0 ? static_cast<uint32_t>(RejectReason::relit) : reject_reason;
   }
@@ -98,9 +81,9 @@ struct DepthVoteKernel {
 
     const float depth = ray.t_max;
     const RejectReason reject_reason = judge(index, pixel, p, ray);
-    if (reject_reason == RejectReason::none) {
+    if (is_kept(reject_reason)) {
       voted.targets[voted.count++] = target;
-      atomic_min(&votes[target], vote_of(depth, index));
+      atomic_min(&votes[target], vote_of(depth, reject_reason == RejectReason::none ? index : index | kLooksUp));
     } else {
       atomic_min(&votes[target], rejection_of(depth, reject_reason));
     }
@@ -117,10 +100,12 @@ struct DepthVoteKernel {
     const bool same_view = seen_as_before(p);
     const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
     if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
-    if (!same_view && view_error(sp, p, sample, pixel) > max_error) return RejectReason::view_dependent;
+    const bool differs = !same_view && view_error(sp, p, sample, pixel) > max_error;
+    if (differs && !pixel.cells) return RejectReason::view_dependent;
     if (hidden(ray, sp, index)) return RejectReason::occluded;
     if (lights_changed && !limit_samples(sp, index)) return RejectReason::relit;
-    return pixel.mixed ? RejectReason::mixed : RejectReason::none;
+    if (pixel.mixed) return RejectReason::mixed;
+    return differs ? RejectReason::looked_up : RejectReason::none;
   }
 
   /// Ray from the camera to `p`; t_max is the distance, 0 behind the camera.
@@ -200,7 +185,9 @@ struct DepthVoteKernel {
   RELUME_HD float stored_light_change(const SurfacePoint& sp, const StoredSample& sample) const {
     if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
     const Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
-    const Received now = receive(sp, sample_li(scene.lights, sample.light, sp.position, sample.light_u), sample.light);
+    const LightSample light = light_points ? light_at(scene.lights, {sample.light, sample.light_u}, sp.position)
+                                           : sample_li(scene.lights, sample.light, sp.position, sample.light_u);
+    const Received now = receive(sp, light, sample.light);
     const float f = relume::max(max_component(eval_pdf(sp, wi).f), now.f);
     return std::fabs(now.irradiance - sample.light_value) * sample.light_scale * f;
   }
@@ -258,8 +245,8 @@ struct SourceKernel {
     const uint32_t pixel = y * width + x;
     reset(pixel);
     RejectReason reason = judge(pixel);
-    if (reason == RejectReason::none) {
-      const auto sample = static_cast<uint32_t>(votes[pixel]);
+    if (is_kept(reason)) {
+      const uint32_t sample = sample_of(votes[pixel]);
       take_over(pixel, sample / capacity, stored_before[sample]);
     } else if (!look_back.empty() && may_look_back(reason)) {
       const BackwardTaps taps = look_back.taps(x, y);
@@ -284,10 +271,10 @@ struct SourceKernel {
   /// Judges the smallest vote of the pixel.
   RELUME_HD RejectReason judge(uint32_t pixel) const {
     if (!is_vote(votes[pixel])) return reason_of(votes[pixel]);
-    const auto sample = static_cast<uint32_t>(votes[pixel]);
+    const uint32_t sample = sample_of(votes[pixel]);
     if (limits_before[sample / capacity] == 0) return RejectReason::relit;
     const bool elsewhere = far_apart(scene, stored_before[sample], hits[pixel], max_distance);
-    return elsewhere ? RejectReason::other_surface : RejectReason::none;
+    return elsewhere ? RejectReason::other_surface : reason_of(votes[pixel]);
   }
 
   /// Whether the reason concerns another surface than the one that the pixel shows: its own may still have a history.
@@ -338,7 +325,7 @@ struct CoveredKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    if (reject_reasons[pixel] == static_cast<uint32_t>(RejectReason::none) && owned[pixel] == 0)
+    if (is_kept(static_cast<RejectReason>(reject_reasons[pixel])) && owned[pixel] == 0)
       reject_reasons[pixel] = static_cast<uint32_t>(RejectReason::covered);
   }
 };

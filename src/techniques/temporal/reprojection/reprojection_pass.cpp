@@ -11,6 +11,7 @@
 #include "frame/moments.h"
 #include "frame/primitives/fill.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
+#include "techniques/temporal/reprojection/cells_history.h"
 #include "techniques/temporal/reprojection/motion.h"
 #include "techniques/temporal/reprojection/reprojection.h"
 #include "techniques/transport/path/first_vertex.h"
@@ -29,11 +30,11 @@ void move_elements(const FrameContext& frame, Array<uint32_t>& before, Buffer& b
 
 }  // namespace
 
-ReprojectionPass::ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb,
-                                   Memory& memory)
+ReprojectionPass::ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count,
+                                   const HistoryContents& contents, Memory& memory)
     : settings_(settings),
       pixel_count_(pixel_count),
-      m2_rgb_(m2_rgb),
+      contents_(contents),
       stored_(memory),
       pixels_(memory),
       stored_before_(memory),
@@ -70,22 +71,29 @@ PassDeclaration ReprojectionPass::declaration() const {
       shown(kHistoryKept, "1 where the pixel continues a history, 0 where it starts one"),
       shown(kHistoryReason,
             forward ? "origin of the pixel's history. 0: none moved here; 1: kept; 10: filled from the old position of "
-                      "its surface; rejected: 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 "
-                      "relit, 9 on another surface than this frame's sample"
+                      "its surface; 11: kept, but the light of cells is looked up; rejected: 3 occluded, 4 view "
+                      "dependent, 5 near specular, 6 several surfaces, 7 relit, 9 on another surface than this frame's "
+                      "sample"
                     : "origin of the pixel's history. 0: no samples before; 1: kept; rejected: 2 off screen, 9 another "
                       "surface at the old position")};
   if (forward) {
     owns.push_back(
         shown(kHistoryRejectReason,
-              "outcome for the history of the previous frame's pixel, at its old position. 1: kept; rejected: 2 off "
-              "screen, 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+              "outcome for the history of the previous frame's pixel, at its old position. 1: kept; 11: kept without "
+              "the light of cells; rejected: 2 off screen, 3 occluded, 4 view dependent, 5 near specular, 6 several "
+              "surfaces, 7 relit, 8 covered"));
   }
   if (forward) reads.push_back(kPrimaryHits);
   const auto inherited = [](const BufferId& id, const char* help) { return BufferDescription{.id = id, .help = help}; };
   owns.insert(owns.end(), {inherited(kInherited.mean, "reprojected mean, before this frame's sample"),
                            inherited(kInherited.m2, "reprojected m2, before this frame's sample"),
                            inherited(kInherited.samples, "number of reprojected samples, before this frame's sample")});
-  if (m2_rgb_) owns.push_back(inherited(kInherited.m2_rgb, "reprojected m2-rgb, before this frame's sample"));
+  if (contents_.cells) {
+    owns.push_back(inherited(kInheritedCellsMean, "part of inherited-mean from cells"));
+    owns.push_back(inherited(kInheritedCellsSamples, "number of samples in inherited-cells-mean"));
+    reads.insert(reads.end(), {kCellsMean, kCellsSamples});
+  }
+  if (contents_.m2_rgb) owns.push_back(inherited(kInherited.m2_rgb, "reprojected m2-rgb, before this frame's sample"));
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = std::move(owns),
@@ -124,6 +132,10 @@ void ReprojectionPass::abandon() {
 
 void ReprojectionPass::stay(const FrameContext& frame) {
   move_moments(frame, {});
+  if (contents_.cells) {
+    copy(frame.backend, "reproject", frame.read(kCellsMean), frame.write(kInheritedCellsMean));
+    copy(frame.backend, "reproject", frame.read(kCellsSamples), frame.write(kInheritedCellsSamples));
+  }
   const bool ends = frame.number == 0 || includes(frame.changes, kEndsHistory);
   if (ends) {
     relume::fill(frame.backend, "reproject", stored_.mutable_view(), StoredSample{});
@@ -158,7 +170,7 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
 }
 
 void ReprojectionPass::drop_unknown(const FrameContext& frame) {
-  const DropUnknownKernel kernel{frame.scene, stored_.mutable_view()};
+  const DropUnknownKernel kernel{frame.scene, stored_.mutable_view(), contents_.light_points};
   frame.launch("reproject", kernel, {static_cast<uint32_t>(stored_.size()), 1, kFillTile});
 }
 
@@ -171,6 +183,7 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   move_moments(frame, sources_.view());
   frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
   if (fills(frame)) fill(frame);
+  if (contents_.cells) move_cells(frame);
   mark_covered(frame);
 }
 
@@ -199,6 +212,7 @@ void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
   kernel.max_light_error = settings_.light_error;
   kernel.exposure = math::exp2(settings_.exposure);
   kernel.lights_changed = includes(frame.changes, kMovesScene);
+  kernel.light_points = contents_.light_points;
   kernel.seed = hash(frame.index.seed, frame.number);
   kernel.width = frame.width();
   frame.launch("reproject", kernel);
@@ -238,6 +252,23 @@ void ReprojectionPass::fill(const FrameContext& frame) const {
   kernel.look_back = look_back(frame);
   kernel.reasons = frame.read(kHistoryReason);
   kernel.history = {.before = read_moments(frame, kMoments), .now = write_moments(frame, kInherited)};
+  kernel.width = frame.width();
+  frame.launch("reproject", kernel);
+}
+
+/// Before mark_covered(), which changes the reasons of the previous frame's pixels.
+void ReprojectionPass::move_cells(const FrameContext& frame) const {
+  CellsHistoryKernel kernel;
+  if (fills(frame)) kernel.look_back = look_back(frame);
+  kernel.sources = sources_.view();
+  kernel.reasons = frame.read(kHistoryReason);
+  kernel.limits = limits_.view();
+  kernel.before = frame.read(kCellsMean);
+  kernel.samples_before = frame.read(kCellsSamples);
+  kernel.mean = frame.write(kInherited.mean);
+  kernel.now = frame.write(kInheritedCellsMean);
+  kernel.samples = frame.write(kInheritedCellsSamples);
+  kernel.max_samples = history_limit(frame, settings_);
   kernel.width = frame.width();
   frame.launch("reproject", kernel);
 }
@@ -314,7 +345,7 @@ PassDeclaration StoreSamplesPass::declaration() const {
           .stage = Stage::present,
           .reads = {kPrimaryHits, kFirstVertices, kRadiance},
           .writes = {kInherited.mean, kInherited.m2, kInherited.samples},
-          .reads_if_any = {kAllocation, kEdgeRays},
+          .reads_if_any = {kAllocation, kEdgeRays, kCellsAtHit},
           .writes_if_any = {kInherited.m2_rgb},
           .only_sampled_pixels = true};
 }
@@ -325,6 +356,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.first_vertices = frame.read(kFirstVertices);
   kernel.allocation = frame.read(kAllocation);
   kernel.edge_rays = frame.read(kEdgeRays);
+  kernel.cells = frame.read(kCellsAtHit);
   kernel.radiance = frame.read(kRadiance);
   kernel.history = write_moments(frame, kInherited);
   kernel.restarts = frame.ends_pilot;

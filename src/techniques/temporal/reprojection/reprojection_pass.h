@@ -14,13 +14,20 @@ inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
 inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
 inline constexpr BufferKey<uint32_t> kHistoryRejectReason{"history-reject-reason"};
 
+/// Contents of the histories besides mean, variance and count.
+struct HistoryContents {
+  bool m2_rgb = false;        ///< this member of the moments
+  bool cells = false;         ///< a separate mean of the part from a radiance cache (forward)
+  bool light_points = false;  ///< light samples of reservoirs in place of random numbers (forward)
+};
+
 /// Moves the moments of pixels, and all buffers that follow surfaces, to the surfaces' pixels in this frame. Changes of
 /// materials or settings end all histories.
 class ReprojectionPass final : public Pass {
  public:
-  /// `pixel_count`: pixels of the image, which a checkpoint must match. `m2_rgb`: also moves this member of the
-  /// moments.
-  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb, Memory& memory);
+  /// `pixel_count`: pixels of the image, which a checkpoint must match.
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, const HistoryContents& contents,
+                   Memory& memory);
 
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -50,6 +57,7 @@ class ReprojectionPass final : public Pass {
   void take_over(const FrameContext& frame);
   LookBack look_back(const FrameContext& frame) const;
   void fill(const FrameContext& frame) const;
+  void move_cells(const FrameContext& frame) const;
   void mark_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, Buffer& buffer);
@@ -59,7 +67,7 @@ class ReprojectionPass final : public Pass {
 
   ReprojectionSettings settings_;
   const uint32_t pixel_count_;
-  const bool m2_rgb_;
+  const HistoryContents contents_;
   uint32_t capacity_ = 0;
   bool loaded_ = false;  ///< stored samples come from a checkpoint and are not yet checked
   bool moved_ = false;   ///< stored samples moved in this frame

@@ -52,22 +52,22 @@ TEST(ReprojectionPass, SavesAndLoads) {
   std::vector<StoredSample> stored(4 * kPixels);
   stored[5].hit = {1, 2, 0.25f, 0.5f, 3};
   const std::string state = state_with(stored, 4 * kPixels, kPixels);
-  ReprojectionPass pass(settings, kPixels, false, host_memory());
+  ReprojectionPass pass(settings, kPixels, {}, host_memory());
   EXPECT_TRUE(loads(pass, state));
   EXPECT_EQ(state_of(pass), state);
 }
 
 TEST(ReprojectionPass, LoadsStateSavedBeforeTheFirstFrame) {
   const ReprojectionSettings settings;
-  ReprojectionPass pass(settings, kPixels, false, host_memory());
-  EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, false, host_memory()))));
+  ReprojectionPass pass(settings, kPixels, {}, host_memory());
+  EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, {}, host_memory()))));
 }
 
 // A count is accepted only if its elements follow and it fits the image; the last would need 384 GiB.
 TEST(ReprojectionPass, RefusesCountsThatDoNotFitTheImage) {
   const ReprojectionSettings settings;
   const std::vector<StoredSample> stored(4 * kPixels);
-  ReprojectionPass pass(settings, kPixels, false, host_memory());
+  ReprojectionPass pass(settings, kPixels, {}, host_memory());
   const std::string before = state_of(pass);
   const uint64_t huge = uint64_t{1} << 33;
   const uint64_t counts[][2] = {{4 * kPixels, 2 * kPixels},
@@ -85,7 +85,7 @@ TEST(ReprojectionPass, RefusesCountsThatDoNotFitTheImage) {
 
 TEST(ReprojectionPass, RejectsTruncatedFilesWithoutChange) {
   const ReprojectionSettings settings;
-  ReprojectionPass pass(settings, kPixels, false, host_memory());
+  ReprojectionPass pass(settings, kPixels, {}, host_memory());
   const std::string state = state_with(std::vector<StoredSample>(4 * kPixels), 4 * kPixels, kPixels);
   ASSERT_TRUE(loads(pass, state));
   EXPECT_FALSE(loads(pass, state.substr(0, state.size() - 1)));
@@ -103,7 +103,7 @@ TEST(ReprojectionPass, DropsLoadedSamplesInvalidForTheScene) {
   stored[12].hit = {0, 0, nan, 0.5f, 3};                               // outside the triangle
   stored[16] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {nan, 0}};   // outside the light
   stored[20] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {0, -1e9}};  // outside the light
-  ReprojectionPass pass(settings, kPixels, false, host_memory());
+  ReprojectionPass pass(settings, kPixels, {}, host_memory());
   ASSERT_TRUE(loads(pass, state_with(stored, 4 * kPixels, kPixels)));
 
   BufferTable buffers(kSize, kSize);
@@ -148,7 +148,7 @@ struct MovedPlane {
 struct Backward {
   CompiledScene scene{find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize}};
   ReprojectionSettings settings{.method = ReprojectionMethod::backward};
-  ReprojectionPass pass{settings, kPixels, true, host_memory()};
+  ReprojectionPass pass{settings, kPixels, {.m2_rgb = true}, host_memory()};
   MovedPlane plane{pass};
   Backend backend{1};
 

@@ -16,8 +16,8 @@ struct StoredSample {
   uint32_t scatter = 0;   ///< octahedral; 0: none
   uint32_t to_light = 0;  ///< octahedral; 0: none
   LightId light = kNoLight;
-  Vec2 light_u{0};
-  float light_value = 0;  ///< see FirstVertex
+  Vec2 light_u{0};  ///< see FirstVertex
+  float light_value = 0;
   float light_scale = 0;
 
   RELUME_HD bool valid() const { return hit.valid(); }
@@ -27,7 +27,8 @@ struct StoredSample {
 struct StoredPixel {
   Rgb indirect{0};         ///< mean of FirstVertex::indirect over the samples
   Rgb direct{0};           ///< mean of FirstVertex::direct
-  uint32_t mixed = 0;      ///< 1: the samples lie on several surfaces
+  uint16_t mixed = 0;      ///< 1: the samples lie on several surfaces
+  uint16_t cells = 0;      ///< 1: cells of a cache show the light that the surface reflects, for all samples
   uint32_t inherited = 0;  ///< 1: some samples are older than the last reprojection
   Rgb fresh{0};            ///< mean of the samples since the last reprojection
   uint32_t fresh_samples = 0;
@@ -75,6 +76,7 @@ struct StoreKernel {
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: a sample everywhere
   View<const uint32_t> edge_rays;   ///< not 0: the emission is a mean over several surfaces; empty: 0 everywhere
+  View<const uint32_t> cells;       ///< see StoredPixel, for this frame's sample; empty: 0 everywhere
   View<const Rgb> radiance;         ///< radiance of this frame's sample
   MutableMomentsView history;       ///< moments of the earlier samples that the pixel keeps
   bool restarts = false;            ///< removes the earlier samples from the image
@@ -97,6 +99,7 @@ struct StoreKernel {
     const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
     if (samples <= 1) reset(pixel, samples_of_pixel);
+    if (!cells.empty() && (samples <= 1 || cells[i] == 0)) pixel.cells = cells[i] != 0 ? 1 : 0;
     if (elsewhere && pixel.inherited) shorten(i);
     if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
@@ -145,19 +148,21 @@ struct StoreKernel {
 struct DropUnknownKernel {
   SceneView scene;
   View<StoredSample> stored;
+  bool light_points = false;  ///< whether light samples are those of reservoirs
 
   RELUME_HD void operator()(uint32_t i, uint32_t) const {
     if (stored[i].valid() && !exists(stored[i])) stored[i] = StoredSample{};
   }
 
  private:
-  RELUME_HD static bool in_unit_interval(float x) { return x >= 0.0f && x < 1.0f; }
+  /// Whether `x` can belong to FirstVertex::light_u.
+  RELUME_HD bool may_choose_point(float x) const { return light_points ? std::fabs(x) <= 2.0f : x >= 0.0f && x < 1.0f; }
 
   RELUME_HD bool exists(const StoredSample& sample) const {
     const Hit& hit = sample.hit;
     return hit.instance < scene.instances.size &&
            hit.primitive < scene.meshes[scene.instances[hit.instance].mesh].triangle_count && is_finite(hit.u) &&
-           is_finite(hit.v) && in_unit_interval(sample.light_u.x) && in_unit_interval(sample.light_u.y);
+           is_finite(hit.v) && may_choose_point(sample.light_u.x) && may_choose_point(sample.light_u.y);
   }
 };
 
