@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "techniques/temporal/reprojection/cells_history.h"
 #include "techniques/temporal/reprojection/reprojection.h"
 #include "techniques/temporal/reprojection/testing/plane.h"
 
@@ -139,6 +140,43 @@ TEST(LookBack, InterpolatesFilledPixelsOnly) {
     EXPECT_EQ(now.samples[i], i == 7 ? 5u : 9u);
     EXPECT_EQ(now.mean[i], Rgb(3)) << "between 2 and 4, or untouched";
   }
+}
+
+TEST(CellsHistory, LeavesCellsThatLookDifferentToThisFrame) {
+  MovedPlane plane;
+  const std::vector<Rgb> before(16, Rgb(2));
+  const std::vector<uint32_t> samples_before(16, 9);
+  std::vector<uint32_t> sources(16, 1);
+  std::vector<uint32_t> reasons(16, number(none));
+  std::vector<Rgb> mean(16, Rgb(5)), now(16, Rgb(7));
+  std::vector<uint32_t> samples(16, 7);
+  sources[0] = kNoSource;
+  reasons[2] = number(looked_up);
+  reasons[7] = number(filled);
+  CellsHistoryKernel kernel;
+  kernel.look_back = plane.look_back();
+  kernel.sources = view_of(sources);
+  kernel.reasons = view_of(reasons);
+  kernel.limits = view_of(plane.limits);
+  kernel.before = view_of(before);
+  kernel.samples_before = view_of(samples_before);
+  kernel.mean = mutable_view_of(mean);
+  kernel.now = mutable_view_of(now);
+  kernel.samples = mutable_view_of(samples);
+  kernel.max_samples = 8;
+  kernel.width = 4;
+  const auto expect_part = [&](uint32_t pixel, float part, uint32_t count, float whole) {
+    kernel(pixel % 4, pixel / 4);
+    EXPECT_EQ(now[pixel], Rgb(part)) << pixel;
+    EXPECT_EQ(samples[pixel], count) << pixel;
+    EXPECT_EQ(mean[pixel], Rgb(whole)) << pixel;
+  };
+  expect_part(0, 0, 0, 5);
+  expect_part(1, 2, 8, 5);
+  expect_part(2, 0, 0, 3);
+  expect_part(7, 2, 8, 5);
+  plane.reject_reasons[7] = number(looked_up);  // one of two taps
+  expect_part(7, 0, 0, 3);
 }
 
 }  // namespace
