@@ -40,6 +40,9 @@ static __device__ __forceinline__ unsigned long long atomicAdd(unsigned long lon
 static __device__ __forceinline__ unsigned atomicMax(unsigned* word, unsigned value) {
   return __atomic_fetch_max(word, value, __ATOMIC_RELAXED);
 }
+static __device__ __forceinline__ unsigned long long atomicMax(unsigned long long* word, unsigned long long value) {
+  return __atomic_fetch_max(word, value, __ATOMIC_RELAXED);
+}
 static __device__ __forceinline__ unsigned long long atomicMin(unsigned long long* word, unsigned long long value) {
   return __atomic_fetch_min(word, value, __ATOMIC_RELAXED);
 }
