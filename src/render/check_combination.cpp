@@ -55,6 +55,16 @@ void check_sharc(const RenderSettings& s) {
       "lights 'light-tree' and guide 'bsdf', or cache 'none'");
 }
 
+/// Throws if forward reprojection does not combine with the estimator and the cache.
+void check_forward_history(const RenderSettings& s) {
+  if (needs_first_vertices(s) && s.estimator != EstimatorChoice::path && s.cache != CacheChoice::none) {
+    throw Error(
+        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with history 'reproject' by "
+        "reproject.method 'forward', which looks up cells from the new view, but cannot look up the splats beside "
+        "them; use reproject.method 'backward', history 'accumulate', estimator 'path' or cache 'none'");
+  }
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
@@ -106,8 +116,8 @@ void check_combination(const RenderSettings& settings) {
   if (upscales(settings)) check_upscaling(settings);
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   if (!settings.crop.empty()) check_crop(settings);
-  const bool from_both_ends = settings.estimator != EstimatorChoice::path;
-  if (from_both_ends) check_cache_of_light_paths(settings);
+  if (settings.estimator != EstimatorChoice::path) check_cache_of_light_paths(settings);
+  check_forward_history(settings);
   check_reuse(settings);
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
