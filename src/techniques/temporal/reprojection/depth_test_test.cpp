@@ -20,6 +20,16 @@ TEST(DepthTest, AVoteWinsOverEveryRejection) {
   EXPECT_EQ(reason_of(vote[0]), RejectReason::none);
 }
 
+TEST(DepthTest, AVoteWithoutTheLightOfCellsKeepsItsSample) {
+  const uint64_t vote = vote_of(2.0f, 5u | kLooksUp);
+  EXPECT_TRUE(is_vote(vote));
+  EXPECT_EQ(sample_of(vote), 5u);
+  EXPECT_EQ(reason_of(vote), RejectReason::looked_up);
+  EXPECT_LT(vote, vote_of(3.0f, 0));
+  EXPECT_LT(vote_of(2.0f, 5), vote);
+  EXPECT_EQ(sample_of(vote_of(2.0f, 5)), 5u);
+}
+
 TEST(DepthTest, NearestVoteWinsThenTheLowestSample) {
   EXPECT_LT(vote_of(1.0f, 9), vote_of(2.0f, 3));
   EXPECT_LT(vote_of(1.0f, 3), vote_of(1.0f, 9));

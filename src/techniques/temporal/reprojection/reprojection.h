@@ -101,7 +101,8 @@ struct DepthVoteKernel {
     const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
     if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
     const bool differs = !same_view && view_error(sp, p, sample, pixel) > max_error;
-    if (differs && !pixel.cells) return RejectReason::view_dependent;
+    // A pixel of several surfaces could only move as one of them, with the light of its cells.
+    if (differs && (!pixel.cells || pixel.mixed)) return RejectReason::view_dependent;
     if (hidden(ray, sp, index)) return RejectReason::occluded;
     if (lights_changed && !limit_samples(sp, index)) return RejectReason::relit;
     if (pixel.mixed) return RejectReason::mixed;

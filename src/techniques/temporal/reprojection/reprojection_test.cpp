@@ -237,6 +237,28 @@ TEST(Reprojection, RejectsGlossThatWouldLookDifferent) {
   EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
 }
 
+TEST(Reprojection, GlossFromCellsIsLookedUpUnlessThePixelShowsSeveralSurfaces) {
+  Stage stage(cornell_of(0.3f, 1.0f));
+  stage.render();
+  stage.shift_camera(0.5f);
+  const auto counts_with = [&](uint16_t cells, uint16_t mixed) {
+    for (StoredPixel& pixel : stage.pixels) {
+      pixel.cells = cells;
+      pixel.mixed = mixed;
+    }
+    stage.vote(1.0f / 256.0f, false);
+    return std::vector<int>{stage.count(RejectReason::view_dependent), stage.count(RejectReason::looked_up)};
+  };
+  const std::vector<int> without = counts_with(0, 0);
+  const std::vector<int> looked_up = counts_with(1, 0);
+  EXPECT_GT(without[0], 20);
+  EXPECT_EQ(without[1], 0);
+  EXPECT_EQ(looked_up[0], 0);
+  EXPECT_GT(looked_up[1], 20);
+  EXPECT_LE(looked_up[1], without[0]);  // some of them are occluded
+  EXPECT_EQ(counts_with(1, 1), without);
+}
+
 TEST(Reprojection, GlossIsKeptIfOnlyTheCameraTurns) {
   Stage stage(cornell_of(0.3f, 1.0f));
   stage.render();

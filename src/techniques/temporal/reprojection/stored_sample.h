@@ -99,7 +99,7 @@ struct StoreKernel {
     const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
     if (samples <= 1) reset(pixel, samples_of_pixel);
-    if (!cells.empty() && (samples <= 1 || cells[i] == 0)) pixel.cells = cells[i] != 0 ? 1 : 0;
+    if (!cells.empty() && (samples <= 1 || cells[i] == 0)) pixel.cells = cells[i] != 0 ? uint16_t{1} : uint16_t{0};
     if (elsewhere && pixel.inherited) shorten(i);
     if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
