@@ -18,7 +18,7 @@ inline constexpr BufferKey<Rgb> kCausticRadiance{"caustic-radiance"};    ///< th
 /// The same part, from half of the light paths minus that from the others: its square estimates the variance that the
 /// light paths cause.
 inline constexpr BufferKey<Rgb> kCausticDifference{"caustic-difference"};
-inline constexpr BufferKey<Rgb> kRadianceCells{"radiance-cells"};        ///< the part from cells of a cache
+inline constexpr BufferKey<Rgb> kRadianceCells{"radiance-cells"};  ///< the part from cells of a cache
 /// 1: cells show the light that the first surface reflects; 0: none, or that of a later surface.
 inline constexpr BufferKey<uint32_t> kCellsAtHit{"cells-at-hit"};
 inline constexpr BufferKey<uint32_t> kRays{"rays"};

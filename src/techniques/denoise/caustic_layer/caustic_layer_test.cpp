@@ -83,19 +83,30 @@ TEST(CausticLayer, HoldsAllLightOfLightTracingExceptDirectEmission) {
   }
 }
 
+/// Compares the layer with the splat image of adaptive sampling.
+void expect_layer_of_splats(const char* scene, RenderSettings settings) {
+  settings.allocation = AllocationChoice::adaptive;
+  const Session session = rendered(scene, settings, 12);
+  const View<const Rgb> layer = layer_of(session);
+  const View<const Rgb> splats = buffer_table(session).read(kLightMean);
+  ASSERT_EQ(layer.size, splats.size);
+  EXPECT_GT(mean_of(layer), 0);
+  for (uint32_t i = 0; i < layer.size; ++i) {
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(layer[i][c], splats[i][c], 1e-4f * (1 + splats[i][c])) << i;
+  }
+}
+
 /// Without specular surfaces, no merged light is in the layer.
 TEST(CausticLayer, EqualsTheSplatImageOfAdaptiveSampling) {
-  for (const EstimatorChoice estimator : kEstimators) {
+  for (const EstimatorChoice estimator : kEstimators) expect_layer_of_splats("cornell", settings_of(estimator));
+}
+
+/// Merged light is in cells.
+TEST(CausticLayer, HoldsTheSplatsAloneWithACache) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::vcm}) {
     RenderSettings settings = settings_of(estimator);
-    settings.allocation = AllocationChoice::adaptive;
-    const Session session = rendered("cornell", settings, 12);
-    const View<const Rgb> layer = layer_of(session);
-    const View<const Rgb> splats = buffer_table(session).read(kLightMean);
-    ASSERT_EQ(layer.size, splats.size);
-    EXPECT_GT(mean_of(layer), 0);
-    for (uint32_t i = 0; i < layer.size; ++i) {
-      for (int c = 0; c < 3; ++c) ASSERT_NEAR(layer[i][c], splats[i][c], 1e-4f * (1 + splats[i][c])) << i;
-    }
+    settings.cache = CacheChoice::psf;
+    expect_layer_of_splats("cornell-glass", settings);
   }
 }
 

@@ -116,6 +116,19 @@ TEST(SubpathCells, AgreeWithSplitAndFinerCells) {
   }
 }
 
+TEST(SubpathCells, AgreeWithLearnedLightsAndDirections) {
+  const Scene scene = find_builtin_scene("cornell-spheres")->build();
+  const ImagesMean plain = mean_of_runs(scene, settings_of(EstimatorChoice::bdpt, CacheChoice::none), 8, 32);
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::vcm}) {
+    RenderSettings settings = settings_of(estimator, CacheChoice::apsf);
+    settings.lights = LightSelectionChoice::vlc;
+    settings.guide = GuideChoice::cdq;
+    settings.octree = {.collapse = 32, .split = 64, .scale = false};  // many regions
+    const double bias = estimator == EstimatorChoice::vcm ? 0.03 : 0.02;
+    expect_close(mean_of_runs(scene, settings, 8, 32), plain, bias, name_of(settings));
+  }
+}
+
 TEST(SubpathCells, AgreeWithAdaptiveSampling) {
   const Scene scene = find_builtin_scene("cornell")->build();
   RenderSettings settings = settings_of(EstimatorChoice::bdpt, CacheChoice::none);

@@ -170,6 +170,79 @@ TEST(BdptRecording, TestsAllConnectionsToLightsOfRecordedVertices) {
   EXPECT_GT(without[kVertices - 1], 20u);
 }
 
+/// A camera subpath of two vertices. A cache divides its throughput by `unit` at the second, and may end it there.
+class SubpathWithACache {
+ public:
+  explicit SubpathWithACache(const Rgb& unit) : unit_(unit), samples_(2) {
+    recording_.octree = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
+    recording_.samples = mutable_view_of(samples_);
+    recording_.vertices = 2;
+    recording_.pixels = 1;
+    point_.frame = make_frame(Vec3(0, 0, 1));
+    point_.position = point_.previous_position = Vec3(0.5f);
+    path_.ray.direction = glm::normalize(Vec3(0.6f, 0, 0.8f));
+    path_.pdf_w = 0.5f;
+  }
+
+  /// Records the subpath. `survival`: probability with which the cache lets it continue; 0: it ends.
+  std::vector<VertexSample> record(float survival) {
+    SubpathRecorder recorder(recording_, 0);
+    recorder.arrived(point_, path_);
+    leave(recorder, Rgb(0.5f, 0.25f, 0.75f));
+    recorder.add(Rgb(1, 2, 3), {0, 0});
+    recorder.arrived(point_, path_);
+    recorder.rebased(Rgb(0), unit_);
+    path_.throughput /= unit_;
+    if (survival > 0.0f) {
+      if (survival < 1.0f) recorder.survived(survival);
+      recorder.add(Rgb(3, 2, 1) / unit_, {0, 0});
+      leave(recorder, Rgb(0.5f));
+      recorder.add(Rgb(4, 1, 2) / unit_, {0, 0});
+    } else {
+      recorder.culled();
+    }
+    recorder.finished();
+    return samples_;
+  }
+
+ private:
+  static constexpr uint32_t kNodes[1] = {0xffu};  // eight leaves over the cube from -1 to 1
+
+  void leave(SubpathRecorder& recorder, const Rgb& weight) {
+    path_.throughput *= weight;
+    ++path_.bounce;
+    recorder.scattered(context_, point_, BsdfSample{}, path_);
+    recorder.left(0.8f, 0.5f, 0.0f);
+    recorder.moved(0.8f, 1.0f);
+    recorder.weigh({});
+  }
+
+  Rgb unit_;
+  std::vector<VertexSample> samples_;
+  PathRecording recording_;
+  BdptContext context_;
+  SurfacePoint point_{};
+  PathState path_;
+};
+
+TEST(BdptRecording, DoesNotDependOnTheUnitsOfACache) {
+  const std::vector<VertexSample> image = SubpathWithACache(Rgb(1)).record(1);
+  const std::vector<VertexSample> cells = SubpathWithACache(Rgb(0.25f, 2, 0.5f)).record(1);
+  for (size_t v = 0; v < 2; ++v) {
+    EXPECT_GT(image[v].value, 1.0f);
+    EXPECT_NEAR(cells[v].value, image[v].value, 1e-4f * image[v].value);
+    EXPECT_EQ(cells[v].weight, 1.0f);
+  }
+}
+
+TEST(BdptRecording, SubpathsThatContinueStandForThoseThatEnd) {
+  for (const VertexSample& sample : SubpathWithACache(Rgb(0.5f)).record(0.25f)) EXPECT_EQ(sample.weight, 4.0f);
+  for (const VertexSample& sample : SubpathWithACache(Rgb(0.5f)).record(0)) {
+    EXPECT_NE(sample.region, kNoRegion);
+    EXPECT_EQ(sample.weight, 0.0f);
+  }
+}
+
 TEST(BdptRecording, UnallocatedPixelsHaveNoRecords) {
   BdptFrame frame(make_closed_sphere(0.6f), options_with(6));
   std::vector<VertexSample> samples(frame.hits.size() * kVertices);
