@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "render/estimator_passes.h"
 #include "render/pipeline_builder.h"
 #include "techniques/denoise/asvgf/asvgf_pass.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
@@ -20,22 +21,13 @@
 #include "techniques/light_sampling/light_tree/light_tree_pass.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
-#include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
-#include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
-#include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
-#include "techniques/radiance_cache/path_space_filter/path_space_filter_pass.h"
-#include "techniques/radiance_cache/sharc/sharc_pass.h"
-#include "techniques/reuse/reservoir/ris_pass.h"
-#include "techniques/reuse/restir_di/restir_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
 #include "techniques/temporal/accumulate/accumulate_pass.h"
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 #include "techniques/temporal/reprojection/specular_history_pass.h"
 #include "techniques/temporal/upscaling/upscaling_pass.h"
-#include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/path/path_pass.h"
-#include "techniques/transport/vcm/vcm_pass.h"
 
 namespace relume {
 namespace {
@@ -112,22 +104,6 @@ const DirectionSampler& add_direction_sampling(PipelineBuilder& builder, const R
   return builder.add<DirectionalQuadtreePass, &RenderSettings::cdq>(*octree).directions();
 }
 
-/// Whether frames leave pixels without a sample.
-bool skips_pixels(const RenderSettings& settings) {
-  return settings.allocation == AllocationChoice::adaptive || upscales(settings);
-}
-
-/// Whether light paths reach pixels without a camera sample.
-bool needs_splat_image(const RenderSettings& settings) {
-  return settings.estimator != EstimatorChoice::path && skips_pixels(settings);
-}
-
-/// Whether frames have a caustic layer: if a denoiser filters it, or for the layers beside the image.
-bool has_caustic_layer(const RenderSettings& settings) {
-  return settings.bdpt.caustic_layer && settings.estimator != EstimatorChoice::path &&
-         (settings.denoise != DenoiseChoice::none || settings.auxiliary);
-}
-
 /// Settings of the filter of the caustic layer: those of the denoiser, as far as it has them.
 SvgfSettings caustic_filter(const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::svgf) return settings.svgf;
@@ -135,131 +111,6 @@ SvgfSettings caustic_filter(const RenderSettings& settings) {
   SvgfSettings filter;
   filter.history = settings.bmfr.history;
   return filter;
-}
-
-/// Whether diffuse and specular light are separated. Only path tracing without a radiance cache can separate them.
-bool can_split(const RenderSettings& settings) {
-  return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
-}
-bool denoiser_splits(const RenderSettings& settings) { return can_split(settings) && denoiser_fills(settings); }
-bool history_splits(const RenderSettings& settings) {
-  return can_split(settings) && settings.history == HistoryChoice::reproject &&
-         settings.reproject.method == ReprojectionMethod::backward;
-}
-bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
-
-/// Adds the reservoirs for direct light at primary hits.
-void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-               const PathRecording* recording) {
-  switch (settings.reuse) {
-    case ReuseChoice::none: break;
-    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, recording); break;
-    case ReuseChoice::restir_di:
-      builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
-      break;
-  }
-}
-
-/// Adds path tracing with the spatially hashed radiance cache.
-void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source) {
-  auto& cells =
-      builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
-  builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
-  builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells);
-  builder.add<MaintainSharcPass>(cells);
-}
-
-/// Outputs of light paths besides the radiance.
-BdptRecords bdpt_records(const RenderSettings& settings) {
-  return {.splats = needs_splat_image(settings),
-          .caustics = has_caustic_layer(settings),
-          .first_vertices = needs_first_vertices(settings)};
-}
-
-/// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
-void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                     const PathRecording* recording) {
-  const BdptRecords records = bdpt_records(settings);
-  if (settings.estimator == EstimatorChoice::vcm) {
-    builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
-        settings.history != HistoryChoice::none, source, recording, records);
-    return;
-  }
-  const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-  builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source, recording,
-                                                                                         records);
-}
-
-/// Adds light paths beside camera subpaths that fill cells.
-void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                                const PathRecording* recording, const CellsPass& cells) {
-  const BdptRecords records = bdpt_records(settings);
-  const bool adapts = settings.cache == CacheChoice::apsf;
-  if (settings.estimator == EstimatorChoice::vcm) {
-    builder.add_tracing<VcmCellsPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection,
-                        &RenderSettings::apsf>(adapts, cells, settings.history != HistoryChoice::none, source,
-                                               recording, records);
-    return;
-  }
-  builder.add_tracing<BdptCellsPass, &RenderSettings::bdpt, &RenderSettings::light_selection, &RenderSettings::apsf>(
-      adapts, cells, source, recording, records);
-}
-
-/// Adds camera paths that fill cells.
-void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                          const PathRecording* recording, const CellsPass& cells) {
-  switch (settings.cache) {
-    case CacheChoice::none:
-    case CacheChoice::sharc: break;
-    case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells, recording); break;
-    case CacheChoice::apsf:
-      builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells, recording);
-      break;
-    case CacheChoice::apg:
-    case CacheChoice::apsf_apg:
-      builder.add_tracing<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
-          settings.cache == CacheChoice::apsf_apg, source, cells, recording);
-      break;
-  }
-}
-
-/// Adds the estimator with a cache that replaces parts of its paths.
-void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                      const PathRecording* recording) {
-  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source);
-  const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
-  const bool has_splats = settings.estimator != EstimatorChoice::path;
-  CellsPass& cells =
-      builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, needs_first_vertices(settings));
-  if (has_splats) {
-    add_light_paths_with_cells(builder, settings, source, recording, cells);
-  } else {
-    add_paths_with_cells(builder, settings, source, recording, cells);
-  }
-  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none, has_splats);
-}
-
-/// Adds the estimator. `octree`: destination of path samples, or nullptr. Returns the pass of path tracing without a
-/// cache, or nullptr.
-PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const OctreePass* octree) {
-  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
-  if (octree) builder.add<RegionViewPass>(*octree);
-  if (settings.cache != CacheChoice::none) {
-    add_cached_paths(builder, settings, source, recording);
-    return nullptr;
-  }
-  if (settings.estimator != EstimatorChoice::path) {
-    add_light_paths(builder, settings, source, recording);
-    return nullptr;
-  }
-  const PathRecords records{.first_vertices = needs_first_vertices(settings),
-                            .specular = splits_light(settings),
-                            .first_scatters = settings.reuse != ReuseChoice::none};
-  auto& paths = builder.add_tracing<PathPass>(source, records, recording);
-  add_reuse(builder, settings, source, recording);
-  return &paths;
 }
 
 /// Changes that end the history.
