@@ -113,6 +113,12 @@ SvgfSettings caustic_filter(const RenderSettings& settings) {
   return filter;
 }
 
+/// Whether the history keeps the light of cells apart, to look cells up from a new view. Cells of sharc replace light
+/// behind the first rough surface, which moves with the rest.
+bool looks_up_cells(const RenderSettings& settings) {
+  return needs_first_vertices(settings) && settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
+}
+
 /// Changes that end the history.
 Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
@@ -127,7 +133,7 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
                                .splat_image = needs_splat_image(settings),
                                .specular = history_splits(settings),
                                .caustics = has_caustic_layer(settings),
-                               .cells = needs_first_vertices(settings) && settings.cache != CacheChoice::none};
+                               .cells = looks_up_cells(settings)};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
     const HistoryContents contents{

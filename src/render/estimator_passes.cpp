@@ -36,7 +36,7 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells);
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, needs_first_vertices(settings));
   builder.add<MaintainSharcPass>(cells);
 }
 

@@ -253,9 +253,10 @@ TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
 
 TEST(SubpathCells, RefuseWhatHasNoSampleForACell) {
   RenderSettings settings;
-  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg}) {
+  for (const CacheChoice cache :
+       {CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg, CacheChoice::sharc}) {
     settings.cache = cache;
-    const bool of_every_vertex = cache == CacheChoice::apg || cache == CacheChoice::apsf_apg;
+    const bool of_every_vertex = cache != CacheChoice::psf && cache != CacheChoice::apsf;
     for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::vcm}) {
       settings.estimator = estimator;
       EXPECT_EQ(refusal(settings).empty(), !of_every_vertex);

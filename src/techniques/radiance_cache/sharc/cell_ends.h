@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/radiance_cache/sharc/sharc_cells.h"
+#include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/path_kernel.h"
 
 namespace relume {
@@ -104,5 +105,8 @@ RELUME_HD inline CellEnd CellEnds::policy(const SampleIndex& index, uint32_t x, 
 
 /// Traces the camera paths.
 using CellEndsKernel = PathKernel<RadianceOutput, CellEnds>;
+
+/// The same with records of first vertices. Cells are behind them, so their light is part of that along the directions.
+using RecordedCellEndsKernel = PathKernel<RadianceOutput, FirstVertexOutput, CellEnds>;
 
 }  // namespace relume

@@ -26,18 +26,25 @@ PassDeclaration SharcPass::declaration() const {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
+  if (first_vertices_)
+    declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
   return declaration;
 }
 
 bool SharcPass::run(const FrameContext& frame) {
+  // Updates write keys and sums. Camera paths read histories, which are empty behind a new key, so the order of both
+  // launches changes no bit.
+  return trace(frame) && update_cells(frame);
+}
+
+bool SharcPass::trace(const FrameContext& frame) const {
   const CellEnds ends{.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
                       .by_variance = settings_.end == SharcEnd::variance,
                       .variance = settings_.variance,
                       .termination = frame.write(kCellTermination)};
-  if (!trace_paths(source_, frame, nullptr, RadianceOutput{frame.write(kRadiance)}, ends)) return false;
-  // Updates write keys and sums. Camera paths read histories, which are empty behind a new key, so the order of both
-  // launches changes no bit.
-  return update_cells(frame);
+  const RadianceOutput radiance{frame.write(kRadiance)};
+  if (!first_vertices_) return trace_paths(source_, frame, nullptr, radiance, ends);
+  return trace_paths(source_, frame, nullptr, radiance, FirstVertexOutput{frame.write(kFirstVertices)}, ends);
 }
 
 bool SharcPass::update_cells(const FrameContext& frame) const {

@@ -14,8 +14,9 @@ CellDepths cell_depths(const SharcSettings& settings);
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells)
-      : settings_(settings), source_(source), cells_(cells) {}
+  /// `first_vertices`: whether to record them for a history.
+  SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells, bool first_vertices)
+      : settings_(settings), source_(source), cells_(cells), first_vertices_(first_vertices) {}
 
   void configure(const SharcSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -23,12 +24,14 @@ class SharcPass final : public Pass {
   bool run(const FrameContext& frame) override;
 
  private:
-  /// Returns false if a stop was requested first.
+  // These return false if a stop was requested first.
+  bool trace(const FrameContext& frame) const;
   bool update_cells(const FrameContext& frame) const;
 
   SharcSettings settings_;
   PathSource source_;
   const CellsPass& cells_;
+  bool first_vertices_;
 };
 
 /// Pools the samples of the frame with the cells.

@@ -27,7 +27,8 @@ struct Choices {
   CacheChoice cache = CacheChoice::none;
   ReuseChoice reuse = ReuseChoice::none;
 
-  bool has_cells() const { return cache != CacheChoice::none; }
+  /// Whether the history looks cells up again.
+  bool has_cells() const { return cache != CacheChoice::none && cache != CacheChoice::sharc; }
 };
 
 const std::vector<Choices>& all_choices() {
@@ -40,6 +41,7 @@ const std::vector<Choices>& all_choices() {
       {.name = "apsf", .cache = CacheChoice::apsf},
       {.name = "apg", .cache = CacheChoice::apg},
       {.name = "apsf_apg", .cache = CacheChoice::apsf_apg},
+      {.name = "sharc", .cache = CacheChoice::sharc},
       {.name = "ris", .reuse = ReuseChoice::ris},
       {.name = "restir_di", .reuse = ReuseChoice::restir_di},
   };
@@ -280,8 +282,15 @@ Mean mean_of(const RenderSettings& settings, int frames, bool moves) {
   return mean;
 }
 
+/// Cells of sharc have light of more bounces than paths.
+class ForwardOfSomeBounces : public ForwardOfChoice {};
+INSTANTIATE_TEST_SUITE_P(All, ForwardOfSomeBounces, ::testing::ValuesIn(indices_of([](const Choices& c) {
+                           return c.cache != CacheChoice::sharc;
+                         })),
+                         name_of);
+
 /// On surfaces that depend on the view. The table of combinations has matte ones.
-TEST_P(Forward, HasTheMeanOfPathTracing) {
+TEST_P(ForwardOfSomeBounces, HasTheMeanOfPathTracing) {
   static const Mean truth = [] {
     RenderSettings settings = settings_of({.name = "path"});
     settings.history = HistoryChoice::accumulate;
