@@ -28,7 +28,7 @@ double bias_of(const Choice& a, const Choice& b);
 /// Choices of all slots in the settings' order, with a separate entry for each reprojection method.
 const std::vector<Choice>& all_choices();
 
-/// Same for all choices in `settings`.
+/// Same for all choices in `settings`: the sum of their bounds.
 double bias_of(RenderSettings settings);
 
 /// `settings` with two choices. Throws Error for a choice that does not exist.
@@ -49,6 +49,7 @@ std::vector<Cell> distinct_cells(const RenderSettings& base);
 struct Deviation {
   double value = 0;
   double error = 0;
+  double degrees = 0;  ///< of freedom of the error
 };
 
 /// docs/combinations.md without the last section. `holds` returns whether a cell rendered the expected mean.

@@ -2,8 +2,6 @@
 // explanation.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -11,154 +9,36 @@
 #include <sstream>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "combinations/cells.h"
-#include "core/array.h"
-#include "core/vec.h"
+#include "combinations/means.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
-#include "render/session.h"
 #include "render/settings.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
-#include "support/scenes.h"
 #include "support/test_name.h"
 
 namespace relume::support {
 namespace {
 
-constexpr int kSize = 20;         // in pixels
-constexpr int kFramesBefore = 8;  // before the camera moves
-constexpr int kFrames = 24;       // after the camera moved
 constexpr int kSeeds = 10;
-constexpr int kMostSeeds = 2000;
 constexpr double kStandardErrors = 4.5;  // 151 cells: with random seeds, one false alarm in 240 runs
 
 /// Largest standard errors of a cell's mean: higher ones would hide errors of several percent.
 constexpr double kMostError = 0.005;
 constexpr double kMostSlowError = 0.0025;
 
-/// Luminance, red, green and blue.
-constexpr int kMeans = 4;
-using Means = std::array<double, kMeans>;
-
-/// Means over images of several seeds, and their standard errors.
-struct Mean {
-  Means value = {};
-  Means error = {};
-};
-
-/// Means over the second half of `frames` images after a sideways move of the camera from `start`, so that histories
-/// are reprojected.
-Means means_after_a_move(Session& session, const CameraPose& start, int frames) {
-  for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
-  CameraPose camera = start;
-  camera.to_world[3] += 0.1f * camera.to_world[0];
-  session.set_camera(camera);
-  const int first = frames / 2;
-  Means means = {};
-  for (int i = 0; i < frames; ++i) {
-    session.render_frame();
-    if (i < first) continue;
-    const Rgb mean = estimate_of(session.image()).mean;
-    const float values[kMeans] = {luminance(mean), mean.r, mean.g, mean.b};
-    for (int m = 0; m < kMeans; ++m) means[m] += static_cast<double>(values[m]) / (frames - first);
-  }
-  EXPECT_EQ(session.statistics().nonfinite_samples, 0u);
-  return means;
-}
-
-/// Images of seeds 1, 2, …, rendered on demand by one session.
-class Measurement {
- public:
-  Measurement(Session session, int frames) : session_(std::move(session)), start_(session_.camera()), frames_(frames) {}
-
-  /// Mean over `seeds` images, or all rendered ones if there are more.
-  Mean over(int seeds) {
-    while (seeds_ < seeds) {
-      session_.set_camera(start_);
-      session_.restart(++seeds_);
-      const Means means = means_after_a_move(session_, start_, frames_);
-      for (int m = 0; m < kMeans; ++m) {
-        sums_[m] += means[m];
-        squares_[m] += means[m] * means[m];
-      }
-    }
-    const double n = seeds_;
-    Mean mean;
-    for (int m = 0; m < kMeans; ++m) {
-      mean.value[m] = sums_[m] / n;
-      mean.error[m] = std::sqrt(std::max(0.0, squares_[m] / n - mean.value[m] * mean.value[m]) / (n - 1));
-    }
-    return mean;
-  }
-
- private:
-  Session session_;
-  CameraPose start_;
-  int frames_;
-  int seeds_ = 0;
-  Means sums_ = {};
-  Means squares_ = {};
-};
-
-/// Reference by number of bounces, measured once per process. Many cells have the default number, and single presets
-/// others: theirs have fewer seeds, since a reference takes longer than a preset. On the host, also if cells are
-/// rendered on a device.
-const Mean& reference(int max_bounces) {
-  static std::map<int, Mean> known;
-  const auto [found, is_new] = known.try_emplace(max_bounces);
-  if (is_new) {
-    RenderSettings settings = small_settings(kSize, kSize);
-    settings.path.max_bounces = max_bounces;
-    const int seeds = max_bounces == RenderSettings{}.path.max_bounces ? 32 : 12;
-    found->second = Measurement(make_session(open_box(), settings, host_memory()), 256).over(seeds);
-  }
-  return found->second;
-}
-
-/// Scales settings to the small images.
-RenderSettings scaled(RenderSettings settings) {
-  settings.static_lists.rays = 64;  // their preparation would dominate the test's time
-  settings.static_lists.cell_size = 0.5f;
-  settings.octree.collapse = 32;  // many regions for few pixels
-  settings.octree.split = 64;
-  settings.octree.scale = false;
-  return settings;
-}
-
 const std::vector<Cell>& cells() {
   static const std::vector<Cell> list = distinct_cells(scaled(small_settings(kSize, kSize)));
   return list;
 }
 
-using Deviations = std::array<Deviation, kMeans>;
-
-/// Renders seeds until the standard error of luminance is at most `most_error`.
 Deviations deviations_of(const RenderSettings& settings, double most_error = kMostError) {
-  const Mean& truth = reference(settings.path.max_bounces);
-  Measurement measurement(Session(open_box(), settings), kFrames);
-  Deviations deviations;
-  for (int seeds = kSeeds; seeds <= kMostSeeds; seeds += seeds / 4) {
-    const Mean mean = measurement.over(seeds);
-    for (int m = 0; m < kMeans; ++m) {
-      deviations[m] = {mean.value[m] / truth.value[m] - 1, std::hypot(mean.error[m], truth.error[m]) / truth.value[m]};
-    }
-    if (deviations[0].error <= most_error) break;
-  }
-  return deviations;
+  return measure_deviations(settings, reference(settings.path.max_bounces), most_error, kSeeds);
 }
 
-/// Description of wrong means; empty if they are correct within `bias`.
 std::string problem_of(const Deviations& deviations, double bias, double most_error = kMostError) {
-  if (deviations[0].error > most_error)
-    return fmt::format("a standard error of {:.2f} % says too little", 100 * deviations[0].error);
-  for (const Deviation& d : deviations) {
-    if (std::fabs(d.value) <= bias + kStandardErrors * d.error) continue;
-    return fmt::format("{:+.2f} % with a standard error of {:.2f} %", 100 * d.value, 100 * d.error);
-  }
-  return {};
+  return describe_problem(deviations, bias, most_error, [](const Deviation&) { return kStandardErrors; });
 }
 
 std::string names_of(const Cell& cell) {
