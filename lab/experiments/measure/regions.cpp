@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
+#include "metrics/ensemble.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 
@@ -12,6 +13,16 @@ namespace relume {
 namespace {
 
 int side_of_square(const ExperimentContext& context, int side) { return context.choose(side, 24); }
+
+/// The region's pixels.
+Image cropped(const Image& image, const Rectangle& region) {
+  const PixelRange r = pixels_of(region, image.width, image.height);
+  Image result(r.x1 - r.x0, r.y1 - r.y0);
+  for (int y = r.y0; y < r.y1; ++y) {
+    for (int x = r.x0; x < r.x1; ++x) result.at(x - r.x0, y - r.y0) = image.at(x, y);
+  }
+  return result;
+}
 
 double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(luminance(pixel)), 1.0); }
 
@@ -48,9 +59,27 @@ std::vector<double> region_variances(const Comparison& comparison, std::string_v
   return variances;
 }
 
+Estimate region_bias2(const Comparison& comparison, std::string_view name, const Rectangle& region) {
+  const Image& reference = comparison.reference.image;
+  const double noise = reference_noise(comparison.reference, mask_of(region, reference.width, reference.height));
+  const Image truth = cropped(reference, region);
+  std::vector<Image> parts;
+  for (const Image& image : contender_named(comparison, name).images) parts.push_back(cropped(image, region));
+  if (parts.size() > 2) return squared_bias(parts, truth, noise);
+  Ensemble ensemble;
+  for (const Image& part : parts) ensemble.add(part);
+  return {ensemble.split(truth, noise).bias2, {}};
+}
+
 double region_mean(const Image& image, const Rectangle& region) {
   return mean_over(mask_of(region, image.width, image.height),
                    [&](size_t i) { return static_cast<double>(luminance(image.pixels[i])); });
+}
+
+std::vector<double> region_means(const Comparison& comparison, std::string_view name, const Rectangle& region) {
+  std::vector<double> means;
+  for (const Image& image : contender_named(comparison, name).images) means.push_back(region_mean(image, region));
+  return means;
 }
 
 double contrast_kept(const Image& image, const Image& reference, const Rectangle& region) {

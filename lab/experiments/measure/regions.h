@@ -9,6 +9,7 @@
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/study.h"
+#include "metrics/estimate.h"
 #include "relume/image_io.h"
 #include "report/page.h"
 
@@ -24,8 +25,14 @@ Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string
 /// independent of bias. Requires two repetitions.
 std::vector<double> region_variances(const Comparison& comparison, std::string_view name, const Rectangle& region);
 
+/// Squared bias of a contender's last frame in the region, without noise. Below three repetitions, its error is
+/// unknown. Requires two repetitions.
+Estimate region_bias2(const Comparison& comparison, std::string_view name, const Rectangle& region);
+
 /// Mean luminance of the region. Here and below, images have the same size.
 double region_mean(const Image& image, const Rectangle& region);
+/// Mean luminance of a contender's last frame in the region per repetition.
+std::vector<double> region_means(const Comparison& comparison, std::string_view name, const Rectangle& region);
 
 /// Share of the reference's contrast in the region kept by an image: slope of its luminance over the reference's, both
 /// clamped to 1 as on a display. 1: all of it, 0: a flat image. Unbiased by noise in the image.

@@ -62,6 +62,34 @@ TEST(Regions, VariancesExcludeSharedErrors) {
   EXPECT_NEAR((variances[0] + variances[1] + variances[2]) / 3, 0.07, 1e-6);
 }
 
+TEST(Regions, BiasExcludesNoise) {
+  Comparison comparison;
+  comparison.reference.image = Image(16, 16);
+  comparison.reference.squared_error = Image(16, 16);
+  for (Rgb& pixel : comparison.reference.squared_error.pixels) pixel = Rgb(0.01f);
+  comparison.contenders.emplace_back().name = "bright";
+  const float noise[] = {-0.1f, 0.1f, 0.2f, -0.2f};
+  for (const float n : noise) {
+    Image& image = comparison.contenders[0].images.emplace_back(16, 16);
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) image.at(x, y) = Rgb(x < 8 ? 0.5f + (y % 2 == 0 ? n : -n) : 7.0f);
+    }
+  }
+  // Products of different repetitions: each d is 0.5 ± n, so their mean is 0.25 − (Σn² / 12) = 0.25 − 0.1 / 12.
+  const Rectangle left{"left", 0, 0, 0.5, 1};
+  const Estimate bias2 = region_bias2(comparison, "bright", left);
+  EXPECT_NEAR(bias2.value, 0.25 - 0.1 / 12 - 0.01, 1e-6);
+  EXPECT_EQ(bias2.without.size(), 4u);
+  const std::vector<double> means = region_means(comparison, "bright", left);
+  ASSERT_EQ(means.size(), 4u);
+  for (const double m : means) EXPECT_NEAR(m, 0.5, 1e-6);
+
+  comparison.contenders[0].images.resize(2);  // their product is 0.25 − 0.01
+  const Estimate of_two = region_bias2(comparison, "bright", left);
+  EXPECT_NEAR(of_two.value, 0.24 - 0.01, 1e-6);
+  EXPECT_TRUE(of_two.without.empty());
+}
+
 TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
   const Image reference = quarter();
   Image noisy = reference;

@@ -142,6 +142,14 @@ ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounce
   return result;
 }
 
+ExperimentScene box_under_large_lamp(std::string_view box, float scale, int max_bounces) {
+  ExperimentScene result = built_in(box, max_bounces);
+  result.name += ", large lamp";
+  named(result.scene.nodes, "node", "lamp").transform.scale *= Vec3(scale, 1, scale);  // its middle is at x = z = 0
+  named(result.scene.materials, "material", "lamp").emission /= scale * scale;
+  return result;
+}
+
 std::optional<ExperimentScene> sponza(const ExperimentContext& context) {
   if (context.scene_folder.empty()) return std::nullopt;
   const std::filesystem::path file = context.scene_folder / "sponza" / "sponza.gltf";

@@ -48,6 +48,10 @@ enum class DeltaLight { point, directional };
 /// Throws Error if the scene or its lamp is missing.
 ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounces);
 
+/// A built-in box whose lamp is `scale` times as long and as deep, with the same power. Throws Error if the scene or
+/// its lamp is missing.
+ExperimentScene box_under_large_lamp(std::string_view box, float scale, int max_bounces);
+
 /// Sponza from the context's folder; std::nullopt if unavailable. Throws Error if it cannot be read.
 std::optional<ExperimentScene> sponza(const ExperimentContext& context);
 

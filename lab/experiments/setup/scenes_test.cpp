@@ -1,5 +1,6 @@
 #include "experiments/setup/scenes.h"
 
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -31,6 +32,28 @@ TEST(ExperimentScenes, BoxesUnderALightWithoutExtentHaveThatLightAlone) {
       ASSERT_EQ(lights.size, 1u) << box.name;
       EXPECT_EQ(lights[0].kind, light == DeltaLight::point ? LightKind::point : LightKind::directional) << box.name;
     }
+  }
+}
+
+/// Power of all triangle lights in the green channel, in multiples of π.
+double power_of(const CompiledScene& scene) {
+  const View<const Light> lights = scene.view().lights.lights;
+  double power = 0;
+  for (const Light& light : lights) {
+    if (light.kind != LightKind::triangle) continue;
+    power += static_cast<double>(light.triangle.radiance.g) * static_cast<double>(light.triangle.area);
+  }
+  return power;
+}
+
+TEST(ExperimentScenes, ALargeLampHasThePowerOfTheSmallOne) {
+  for (const char* name : {"cornell-water", "cornell-glass"}) {
+    ExperimentScene large = box_under_large_lamp(name, 20, 8);
+    validate(large.scene, large.name);
+    EXPECT_EQ(large.name, std::string(name) + ", large lamp");
+    const CompiledScene after(std::move(large.scene), {});
+    const CompiledScene before(built_in(name, 8).scene, {});
+    EXPECT_NEAR(power_of(after) / power_of(before), 1, 1e-4) << name;
   }
 }
 
