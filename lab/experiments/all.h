@@ -30,5 +30,6 @@ Experiment restir_bias_experiment();
 Experiment restir_correlation_experiment();
 Experiment no_reuse_experiment();
 Experiment readapt_experiment();
+Experiment together_experiment();
 
 }  // namespace relume

@@ -38,6 +38,7 @@ const std::vector<Experiment>& experiments() {
       restir_correlation_experiment(),
       no_reuse_experiment(),
       readapt_experiment(),
+      together_experiment(),
   };
   return list;
 }
