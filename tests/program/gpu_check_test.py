@@ -24,6 +24,18 @@ ONLY = f"^({'|'.join(CASES)})$"
 QUICK = ["--scene", "cornell", "--size", "24x18", "--frames", "1"]
 
 
+def load(script):
+    """The script as a module."""
+    loader = importlib.machinery.SourceFileLoader(script, str(ROOT / "scripts" / script))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(script, loader))
+    sys.path.insert(0, str(ROOT / "scripts"))
+    try:
+        loader.exec_module(module)
+    finally:
+        sys.path.remove(str(ROOT / "scripts"))
+    return module
+
+
 def run_script(*command, **options):
     return subprocess.run([sys.executable, *command], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, **options)
 
@@ -93,6 +105,22 @@ class GpuCheck(ProgramTest):
         self.assertEqual((made.returncode, self.files()), (1, ["bundle", "scenes"]))
         self.assertIn("correct --scenes", made.stderr)
 
+    def test_every_choice_is_timed_and_compared(self):
+        slots = json.loads((self.bundle / "slots.json").read_text())
+        self.assertEqual(list(slots), ["estimator", "lights", "guide", "reuse", "cache", "allocation", "history", "denoise"])
+        timed = load("gpu_check").timed_techniques(self.bundle)
+        for name in ("light", "vcm", "lights=uniform", "ris", "restir-di", "history=none", "asvgf"):
+            self.assertIn(name, timed)
+        self.assertEqual(timed["history=none"], ["--history", "none"])
+        compared = [settings for settings, _ in load("gpu_bundle").techniques().values()]
+        for slot, found in slots.items():
+            self.assertIn(found["default"], found["choices"])
+            for choice in found["choices"]:
+                if choice in ("oidn", found["default"]):
+                    continue
+                self.assertTrue(any(flags[:2] == [f"--{slot}", choice] for flags in timed.values()), f"{slot} {choice} is not timed")
+                self.assertTrue(any(settings.get(slot) == choice for settings in compared), f"{slot} {choice} is not compared")
+
     def test_a_check_needs_a_bundle(self):
         done = run_script(ROOT / "scripts/gpu_check", cwd=self.folder)
         self.assertEqual((done.returncode, self.files()), (1, []))
@@ -105,11 +133,12 @@ class GpuCheck(ProgramTest):
         self.assertEqual([step["name"] for step in report["steps"]], ["devices", "start", "times", "rays", "bits"])
         self.assertIn("processor", report["devices"]["relume"][0])
         self.assertGreater(report["start"]["second_s"], 0)
-        self.assertEqual([row["technique"] for row in report["times"]], ["path", "interactive", "bdpt", "bmfr", "psf", "apg", "vlc+cdq"])
+        self.assertEqual([row["technique"] for row in report["times"]], list(load("gpu_check").timed_techniques(self.bundle)))
+        self.assertEqual([row["technique"] for row in report["times"][:7]], ["path", "interactive", "bdpt", "bmfr", "psf", "apg", "vlc+cdq"])
         self.assertIn("bmfr-fit", report["times"][3]["passes_ms"])
         for row in report["times"]:
             self.assertEqual(row["frames"], 1)
-            self.assertGreater(row["passes_ms"]["trace"], 0)
+            self.assertGreater(row["passes_ms"]["trace"], 0, row)
             self.assertLess(row["passes_ms"]["trace"], row["frame_ms"])
             self.assertIsNone(row["memory"]["device"])
         rays = {row["kind"]: row["rays"] for row in report["rays"]}
@@ -209,7 +238,7 @@ class GpuCheck(ProgramTest):
         code, report = self.check("--only", "figure", "--steps", "times", "rays", "bits", env=environment)
         self.assertEqual(code, 1)
         problems = {step["name"]: "\n".join(step["problems"]) for step in report["steps"]}
-        self.assertEqual(problems["times"].count("its compute capability is 6.1"), 7)
+        self.assertEqual(problems["times"].count("its compute capability is 6.1"), len(load("gpu_check").timed_techniques(self.bundle)))
         self.assertEqual(problems["rays"].count("its compute capability is 6.1"), 4)
         self.assertIn("its compute capability is 6.1", report["bits"]["failed"][0]["problem"])
 
@@ -219,11 +248,7 @@ class CasesInTime(unittest.TestCase):
 
     def compare(self, cases, seconds):
         """Compares cases (name, seconds) within a time. Returns the names not reached, and the problems."""
-        loader = importlib.machinery.SourceFileLoader("gpu_check", str(ROOT / "scripts/gpu_check"))
-        module = importlib.util.module_from_spec(importlib.util.spec_from_loader("gpu_check", loader))
-        sys.path.insert(0, str(ROOT / "scripts"))
-        self.addCleanup(sys.path.remove, str(ROOT / "scripts"))
-        loader.exec_module(module)
+        module = load("gpu_check")
         now = 0.0
 
         def hashes(_program, case, *_):
