@@ -48,7 +48,7 @@ double power_of(const CompiledScene& scene) {
 
 TEST(ExperimentScenes, ALargeLampHasThePowerOfTheSmallOne) {
   for (const char* name : {"cornell-water", "cornell-glass"}) {
-    ExperimentScene large = box_under_large_lamp(name, 20, 8);
+    ExperimentScene large = box_under_large_lamp(name, 30, 8);
     validate(large.scene, large.name);
     EXPECT_EQ(large.name, std::string(name) + ", large lamp");
     const CompiledScene after(std::move(large.scene), {});
