@@ -64,7 +64,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "adaptive_psf": "bdpt path path_space_filter vcm",
     "path_graphs": "adaptive_psf path path_space_filter",
     "sharc": "path path_space_filter",
-    "reservoir": "octree path",
+    "reservoir": "octree path reprojection",
     "restir_di": "path reprojection reservoir",
 }
 

@@ -148,4 +148,19 @@ class BasicCombination {
   uint32_t chosen_ = 0;
 };
 
+/// Combines the reservoirs of two domains by BasicCombination; arguments as for combine_balanced().
+template <typename Sample, typename NowTarget, typename BeforeTarget>
+RELUME_HD inline Reservoir<Sample> combine_basic(const Reservoir<Sample>& now, const Reservoir<Sample>& before,
+                                                 const NowTarget& now_target, const BeforeTarget& before_target,
+                                                 float u) {
+  BasicCombination<Sample> combination;
+  combination.add(now, 0, now.target, 0.0f);
+  combination.add(before, 1, before.weight > 0.0f ? now_target(before.sample) : 0.0f, u);
+  if (!combination.sample().valid()) return combination.finish(0.0f, 0.0f);
+  const bool from_before = combination.chosen() == 1;
+  const float here = from_before ? now_target(combination.sample()) : now.target;
+  const float there = from_before ? before.target : before_target(combination.sample());
+  return combination.finish(from_before ? there : here, now.confidence * here + before.confidence * there);
+}
+
 }  // namespace relume

@@ -66,18 +66,18 @@ bool RestirPass::run(const FrameContext& frame) {
   spatial.scene = frame.scene;
   spatial.reservoirs = frame.read(kReservoirs);
   spatial.records = frame.read(kReceivers);
-  spatial.normal = frame.read(kSurface.normal);
-  spatial.depth = frame.read(kSurface.depth);
+  spatial.search = {.normal = frame.read(kSurface.normal),
+                    .depth = frame.read(kSurface.depth),
+                    .count = static_cast<uint32_t>(settings_.neighbours),
+                    .radius = settings_.radius,
+                    .width = frame.width(),
+                    .height = frame.height()};
   spatial.history = frame.write(kReservoirHistory);
   spatial.image = reservoir_image(frame);
   spatial.seed = frame.index.seed;
   spatial.frame = frame.index.frame;
-  spatial.neighbours = static_cast<uint32_t>(settings_.neighbours);
-  spatial.radius = settings_.radius;
   spatial.traced = is_traced(settings_);
   spatial.feeds_back = settings_.feedback == ReuseFeedback::spatial;
-  spatial.width = frame.width();
-  spatial.height = frame.height();
   return frame.launch_or_stop("restir-spatial", spatial);
 }
 

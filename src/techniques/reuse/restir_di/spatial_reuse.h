@@ -2,46 +2,26 @@
 // the result ([Bitterli20] alg. 5, with the pairwise weights of [Lin22]).
 #pragma once
 
+#include "techniques/reuse/reservoir/neighbours.h"
 #include "techniques/reuse/reservoir/ris.h"
 #include "techniques/reuse/restir_di/settings.h"
 
 namespace relume {
 
-/// Tolerances of neighbours ([Bitterli20]): cosine between the normals, and difference of the depths as a fraction.
-inline constexpr float kReuseNormalCosine = 0.5f;
-inline constexpr float kReuseDepthDifference = 0.1f;
-
-/// Offset of neighbour `i` of a pixel, uniform over a disk of radius 1: points of the sequence R2 ([Roberts18]) after a
-/// shift.
-RELUME_HD inline Vec2 neighbour_offset(uint32_t i, const Vec2& shift) {
-  constexpr float kStepX = 0.7548776662f;
-  constexpr float kStepY = 0.5698402910f;
-  const auto n = static_cast<float>(static_cast<int>(i));
-  const float a = shift.x + kStepX * n;
-  const float b = shift.y + kStepY * n;
-  const Vec2 direction = math::unit_vector((b - std::floor(b)) * (2.0f * kPi));
-  return direction * std::sqrt(a - std::floor(a));
-}
-
 struct SpatialReuseKernel {
   SceneView scene;
   View<const LightReservoir> reservoirs;  ///< before this kernel
   View<const ReceiverRecord> records;
-  View<const Vec3> normal;
-  View<const float> depth;
+  NeighbourSearch search;
   View<LightReservoir> history;  ///< for the next frame
   ReservoirImage image;
   uint32_t seed = 0;
   uint32_t frame = 0;
-  uint32_t neighbours = 0;  ///< at most kMostReuseNeighbours
-  float radius = 0;         ///< pixels
-  bool traced = true;       ///< whether targets contain occlusion
-  bool feeds_back = true;   ///< whether the history is the result of this kernel
-  uint32_t width = 0;
-  uint32_t height = 0;
+  bool traced = true;      ///< whether targets contain occlusion
+  bool feeds_back = true;  ///< whether the history is the result of this kernel
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * width + x;
+    const uint32_t pixel = y * search.width + x;
     const LightReservoir own = reservoirs[pixel];
     if (!(own.confidence > 0.0f)) {
       history[pixel] = own;
@@ -50,8 +30,9 @@ struct SpatialReuseKernel {
     Receiver r;
     make_receiver(scene, records[pixel], r);
     ChoiceNumbers numbers(seed, frame, pixel, kChoosesNeighbours);
-    Neighbours near;
-    find(x, y, numbers, near);
+    ReuseNeighbours near;
+    const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
+    search.find(x, y, has_reservoir, numbers, near);
     LightReservoir result =
         traced ? combine_pairwise(pixel, own, r, near, numbers) : combine_basic(pixel, own, r, near, numbers);
     shade(pixel, r, result);
@@ -60,33 +41,6 @@ struct SpatialReuseKernel {
   }
 
  private:
-  struct Neighbours {
-    uint32_t pixels[kMostReuseNeighbours];
-    uint32_t count = 0;
-  };
-
-  /// Pixels near (x, y) with similar surfaces. A choice by their samples would add bias.
-  RELUME_HD void find(uint32_t x, uint32_t y, ChoiceNumbers& numbers, Neighbours& near) const {
-    const uint32_t pixel = y * width + x;
-    const float shift_x = numbers.next();
-    const Vec2 shift(shift_x, numbers.next());
-    for (uint32_t i = 0; i < neighbours; ++i) {
-      const Vec2 offset = neighbour_offset(i, shift) * radius;
-      const float fx = std::floor(static_cast<float>(static_cast<int>(x)) + offset.x + 0.5f);
-      const float fy = std::floor(static_cast<float>(static_cast<int>(y)) + offset.y + 0.5f);
-      const auto w = static_cast<float>(static_cast<int>(width));
-      const auto h = static_cast<float>(static_cast<int>(height));
-      if (!(fx >= 0.0f && fy >= 0.0f && fx < w && fy < h)) continue;
-      const uint32_t other = static_cast<uint32_t>(fy) * width + static_cast<uint32_t>(fx);
-      if (other != pixel && fits(pixel, other)) near.pixels[near.count++] = other;
-    }
-  }
-
-  RELUME_HD bool fits(uint32_t pixel, uint32_t other) const {
-    return reservoirs[other].confidence > 0.0f && glm::dot(normal[pixel], normal[other]) >= kReuseNormalCosine &&
-           std::fabs(depth[other] - depth[pixel]) <= kReuseDepthDifference * depth[pixel];
-  }
-
   /// p̂ of a sample at a pixel.
   RELUME_HD float target_of(uint32_t pixel, const LightPoint& point, uint32_t& rays) const {
     Receiver other;
@@ -95,7 +49,7 @@ struct SpatialReuseKernel {
   }
 
   RELUME_HD LightReservoir combine_pairwise(uint32_t pixel, const LightReservoir& own, const Receiver& r,
-                                            const Neighbours& near, ChoiceNumbers& numbers) const {
+                                            const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
     PairwiseCombination<LightPoint> combination(own, near.count);
     uint32_t& rays = image.rays[pixel];
     for (uint32_t i = 0; i < near.count; ++i) {
@@ -109,7 +63,7 @@ struct SpatialReuseKernel {
   }
 
   RELUME_HD LightReservoir combine_basic(uint32_t pixel, const LightReservoir& own, const Receiver& r,
-                                         const Neighbours& near, ChoiceNumbers& numbers) const {
+                                         const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
     BasicCombination<LightPoint> combination;
     uint32_t& rays = image.rays[pixel];
     combination.add(own, 0, own.target, 0.0f);
