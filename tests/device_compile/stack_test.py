@@ -31,7 +31,11 @@ BOUNDS = (
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2700),
     (r"(BidirectionalKernel|LightSubpathKernelOf|MergingKernel)<LearningContext", 2900),
     (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2300),
-    (r"TemporalReuseKernel|SpatialReuseKernel", 3100),  # receivers of the pixel, and of its history or a neighbour
+    # Receivers of the pixel, and of its history or a neighbour.
+    (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 3100),
+    (r"IndirectValidationKernel", 1600),
+    (r"PathKernel<RadianceOutput, CachedRecordingOutput, IndirectSampleOutput", 2000),
+    (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1800),
     (r"RisKernel", 1700),
     (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2300),  # vertices of the path
     (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2550),

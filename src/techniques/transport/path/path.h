@@ -64,6 +64,7 @@ struct PathContext {
   bool russian_roulette = true;
   IndirectRate indirect;
   uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
+  bool indirect_to_reservoirs = false;  ///< whether reservoirs resample the light beyond the second vertex
 
   /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
   RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
@@ -97,7 +98,8 @@ RELUME_HD inline uint32_t reservoir_ray_id(const Sampler& sampler) {
 /// Seed of stochastic alpha along the path's ray. Where that ray finds candidates for reservoirs, it is the seed of
 /// their shadow rays: a second draw at the same surface would count its opacity twice.
 RELUME_HD inline uint32_t ray_id_of(const PathContext& c, const PathState& path, const Sampler& sampler) {
-  return path.bounce <= c.first_nee_bounce ? reservoir_ray_id(sampler) : sampler.ray_id();
+  const uint32_t last = c.indirect_to_reservoirs ? 1u : c.first_nee_bounce;
+  return path.bounce <= last ? reservoir_ray_id(sampler) : sampler.ray_id();
 }
 
 /// Sampler dimension of the wavelength, beyond those of the longest camera and light paths.

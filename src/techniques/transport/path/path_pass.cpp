@@ -2,6 +2,7 @@
 
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
+#include "techniques/transport/path/indirect_sample.h"
 #include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/specular_part.h"
 #include "techniques/transport/path/trace_paths.h"
@@ -21,6 +22,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.max_bounces = static_cast<uint32_t>(source.settings.max_bounces);
   context.russian_roulette = source.settings.russian_roulette;
   context.first_nee_bounce = source.first_nee_bounce;
+  context.indirect_to_reservoirs = source.indirect_to_reservoirs;
   context.indirect = indirect_rate(source.settings.indirect_rate, frame.index, frame.blue_noise);
   return context;
 }
@@ -41,6 +43,10 @@ PassDeclaration PathPass::declaration() const {
     declaration.owns.push_back(
         {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
   }
+  if (records_.indirect_samples) {
+    declaration.owns.push_back(
+        {.id = kIndirectSamples, .help = "surface point met from the primary hit, and the light that it reflects"});
+  }
   if (records_.specular) {
     declaration.owns.push_back({.id = kRadianceSpecular,
                                 .help = "part of radiance scattered by specular lobes of the first surface",
@@ -51,7 +57,8 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing. Indirect samples combine with neither
+// first scattering events nor first vertices.
 
 struct Tracing {
   const PathSource& source;
@@ -72,6 +79,11 @@ struct Tracing {
   }
 
   template <typename... Outputs>
+  bool run_indirect(const Outputs&... outputs) const {
+    return run_with_specular(outputs..., IndirectSampleOutput{frame.write(kIndirectSamples)});
+  }
+
+  template <typename... Outputs>
   bool run_with_specular(const Outputs&... outputs) const {
     if (!records.specular) return trace_paths(source, frame, surfaces, outputs...);
     return trace_paths(source, frame, surfaces, outputs..., SpecularOutput{frame.write(kRadianceSpecular)});
@@ -83,6 +95,10 @@ struct Tracing {
 bool PathPass::run(const FrameContext& frame) {
   const Tracing tracing{source_, frame, records_, surfaces_};
   const RadianceOutput radiance{frame.write(kRadiance)};
+  if (records_.indirect_samples) {
+    return recording_ ? tracing.run_indirect(radiance, CachedRecordingOutput{*recording_})
+                      : tracing.run_indirect(radiance);
+  }
   return recording_ ? tracing.run(radiance, RecordingOutput{*recording_}) : tracing.run(radiance);
 }
 

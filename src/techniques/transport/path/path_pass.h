@@ -17,7 +17,8 @@ struct PathSource {
   PathSettings settings;
   const LightSelector& selector;
   const DirectionSampler& directions;
-  uint32_t first_nee_bounce = 0;  ///< as in PathContext
+  uint32_t first_nee_bounce = 0;        ///< as in PathContext
+  bool indirect_to_reservoirs = false;  ///< as in PathContext
 };
 
 /// Data shared by all paths of this frame.
@@ -25,9 +26,10 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
 
 /// Outputs of paths for later passes, besides estimator_buffers().
 struct PathRecords {
-  bool first_vertices = false;  ///< fills kFirstVertices
-  bool specular = false;        ///< fills kRadianceSpecular
-  bool first_scatters = false;  ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
+  bool first_vertices = false;    ///< fills kFirstVertices
+  bool specular = false;          ///< fills kRadianceSpecular
+  bool first_scatters = false;    ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
+  bool indirect_samples = false;  ///< fills kIndirectSamples, and leaves light beyond second vertices to reservoirs
 };
 
 /// Traces one path for each pixel that receives a sample.
@@ -37,6 +39,7 @@ class PathPass final : public Pass {
   PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr)
       : source_(source), records_(records), recording_(recording) {
     if (records.first_scatters) source_.first_nee_bounce = 1;
+    source_.indirect_to_reservoirs = records.indirect_samples;
   }
 
   void configure(const PathSettings& path) { source_.settings = path; }

@@ -35,6 +35,7 @@ struct TraceSettings {
   uint32_t sample = 3;
   uint32_t first_nee_bounce = 0;         ///< as in PathContext
   View<const uint32_t> allocation = {};  ///< as for PathKernel
+  bool russian_roulette = true;
 };
 
 /// Traces one sample per pixel with uniform light selection. Returns the number of rays per pixel.
@@ -52,6 +53,7 @@ std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettin
   kernel.context.selector.uniform = make_uniform_lights(view.lights);
   kernel.context.max_bounces = settings.max_bounces;
   kernel.context.first_nee_bounce = settings.first_nee_bounce;
+  kernel.context.russian_roulette = settings.russian_roulette;
   kernel.index = index;
   kernel.hits = view_of(hits);
   kernel.allocation = settings.allocation;
