@@ -20,6 +20,7 @@ void check_crop(const RenderSettings& s) {
       {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
+      {s.reuse == ReuseChoice::restir_gi, "reservoirs of other pixels; use --reuse none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
       {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
       {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
@@ -65,19 +66,35 @@ void check_forward_history(const RenderSettings& s) {
   }
 }
 
+/// Throws if reservoirs for indirect light do not combine with the other choices.
+void check_restir_gi(const RenderSettings& s) {
+  if (needs_first_vertices(s)) {
+    throw Error(
+        "reuse 'restir-gi' does not combine with history 'reproject' by reproject.method 'forward', which verifies the "
+        "light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse 'none'");
+  }
+  if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
+    throw Error(
+        "reuse 'restir-gi' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
+        "would have no reservoir for their neighbours and the next frame; use reuse 'none', or allocation 'uniform' "
+        "with upscale 1");
+  }
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
-        "reuse 'ris' and 'restir-di' do not combine with estimators 'bdpt', 'light' and 'vcm', whose MIS weights do "
-        "not include reservoirs; use estimator 'path' or reuse 'none'");
+        "reuse 'ris', 'restir-di' and 'restir-gi' do not combine with estimators 'bdpt', 'light' and 'vcm', whose MIS "
+        "weights do not include reservoirs; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
-        "reuse 'ris' and 'restir-di' do not combine with a radiance cache: its cells would lack the direct light that "
-        "reservoirs add; use cache 'none' or reuse 'none'");
+        "reuse 'ris', 'restir-di' and 'restir-gi' do not combine with a radiance cache: its cells would lack the light "
+        "that reservoirs add; use cache 'none' or reuse 'none'");
   }
+  if (s.reuse == ReuseChoice::restir_gi) return check_restir_gi(s);
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
     throw Error(
         "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "

@@ -7,6 +7,7 @@
 #include "techniques/radiance_cache/sharc/sharc_pass.h"
 #include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/restir_di/restir_pass.h"
+#include "techniques/reuse/restir_gi/restir_gi_pass.h"
 #include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/vcm/vcm_pass.h"
 
@@ -18,7 +19,12 @@ bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
 
-/// Adds the reservoirs for direct light at primary hits.
+/// Whether reservoirs take over direct light at primary hits.
+bool reuses_direct_light(const RenderSettings& settings) {
+  return settings.reuse == ReuseChoice::ris || settings.reuse == ReuseChoice::restir_di;
+}
+
+/// Adds the reservoirs at primary hits.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const PathRecording* recording) {
   switch (settings.reuse) {
@@ -26,6 +32,9 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
     case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, recording); break;
     case ReuseChoice::restir_di:
       builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
+      break;
+    case ReuseChoice::restir_gi:
+      builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
       break;
   }
 }
@@ -146,7 +155,8 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   }
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .specular = splits_light(settings),
-                            .first_scatters = settings.reuse != ReuseChoice::none};
+                            .first_scatters = reuses_direct_light(settings),
+                            .indirect_samples = settings.reuse == ReuseChoice::restir_gi};
   auto& paths = builder.add_tracing<PathPass>(source, records, recording);
   add_reuse(builder, settings, source, recording);
   return &paths;

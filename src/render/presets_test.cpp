@@ -75,6 +75,11 @@ TEST(ReusePresets, HaveTheParametersOfTheirPrograms) {
   EXPECT_EQ(rtxdi.ris.candidates, 8);
   EXPECT_EQ(rtxdi.restir.neighbours, 1);
   EXPECT_EQ(rtxdi.restir.correction, ReuseCorrection::basic);
+  const RestirGiSettings indirect = resolve({.preset = "restir-gi-rtxdi"}).render.restir_gi;
+  EXPECT_EQ(indirect.cap, 8);
+  EXPECT_EQ(indirect.neighbours, 2);
+  EXPECT_EQ(indirect.correction, ReuseCorrection::basic);
+  EXPECT_TRUE(indirect.reuse_glossy);
 }
 
 TEST(AsvgfPresets, HaveTheParametersOfTheirPrograms) {

@@ -65,10 +65,10 @@ SettingList describe_slots(RenderSettings& s) {
       {"guide", choice(s.guide, {"bsdf", "cdq"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding)"},
-      {"reuse", choice(s.reuse, {"none", "ris", "restir-di"}),
-       "Reservoirs for direct light at primary hits. none; ris: chooses one of several lights by the light that the "
+      {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi"}),
+       "Reservoirs at primary hits. none; ris: for direct light, chooses one of several lights by the light that the "
        "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
-       "frames and of neighbouring pixels (ReSTIR DI)"},
+       "frames and of neighbouring pixels (ReSTIR DI); restir-gi: reuses their indirect light instead (ReSTIR GI)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg", "sharc"}),
        "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, both adaptive techniques, "
@@ -105,6 +105,7 @@ SettingList describe_transport(RenderSettings& s) {
   append(list, with_prefix("cdq", describe(s.cdq)));
   append(list, with_prefix("ris", describe(s.ris)));
   append(list, with_prefix("restir", describe(s.restir)));
+  append(list, with_prefix("restir-gi", describe(s.restir_gi)));
   return list;
 }
 

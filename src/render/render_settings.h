@@ -23,6 +23,7 @@
 #include "techniques/radiance_cache/sharc/settings.h"
 #include "techniques/reuse/reservoir/settings.h"
 #include "techniques/reuse/restir_di/settings.h"
+#include "techniques/reuse/restir_gi/settings.h"
 #include "techniques/spatial/octree/settings.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
 #include "techniques/temporal/reprojection/settings.h"
@@ -41,7 +42,7 @@ inline constexpr int kMostSeed = 900'000'000;
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };
-enum class ReuseChoice : int { none, ris, restir_di };
+enum class ReuseChoice : int { none, ris, restir_di, restir_gi };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
@@ -85,6 +86,7 @@ struct RenderSettings {
   StaticLightListsSettings static_lists;
   RisSettings ris;
   RestirSettings restir;
+  RestirGiSettings restir_gi;
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;

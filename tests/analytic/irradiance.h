@@ -45,7 +45,9 @@ inline const auto kOtherWays = ::testing::Values(
     Way{"ris", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 2, false, ReuseChoice::ris},
     Way{"ris_vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8, false, ReuseChoice::ris},
     Way{"restir_di", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::bsdf, 8, false,
-        ReuseChoice::restir_di});
+        ReuseChoice::restir_di},
+    Way{"restir_gi", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 16, false,
+        ReuseChoice::restir_gi});
 
 /// For scenes without light selection.
 inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);

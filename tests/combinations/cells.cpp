@@ -74,7 +74,8 @@ double bias_of(const Choice& a, const Choice& b) {
 
 double bias_of(RenderSettings settings) {
   double bias = 0;
-  for (const Setting& slot : describe_slots(settings)) bias += stated_bias(slot.name, to_string(slot));
+  // Slots, and other settings with a stated bias of their own.
+  for (const Setting& setting : describe(settings)) bias += stated_bias(setting.name, to_string(setting));
   const bool fits_splats = settings.estimator == EstimatorChoice::light && settings.denoise == DenoiseChoice::bmfr;
   return bias + (fits_splats ? kFitsOverSplats : 0.0);
 }

@@ -28,7 +28,7 @@ double bias_of(const Choice& a, const Choice& b);
 /// Choices of all slots in the settings' order, with a separate entry for each reprojection method.
 const std::vector<Choice>& all_choices();
 
-/// Same for all choices in `settings`: the sum of their bounds.
+/// Same for all choices in `settings`, and for other settings whose bias checks.json states: the sum of their bounds.
 double bias_of(RenderSettings settings);
 
 /// `settings` with two choices. Throws Error for a choice that does not exist.

@@ -56,8 +56,9 @@ inline Scene turning_triangle() {
   return scene;
 }
 
-/// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
-inline constexpr int kCheckpointCases = 11;
+/// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
+/// reservoirs.
+inline constexpr int kCheckpointCases = 12;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -91,6 +92,10 @@ inline RenderSettings checkpoint_settings(int which) {
     case 8: s.allocation = AllocationChoice::adaptive; break;
     case 9: s.denoise = DenoiseChoice::asvgf; break;
     case 10: s.cache = CacheChoice::sharc; break;
+    case 11:
+      s.reuse = ReuseChoice::restir_gi;
+      s.restir_gi.correction = ReuseCorrection::lagging;
+      break;
     default: break;  // accumulates
   }
   return s;

@@ -66,6 +66,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "sharc": "path path_space_filter",
     "reservoir": "octree path reprojection",
     "restir_di": "path reprojection reservoir",
+    "restir_gi": "path reprojection reservoir",
 }
 
 # The parts of the viewer -> the parts that each may include, besides itself.

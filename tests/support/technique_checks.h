@@ -29,7 +29,8 @@ struct SettingCheck {
 };
 
 struct TechniqueChecks {
-  /// Largest relative change of the mean in the combination test's small box by "slot=choice".
+  /// Largest relative change of the mean in the combination test's small box by "slot=choice", or by another setting's
+  /// "name=value".
   std::map<std::string, double, std::less<>> biases;
   std::vector<DeterminismCheck> determinism;
   std::vector<SettingCheck> settings;  ///< prefixes precede their settings

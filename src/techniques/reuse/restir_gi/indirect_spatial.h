@@ -1,0 +1,118 @@
+// Second kernel of ReSTIR GI: combines each pixel's reservoir with those of neighbouring pixels, and adds the light of
+// the result ([Ouyang21], with the pairwise weights of [Lin22]).
+#pragma once
+
+#include "techniques/reuse/reservoir/neighbours.h"
+#include "techniques/reuse/restir_gi/reconnection.h"
+
+namespace relume {
+
+struct IndirectSpatialKernel {
+  SceneView scene;
+  ReconnectionRule rule;
+  NeighbourSearch search;
+  View<const IndirectReservoir> reservoirs;  ///< before this kernel
+  View<const ReceiverRecord> records;
+  View<IndirectReservoir> history;  ///< for the next frame
+  IndirectImage image;
+  uint32_t seed = 0;
+  uint32_t frame = 0;
+  bool traced = true;      ///< whether targets contain occlusion
+  bool feeds_back = true;  ///< whether the history is the result of this kernel
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * search.width + x;
+    const IndirectReservoir own = reservoirs[pixel];
+    if (!(own.confidence > 0.0f)) {
+      history[pixel] = own;
+      return;
+    }
+    Receiver r;
+    make_receiver(scene, records[pixel], r);
+    ChoiceNumbers numbers(seed, frame, pixel, kChoosesIndirectNeighbours);
+    ReuseNeighbours near;
+    const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
+    search.find(x, y, has_reservoir, numbers, near);
+    IndirectReservoir result = traced ? pairwise(pixel, own, r, near, numbers) : basic(pixel, own, r, near, numbers);
+    shade(pixel, r, result);
+    if (!is_finite(result.weight)) result.weight = 0;  // must not spread
+    history[pixel] = feeds_back ? result : own;
+  }
+
+ private:
+  /// Whether a vertex moves between two pixels.
+  RELUME_HD bool connects(const IndirectVertex& vertex, const SurfacePlace& place, uint32_t a, uint32_t b) const {
+    return rule.moves(vertex) && rule.connects(reconnect(position_of(records[a]), place).geometry(),
+                                               reconnect(position_of(records[b]), place).geometry());
+  }
+
+  /// p̂ at `pixel`, with receiver `r`, of the sample of pixel `from`.
+  RELUME_HD float target_here(uint32_t pixel, const Receiver& r, uint32_t from, const IndirectVertex& vertex) const {
+    const SurfacePlace place = place_of(scene, vertex);
+    if (!connects(vertex, place, pixel, from)) return 0.0f;
+    return moved_target(scene, r, vertex, place, traced, image.rays[pixel]);
+  }
+
+  /// p̂ at pixel `other` of a sample of `pixel`.
+  RELUME_HD float target_there(uint32_t pixel, uint32_t other, const IndirectVertex& vertex) const {
+    const SurfacePlace place = place_of(scene, vertex);
+    if (!connects(vertex, place, pixel, other)) return 0.0f;
+    Receiver r;
+    make_receiver(scene, records[other], r);
+    return moved_target(scene, r, vertex, place, traced, image.rays[pixel]);
+  }
+
+  RELUME_HD IndirectReservoir pairwise(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
+                                       const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
+    PairwiseCombination<IndirectVertex> combination(own, near.count);
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const uint32_t other = near.pixels[i];
+      const IndirectReservoir neighbour = reservoirs[other];
+      const float here = neighbour.weight > 0.0f ? target_here(pixel, r, other, neighbour.sample) : 0.0f;
+      const float there = own.weight > 0.0f ? target_there(pixel, other, own.sample) : 0.0f;
+      combination.add(neighbour, here, there, numbers.next());
+    }
+    return combination.finish(numbers.next());
+  }
+
+  RELUME_HD IndirectReservoir basic(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
+                                    const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
+    BasicCombination<IndirectVertex> combination;
+    combination.add(own, 0, own.target, 0.0f);
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const IndirectReservoir neighbour = reservoirs[near.pixels[i]];
+      const float here = neighbour.weight > 0.0f ? target_here(pixel, r, near.pixels[i], neighbour.sample) : 0.0f;
+      combination.add(neighbour, i + 1, here, numbers.next());
+    }
+    const IndirectVertex& vertex = combination.sample();
+    if (!vertex.valid()) return combination.finish(0.0f, 0.0f);
+    const uint32_t chosen = combination.chosen();
+    float of_source = chosen == 0 ? own.target : target_here(pixel, r, near.pixels[chosen - 1], vertex);
+    float of_all = own.confidence * of_source;
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const float target = target_there(pixel, near.pixels[i], vertex);
+      of_all += reservoirs[near.pixels[i]].confidence * target;
+      if (chosen == i + 1) of_source = target;
+    }
+    return combination.finish(of_source, of_all);
+  }
+
+  /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives. A weight that is
+  /// not finite shows as such.
+  RELUME_HD void shade(uint32_t pixel, const Receiver& r, const IndirectReservoir& result) const {
+    if (result.weight == 0.0f) return;
+    if (!is_finite(result.weight)) {
+      image.radiance[pixel] += Rgb(result.weight);
+      return;
+    }
+    const SurfacePlace place = place_of(scene, result.sample);
+    const Reconnection c = reconnect(r.sp.position, place);
+    if (!traced) {
+      ++image.rays[pixel];
+      if (!sees(scene, r, c, place.error)) return;
+    }
+    image.add(scene, r, c, result.sample.radiance, result.weight, pixel);
+  }
+};
+
+}  // namespace relume

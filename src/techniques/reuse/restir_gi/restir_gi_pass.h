@@ -1,0 +1,37 @@
+// The choice "restir-gi" of the slot reuse as a pass.
+#pragma once
+
+#include "frame/pass.h"
+#include "techniques/reuse/restir_gi/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Adds indirect light at primary hits to the radiance of paths that leave it out (PathRecords::indirect_samples).
+class RestirGiPass final : public Pass {
+ public:
+  /// `repeats`: whether random numbers and structures of paths can be repeated, as without techniques that learn.
+  RestirGiPass(const RestirGiSettings& settings, const PathSource& source, bool repeats)
+      : settings_(settings), source_(source), repeats_(repeats) {}
+
+  void configure(const RestirGiSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool keeps_to_pixels() const override { return false; }
+  /// As for ReSTIR DI: the sum over k of the correlations (cap / (cap + 1))^k, forwards and backwards.
+  uint32_t correlated_frames() const override { return 1 + 2 * static_cast<uint32_t>(settings_.cap); }
+
+ private:
+  bool validates() const;
+  // These return false if a stop was requested first.
+  bool validate(const FrameContext& frame) const;
+  bool reuse_history(const FrameContext& frame) const;
+  bool reuse_neighbours(const FrameContext& frame) const;
+
+  RestirGiSettings settings_;
+  PathSource source_;
+  bool repeats_;
+};
+
+}  // namespace relume
