@@ -71,7 +71,7 @@ struct IndirectTemporalKernel {
     const Hit hit = own.sample.hit();
     if (opacity(scene, hit.instance, hit.primitive, hit.u, hit.v) < 1.0f) own.sample.traits |= IndirectVertex::kBound;
     const Reconnection c = reconnect(r.sp.position, place_of(scene, own.sample));
-    own.target = luminance(reflected_from(scene, r, c, own.sample.radiance));
+    own.target = target_from(scene, r, c, own.sample.radiance);
     if (own.target > 0.0f) own.weight = sample.weight / c.geometry();
     if (is_finite(own.weight) && is_finite(own.target)) return own;
     image.radiance[pixel] += Rgb(own.weight * own.target);  // is counted there, and must not spread
@@ -96,6 +96,7 @@ struct IndirectTemporalKernel {
     const Instance& instance = scene.instances[old_record.hit.instance];
     if (moved && scene.meshes[instance.mesh].deforms) return;  // its previous shape is not fully known
     if (!validated.empty()) follow_light(validated[source], before);
+    if (moved && before.weight > 0.0f) turn_normal(previous_to_current(scene, before.sample.hit()), before.sample);
     uint32_t& rays = image.rays[y * width + x];
     const Vec3 here = position_of(record);
     const Vec3 there = position_of(old_record);
@@ -128,7 +129,10 @@ struct IndirectTemporalKernel {
                              uint32_t& rays) const {
     Receiver old;
     make_receiver(scene, scene.previous_camera, moved ? previous_instance(instance) : instance, record, old);
-    return moved_target(scene, old, vertex, moved ? old_place(vertex) : place_of(scene, vertex), traced, rays);
+    if (!moved) return moved_target(scene, old, vertex, place_of(scene, vertex), traced, rays);
+    IndirectVertex turned = vertex;
+    turn_normal(glm::inverse(previous_to_current(scene, vertex.hit())), turned);
+    return moved_target(scene, old, turned, old_place(vertex), traced, rays);
   }
 
   /// Gives a reservoir the radiance that its sample has now. The more it has changed, the less the history counts.

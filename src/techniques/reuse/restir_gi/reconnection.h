@@ -34,6 +34,14 @@ RELUME_HD inline SurfacePlace place_of(const SceneView& scene, const IndirectVer
   return place_of(scene, scene.instances[vertex.instance], vertex);
 }
 
+/// Maps the vertex's normal by `turn`, the change of vectors at its surface between two placements.
+RELUME_HD inline void turn_normal(const Mat3& turn, IndirectVertex& vertex) {
+  if (turn == Mat3(1)) return;
+  const Vec3 n = turn * unpack_direction(vertex.normal);
+  const float length = glm::length(n);
+  if (length > 0.0f && is_finite(length)) vertex.normal = pack_direction(n / length);
+}
+
 /// The segment from a receiver to a vertex.
 struct Reconnection {
   Vec3 wi{0};          ///< from the receiver, unit
@@ -65,6 +73,14 @@ RELUME_HD inline Rgb reflected_from(const SceneView& scene, const Receiver& r, c
   Rgb value = bsdf.f * radiance * (shading_cosine(r.sp, c.wi) * geometry);
   if (scene.disperses) value *= dispersion_weight(scene, r.sp, c.wi, r.path);
   return value;
+}
+
+/// p̂ without occlusion: the luminance of the vertex's light, times that of the light that the receiver reflects from a
+/// white vertex. The ratio of two receivers' targets, and thus every MIS weight, is independent of the light. Its
+/// distribution may differ between frames, as where light selection learns, without bias.
+RELUME_HD inline float target_from(const SceneView& scene, const Receiver& r, const Reconnection& c,
+                                   const Rgb& radiance) {
+  return luminance(reflected_from(scene, r, c, Rgb(1))) * luminance(radiance);
 }
 
 /// Whether nothing blocks the receiver's view of a vertex; the same for the same receiver and vertex, also behind
@@ -104,15 +120,15 @@ struct ReconnectionRule {
   }
 };
 
-/// p̂ at a receiver of a sample that moved there: the luminance of the integrand, 0 behind occluders if `traced`. Zero
-/// where the vertex could reflect other light than to its own receiver: seen below the horizon of its shading normal,
-/// or through a medium. Adds traced rays to `rays`.
+/// p̂ at a receiver of a sample that moved there: target_from(), 0 behind occluders if `traced`. Zero where the vertex
+/// could reflect other light than to its own receiver: seen below the horizon of its shading normal, or through a
+/// medium. Adds traced rays to `rays`.
 RELUME_HD inline float moved_target(const SceneView& scene, const Receiver& r, const IndirectVertex& vertex,
                                     const SurfacePlace& place, bool traced, uint32_t& rays) {
   const Reconnection c = reconnect(r.sp.position, place);
   if (!(-glm::dot(unpack_direction(vertex.normal), c.wi) >= kLeastVertexCosine)) return 0.0f;
   if (scene.absorbs && !is_black(medium_along(scene, r.sp, c.wi, r.path.medium))) return 0.0f;
-  const float target = luminance(reflected_from(scene, r, c, vertex.radiance));
+  const float target = target_from(scene, r, c, vertex.radiance);
   if (!(target > 0.0f)) return 0.0f;
   if (!traced) return target;
   ++rays;

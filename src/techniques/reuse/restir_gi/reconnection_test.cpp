@@ -106,6 +106,27 @@ TEST(ReconnectionJacobian, IsTheRatioOfCosinesAndSquaredDistances) {
   EXPECT_GT(pairs, 500);
 }
 
+TEST(ReconnectionNormal, TurnsWithItsSurface) {
+  Random random(11);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 normal = random.direction();
+    const Vec3 axis = random.direction();
+    const Mat3 turn = glm::mat3_cast(glm::angleAxis(0.1f + 3 * random.next(), axis));
+    IndirectVertex vertex;
+    vertex.normal = pack_direction(normal);
+    const uint32_t packed = vertex.normal;
+    turn_normal(Mat3(1), vertex);
+    EXPECT_EQ(vertex.normal, packed) << "at rest";
+    turn_normal(2.0f * turn, vertex);
+    EXPECT_LT(glm::length(unpack_direction(vertex.normal) - turn * normal), 3e-4f);
+    turn_normal(glm::inverse(turn), vertex);
+    EXPECT_LT(glm::length(unpack_direction(vertex.normal) - normal), 6e-4f);
+    const uint32_t last = vertex.normal;
+    turn_normal(Mat3(0), vertex);
+    EXPECT_EQ(vertex.normal, last) << "flattened";
+  }
+}
+
 TEST(ReconnectionRule, RefusesBothDirectionsOrNone) {
   Random random(5);
   const ReconnectionRule rule{.largest_jacobian = 4};
