@@ -182,6 +182,7 @@ class SubpathWithACache {
     point_.position = point_.previous_position = Vec3(0.5f);
     path_.ray.direction = glm::normalize(Vec3(0.6f, 0, 0.8f));
     path_.pdf_w = 0.5f;
+    path_.delta = false;
   }
 
   /// Records the subpath. `survival`: probability with which the cache lets it continue; 0: it ends.
