@@ -221,6 +221,18 @@ TEST(SubpathCells, SurvivalSavesRays) {
   }
 }
 
+SurfacePoint matte_point() {
+  SurfacePoint sp{};
+  sp.position = Vec3(0.1f, 0.2f, -1);
+  sp.ng = sp.ns = sp.wo = sp.wo_local = Vec3(0, 0, 1);
+  sp.frame = make_frame(sp.ng);
+  sp.bsdf.lobe_count = 1;
+  sp.bsdf.lobes[0].kind = LobeKind::lambert;
+  sp.bsdf.lobes[0].color = Rgb(0.5f);
+  sp.bsdf.lobes[0].weight = 1;
+  return sp;
+}
+
 /// A vertex behind a mirror lacks no light of splats, so it does not share the cell of the same point in direct view.
 TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
   HashGrid grid(HashGridSettings{}, 64);
@@ -228,14 +240,7 @@ TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
   context.grid = grid.view(grid_camera());
   const auto layer = [&](bool by_prefix, uint32_t bounce) {
     context.by_prefix = by_prefix;
-    SurfacePoint sp{};
-    sp.position = Vec3(0.1f, 0.2f, -1);
-    sp.ng = sp.ns = sp.wo = sp.wo_local = Vec3(0, 0, 1);
-    sp.frame = make_frame(sp.ng);
-    sp.bsdf.lobe_count = 1;
-    sp.bsdf.lobes[0].kind = LobeKind::lambert;
-    sp.bsdf.lobes[0].color = Rgb(0.5f);
-    sp.bsdf.lobes[0].weight = 1;
+    SurfacePoint sp = matte_point();
     PathState path;
     path.bounce = bounce;
     const SampleIndex index;
@@ -249,6 +254,32 @@ TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
   EXPECT_EQ(layer(false, 1), 0);
   EXPECT_EQ(layer(true, 0), 0);
   EXPECT_EQ(layer(true, 1), kBehindLayer);
+}
+
+/// Behind a wide lobe of a surface that is not filtered itself, weights depend on the point of that surface.
+TEST(SubpathCells, NoVertexBehindAWideLobeIsFiltered) {
+  HashGrid grid(HashGridSettings{}, 64);
+  FilterContext context;
+  context.grid = grid.view(grid_camera());
+  const auto is_filtered_behind = [&](bool by_prefix, float alpha, bool delta) {
+    context.by_prefix = by_prefix;
+    SurfacePoint sp = matte_point();
+    PathState path;
+    path.bounce = 1;
+    path.delta = delta;
+    BsdfSample sample;
+    sample.alpha = alpha;
+    const SampleIndex index;
+    FilterVertex vertex(context, index, 0, 0);
+    NoPolicy none;
+    vertex.scattered(sp, sample, path, none);
+    vertex.arrived(sp, path, none);
+    return vertex.reached();
+  };
+  EXPECT_FALSE(is_filtered_behind(true, 1.0f, false));
+  EXPECT_TRUE(is_filtered_behind(true, 0.01f, false));
+  EXPECT_TRUE(is_filtered_behind(true, 0.0f, true));
+  EXPECT_TRUE(is_filtered_behind(false, 1.0f, false));
 }
 
 TEST(SubpathCells, RefuseWhatHasNoSampleForACell) {

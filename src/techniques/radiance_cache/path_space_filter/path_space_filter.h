@@ -25,8 +25,9 @@ struct FilterContext {
   bool refine = false;         ///< whether finer cells receive samples, too
   View<OtherCells> others;     ///< by pixel, with `split` or `refine`; else empty
   uint32_t width = 0;          ///< pixels per row of `others`
-  bool by_prefix = false;      ///< whether primary hits have cells of their own: with light paths, their samples lack
-                               ///< the light of splats, those of vertices behind mirrors do not
+  bool by_prefix = false;      ///< for light paths: whether primary hits have cells of their own, because their samples
+                               ///< lack the light of splats, those of vertices behind mirrors do not. Behind a wide
+                               ///< lobe, weights depend on its vertex, so no vertex there is filtered
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
@@ -49,7 +50,7 @@ class FilterVertex : public NoPolicy {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     // Paths behind a dispersive interface differ in wavelength, over which a cell would average.
-    if (reached() || path.dispersed) return true;
+    if (reached() || path.dispersed || (context_->by_prefix && widened_)) return true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
     if (!d.filtered) return true;
     pixel_.filtered = true;
@@ -77,6 +78,7 @@ class FilterVertex : public NoPolicy {
 
   template <typename Earlier>
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path, Earlier& earlier) {
+    if (!reached()) widened_ = widened_ || (!path.delta && s.alpha >= context_->narrow_alpha);
     if (!reached() || left_) return;
     left_ = true;
     if (!path.delta) {
@@ -170,6 +172,7 @@ class FilterVertex : public NoPolicy {
   Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
   bool scatters_ = false;  ///< whether the path has hit a surface
+  bool widened_ = false;   ///< whether the path left an earlier vertex through a wide lobe
   bool left_ = false;
   bool apart_ = false;  ///< whether the path left through a delta lobe
 };
