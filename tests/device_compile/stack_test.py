@@ -29,8 +29,8 @@ BOUNDS = (
     # A filtered vertex beside both subpaths, and 0.3 KB for records of the path.
     (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 3300),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2700),
-    (r"(BidirectionalKernel|LightSubpathKernelOf|MergingKernel)<LearningContext", 2900),
-    (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2300),
+    (r"(BidirectionalKernel|LightSubpathKernelOf|MergingKernel)<LearningContext", 2950),
+    (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2400),
     # Receivers of the pixel, and of its history or a neighbour.
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 3100),
     (r"IndirectValidationKernel", 1600),
