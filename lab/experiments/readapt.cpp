@@ -1,5 +1,5 @@
-// Frames that techniques with a memory need after a lamp, the camera or an object has moved, until their error is that
-// of an adapted technique.
+// Frames that stateful techniques need after a lamp, the camera or an object has moved, until their error is
+// that of an adapted technique.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -282,7 +282,7 @@ ExperimentResult run_readapt(const ExperimentContext& context) {
 }  // namespace
 
 Experiment readapt_experiment() {
-  return {"readapt", kOurs, "frames until techniques with a memory have adapted to a change", run_readapt};
+  return {"readapt", kOurs, "frames until stateful techniques have adapted to a change", run_readapt};
 }
 
 }  // namespace relume

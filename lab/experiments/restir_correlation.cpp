@@ -1,4 +1,4 @@
-// How much estimates of an image's error err where frames reuse samples: the spread over seeds against estimates of one
+// Errors of estimates of an image's error where frames reuse samples: the spread over seeds against estimates of one
 // run, with correlations between frames and between pixels.
 #include <algorithm>
 #include <cmath>

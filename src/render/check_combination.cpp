@@ -52,7 +52,7 @@ void check_upscaling(const RenderSettings& s) {
 void check_sharc(const RenderSettings& s) {
   if (s.cache != CacheChoice::sharc || !learns(s)) return;
   throw Error(
-      "cache 'sharc' does not combine with lights 'vlc' and guide 'cdq', for which its paths leave no records; use "
+      "cache 'sharc' does not combine with lights 'vlc' or guide 'cdq': its paths leave no records to learn from; use "
       "lights 'light-tree' and guide 'bsdf', or cache 'none'");
 }
 
@@ -61,8 +61,8 @@ void check_forward_history(const RenderSettings& s) {
   if (needs_first_vertices(s) && s.estimator != EstimatorChoice::path && s.cache != CacheChoice::none) {
     throw Error(
         "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with history 'reproject' by "
-        "reproject.method 'forward', which looks up cells from the new view, but cannot look up the splats beside "
-        "them; use reproject.method 'backward', history 'accumulate', estimator 'path' or cache 'none'");
+        "reproject.method 'forward', which looks cells up from the new view, but not splats; use reproject.method "
+        "'backward', history 'accumulate', estimator 'path' or cache 'none'");
   }
 }
 
@@ -114,8 +114,8 @@ void check_cache_of_light_paths(const RenderSettings& s) {
   if (s.cache == CacheChoice::apg || s.cache == CacheChoice::apsf_apg || s.cache == CacheChoice::sharc) {
     throw Error(
         "estimators 'bdpt' and 'vcm' do not combine with caches 'apg', 'apsf+apg' and 'sharc': beyond the first "
-        "vertex, MIS weights depend on all earlier vertices of a path, so the mean of a cell over the paths that reach "
-        "it is not the light that one of them lacks; use cache 'psf' or 'apsf', or estimator 'path'");
+        "vertex, MIS weights depend on all earlier vertices, so a cell's mean is not the light that one path lacks; "
+        "use cache 'psf' or 'apsf', or estimator 'path'");
   }
 }
 
@@ -139,8 +139,8 @@ void check_combination(const RenderSettings& settings) {
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
     throw Error(
-        "lights 'vlc' and guide 'cdq' by nature do not combine with estimator 'light', whose camera paths end at their "
-        "first surface: they choose no lights or directions there, and find nothing to learn from; use estimator "
+        "lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at their first "
+        "surface and choose no lights or directions there; use estimator "
         "'bdpt', or lights 'light-tree' and guide 'bsdf'");
   }
 }

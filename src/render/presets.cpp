@@ -64,7 +64,7 @@ std::vector<Preset> paper_presets() {
   };
 }
 
-/// Have the parameters of other programs.
+/// Presets with the parameters of other programs.
 std::vector<Preset> program_presets() {
   return {
       {"restir-research", "ReSTIR DI, unbiased, with the parameters of the research code [Bitterli20, Lin22]",

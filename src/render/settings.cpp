@@ -98,9 +98,7 @@ std::vector<SettingGroup> setting_groups(AllSettings& s) {
        SettingGroupRole::stopping},
       {"Light transport", "`--max-bounces` and `--path.russian-roulette` apply to every estimator.",
        describe_transport(s.render)},
-      {"Radiance caches",
-       "`psf` applies to the cells of every cache except `sharc`; `apsf`, `apg` and `sharc` apply to these caches "
-       "only.",
+      {"Radiance caches", "`psf` applies to all caches except `sharc`; the others only to the caches of their names.",
        describe_caches(s.render)},
       {"Frames", "The firefly clamp, adaptive sampling and reprojection.", describe_frames(s.render)},
       {"Denoisers", "Surface features and the denoisers BMFR, SVGF and A-SVGF.", describe_denoisers(s.render)},

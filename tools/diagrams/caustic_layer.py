@@ -1,10 +1,10 @@
-"""Light paths add to a film of their own; signs of two halves of the paths show its noise. It is filtered apart from the rest, and added."""
+"""Light paths add to a separate layer; signs of two halves of the paths show its noise. It is filtered apart from the rest, and added."""
 
 from draw import Drawing
 
 
 def draw():
-    d = Drawing(632, 300, "Caustic layer: light paths have a film of their own, which is filtered by its own noise and added to the denoised rest")
+    d = Drawing(632, 300, "Caustic layer: light paths have a separate layer, which is filtered by the noise of light paths and added to the denoised rest")
     d.line((24, 236), (226, 236), width=2.5)
     d.line((102, 40), (140, 40), role="orange", width=4)
     d.circle(120, 128, 32, role="ink", fill=("blue", 0.08))

@@ -88,7 +88,8 @@ struct CausticPrepareKernel {
 
   RELUME_HD float footprint_at(uint32_t pixel) const { return cone_width + cone_spread * depth[pixel]; }
 
-  /// The estimate of one pixel has a single degree of freedom. Pixels without samples look further for light.
+  /// The estimate of one pixel has a single degree of freedom. Pixels without samples take the light of a larger
+  /// neighbourhood.
   RELUME_HD int reach_of(uint32_t pixel) const {
     if (count[pixel] == 0) return 3;
     return count[pixel] < kManyFrames ? 2 : 1;
@@ -132,7 +133,7 @@ struct CausticPrepareKernel {
   }
 };
 
-/// Stores the filtered layer. Unfiltered pixels get none: they show their whole radiance, with the layer.
+/// Stores the filtered layer. Unfiltered pixels get black: they show their whole radiance, which contains the layer.
 struct CausticPresentKernel {
   View<const Rgb> albedo;
   AtrousImage filtered;

@@ -3,8 +3,9 @@
 // beside it, in the pixel that they reach.
 //
 // The weights of both sides are those of the sample's own densities, so they sum to one for every path. Because a cell
-// averages over the pixels that it covers, weights count the camera's strategies as often (BdptContext::light_paths).
-// The part of a cell depends on the density with which the camera finds the vertex. Neighbours share it approximately.
+// averages over the pixels that it covers, weights count the camera's strategies once per covered pixel
+// (BdptContext::light_paths). The part of a cell depends on the density with which the camera finds the vertex.
+// Neighbours share it approximately.
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"

@@ -17,13 +17,12 @@ inline constexpr uint32_t kMostPropagation = 8;
 /// Maximum number of cells of an update path, which discards incomplete samples at the next one. Paths that reach known
 /// cells end earlier.
 inline constexpr uint32_t kMostUpdatedCells = 8;
-/// Bounces of an update path at least, whatever the limit of camera paths. The samples of a path that ends at a limit
+/// Minimum bounce limit of update paths, for any limit of camera paths. The samples of a path that ends at a limit
 /// lack light.
 inline constexpr uint32_t kLeastUpdateBounces = 2 * kMostUpdatedCells;
 
 /// Share of light from a later vertex that a cell receives, for light of luminance `y`. The limit is `clamp` times the
-/// cell's mean for cells of 12 samples, and falls to half of it for cells of two. Fewer samples are no basis of a
-/// limit.
+/// cell's mean for cells of 12 samples, and falls to half of it for cells of two. Cells of fewer samples have no limit.
 RELUME_HD inline float clamped_share(float clamp, const CellMoments& cell, float y) {
   constexpr float kNoConfidence = 2;
   constexpr float kFullConfidence = 12;
@@ -228,7 +227,7 @@ struct CellUpdateKernel {
  private:
   static constexpr uint32_t kNoPixel = 0xffffffffu;
 
-  /// A random pixel of a block that has a sample and a surface; kNoPixel if none of the block's has a sample, or that
+  /// A random pixel of a block that has a sample and a surface; kNoPixel if no pixel of the block has a sample, or that
   /// pixel has no surface.
   RELUME_HD uint32_t pixel_in(uint32_t x, uint32_t y) const {
     const uint32_t x0 = x * block;

@@ -20,8 +20,8 @@ SettingList describe_paths(SharcSettings& s) {
        {.min = 0, .max = 1e6, .biases = true}},
       {"feedback",
        &s.feedback,
-       "Let update paths end in known cells, which propagates light over any number of bounces; off: cells hold "
-       "propagation-depth bounces, and are too dark",
+       "Let update paths end in known cells, which propagates light over any number of bounces; off: cells hold the "
+       "light of propagation-depth bounces only, so images are too dark",
        {.biases = true}},
       {"propagation-depth",
        &s.propagation_depth,
@@ -29,8 +29,8 @@ SettingList describe_paths(SharcSettings& s) {
        {.min = 2, .max = 8, .biases = true}},
       {"clamp",
        &s.clamp,
-       "Clamp light from later vertices to this multiple of the cell's mean, and to half of it while the cell has few "
-       "samples, against fireflies; 0: off",
+       "Against fireflies: maximum light from later vertices, as a multiple of the cell's mean; half of it at two "
+       "samples, all of it from 12 on; 0: off",
        {.min = 0, .max = 1e6, .biases = true}},
   };
 }
@@ -55,7 +55,7 @@ SettingList describe(SharcSettings& s) {
        {.min = 0, .max = 16, .biases = true}},
       {"min-roughness",
        &s.min_roughness,
-       "Roughness of the dominant lobe below which a surface has no cell",
+       "Minimum roughness of the dominant lobe of surfaces with cells",
        {.min = 0, .max = 1, .biases = true}},
       {"frames",
        &s.frames,
@@ -64,7 +64,7 @@ SettingList describe(SharcSettings& s) {
        {.min = 1, .max = 1024, .unit = "frames", .biases = true}},
       {"min-samples",
        &s.min_samples,
-       "Samples from which a cell is known; paths do not end in others",
+       "Minimum number of samples of a known cell; paths end in known cells only",
        {.min = 1, .max = 4096, .biases = true}},
       {"max-age",
        &s.max_age,

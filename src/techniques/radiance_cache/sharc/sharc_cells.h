@@ -10,7 +10,7 @@ struct SharcCells {
   HashGridView grid;
   float narrow_alpha = 0.04f;  ///< α below which lobes count as specular
 
-  /// Whether a vertex may have a cell. Cells hold nothing of delta lobes, and would average over wavelengths.
+  /// Whether a vertex may have a cell. Cells hold no light of delta lobes, and would average over wavelengths.
   RELUME_HD static bool may_hold(const SurfacePoint& sp, const PathState& path) {
     return !path.dispersed && !has_delta(sp.bsdf);
   }

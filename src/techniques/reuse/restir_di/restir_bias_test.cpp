@@ -315,8 +315,8 @@ TEST(RestirLagging, LosesLessLightWithNeighbours) {
   }
 }
 
-/// A face that moves to its front hides the lamps from its former place. The history then counts in full beside this
-/// frame's candidates: light becomes x + cap / (cap + 1) of itself in each frame, and approaches 1 + cap times x.
+/// A face that moves along its normal hides the lamps from its former place. The history then counts in full beside
+/// this frame's candidates: light becomes x + cap / (cap + 1) of itself in each frame, and approaches 1 + cap times x.
 TEST(RestirLagging, IsTooBrightOnFacesThatAdvance) {
   const std::vector<Measured> lit = columns_of(rising_card(), settings_of(ReuseChoice::none), true);
   const std::vector<Measured> lagging =

@@ -7,7 +7,8 @@ SettingList describe(RestirSettings& s) {
       {"correction",
        choice(s.correction, {"exact", "lagging", "basic"}),
        "Weights of reservoirs. exact: with shadow rays, and without history where geometry moves: unbiased; lagging: "
-       "histories survive moving geometry, with bias there; basic: without shadow rays, darker near shadows",
+       "histories survive moving geometry, with bias there; basic: without shadow rays in the weights, darker near "
+       "shadows",
        {.biases = true}},
       {"feedback", choice(s.feedback, {"temporal", "spatial"}),
        "Reservoirs that the next frame reuses: those before (temporal) or after (spatial) the reuse of neighbouring "

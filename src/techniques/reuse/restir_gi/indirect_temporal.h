@@ -60,7 +60,7 @@ struct IndirectTemporalKernel {
     return false;
   }
 
-  /// The sample of the pixel's path, which sees its vertex.
+  /// The sample of the pixel's path, whose vertex is visible.
   RELUME_HD IndirectReservoir own_reservoir(uint32_t pixel, const Receiver& r) const {
     IndirectReservoir own;
     own.confidence = 1;

@@ -7,8 +7,8 @@ SettingList describe(RestirGiSettings& s) {
       {"correction",
        choice(s.correction, {"exact", "lagging", "basic"}),
        "Weights of reservoirs. exact: with shadow rays, and without history where lights or geometry change: unbiased; "
-       "lagging: histories survive such changes, with bias there; basic: the same without shadow rays, darker near "
-       "edges",
+       "lagging: histories survive such changes, with bias there; basic: the same without shadow rays in the weights, "
+       "darker near edges",
        {.biases = true}},
       {"feedback", choice(s.feedback, {"temporal", "spatial"}),
        "Reservoirs that the next frame reuses: those before (temporal) or after (spatial) the reuse of neighbouring "
@@ -24,11 +24,13 @@ SettingList describe(RestirGiSettings& s) {
       {"radius", &s.radius, "Maximum distance of these neighbours", {.min = 1, .max = 1000, .unit = "pixels"}},
       {"roughness",
        &s.roughness,
-       "Roughness of glossy surfaces from which their pixels reuse samples; smoother ones keep their own sample",
+       "Minimum roughness of glossy surfaces whose pixels reuse samples; pixels of smoother surfaces keep their own "
+       "sample",
        {.min = 0, .max = 1}},
       {"reuse-glossy",
        &s.reuse_glossy,
-       "Reuse samples on surfaces with glossy lobes of at least that roughness, too, as if they reflected the same "
+       "Reuse samples on surfaces with glossy lobes of at least restir-gi.roughness, too, as if these surfaces "
+       "reflected the same "
        "light in all directions; off: only samples on Lambertian surfaces",
        {.biases = true}},
       {"jacobian",
@@ -38,7 +40,7 @@ SettingList describe(RestirGiSettings& s) {
       {"validate",
        &s.validate,
        "Number of frames after which the path of a reused sample is traced again, to follow changes, with correction "
-       "lagging or basic; 0: never. Not with techniques that learn",
+       "lagging or basic; 0: never. No effect with lights vlc or guide cdq",
        {.min = 0, .max = 1000, .biases = true}},
   };
 }

@@ -27,7 +27,7 @@ struct PathRecording {
     if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
     return octree.find_pair(sp.previous_position, sp.position);
   }
-  /// The region from which a vertex takes estimates, with a jitter that depends on nothing but the place and the frame:
+  /// The region from which a vertex takes estimates, with a jitter that depends on the place and the frame only:
   /// subpaths from both sides find the same region at a vertex of their path.
   RELUME_HD uint32_t region_at(const SurfacePoint& sp) const {
     return jitter > 0.0f ? jittered_region(sp) : sampled.find(sp.previous_position);

@@ -10,7 +10,7 @@ namespace relume {
 struct LightSubpath {
   PathState path;  ///< radiance collects only non-finite values; throughput excludes the wavelength weight
   SubpathWeights weights;
-  Vec3 from{0};        ///< from the last surface vertex that scattered to its predecessor; for lens hits
+  Vec3 from{0};        ///< direction from the last scattering surface vertex to its predecessor; for lens hits
   uint32_t count = 0;  ///< vertices, including that on the light
   bool from_infinity = false;
   bool turned_away = false;  ///< a camera on the ray would look through the last vertex

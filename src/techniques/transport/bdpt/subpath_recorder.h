@@ -73,7 +73,7 @@ class SubpathRecorder {
   RELUME_HD void add(const Rgb& light, const PartialWeights& at) { add_to(behind_, light, at); }
 
   /// Adds the light of a source at the end of the ray. `connectable`: connections from the previous vertex could find
-  /// it, so directions need not.
+  /// it, so directions leave it out.
   RELUME_HD void add_met(const Rgb& light, const PartialWeights& at, const PathState& path, bool connectable) {
     const bool leaves_out = connectable && behind_ > 0 && behind_ == path.bounce;
     add_to(leaves_out ? behind_ - 1 : behind_, light, at);
