@@ -240,7 +240,9 @@ TEST_P(ForwardWithCells, LookThemUpFromTheNewView) {
   int looked_up = 0;
   for (size_t i = 0; i < reasons.size(); ++i) {
     const auto reason = static_cast<RejectReason>(reasons[i]);
-    if (reason == RejectReason::none) EXPECT_EQ(of_cells[i], samples[i]) << i;
+    if (reason == RejectReason::none) {
+      EXPECT_EQ(of_cells[i], samples[i]) << i;
+    }
     if (reason != RejectReason::looked_up) continue;
     ++looked_up;
     EXPECT_EQ(samples[i], 9u) << i;
