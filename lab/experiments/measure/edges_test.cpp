@@ -78,7 +78,7 @@ TEST(BlockBias, IsMeasuredInErrorsOfRunsAndReference) {
   EXPECT_NEAR(bias.reference, 1, 1e-6);
   EXPECT_NEAR(bias.bias, 0.2, 1e-6);
   EXPECT_NEAR(bias.error, std::sqrt(0.02 / 2 + 0.0016 / 2), 1e-6);
-  EXPECT_NEAR(bias.significance(), 0.2 / bias.error, 1e-9);
+  EXPECT_NEAR(bias.significance(), 0.2 / bias.error, 1e-6);
 }
 
 }  // namespace

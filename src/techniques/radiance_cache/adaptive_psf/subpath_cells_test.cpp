@@ -155,17 +155,21 @@ Scene floor_below_glass() {
   return scene;
 }
 
+/// Filtered light would reach pixels beside the cone of the spotlight.
 TEST(SubpathCells, LeaveSplatsSharp) {
-  const auto frame = [](CacheChoice cache) {
+  const auto lit_pixels = [](CacheChoice cache) {
     RenderSettings settings = settings_of(EstimatorChoice::bdpt, cache);
     settings.path.max_bounces = 3;
+    settings.history = HistoryChoice::accumulate;
     Session session(floor_below_glass(), settings);
-    for (int i = 0; i < 4; ++i) session.render_frame();
-    return session.image().pixels;
+    for (int i = 0; i < 64; ++i) session.render_frame();
+    const std::vector<Rgb> pixels = session.image().pixels;
+    return std::count_if(pixels.begin(), pixels.end(), [](const Rgb& p) { return p.g > 0; });
   };
-  const std::vector<Rgb> without = frame(CacheChoice::none);
-  EXPECT_GT(std::count_if(without.begin(), without.end(), [](const Rgb& p) { return p.g > 0; }), 20);
-  EXPECT_EQ(frame(CacheChoice::psf), without);
+  const auto without = lit_pixels(CacheChoice::none);
+  EXPECT_GT(without, 20);
+  EXPECT_NEAR(static_cast<double>(lit_pixels(CacheChoice::psf)), static_cast<double>(without),
+              0.1 * static_cast<double>(without));
 }
 
 /// Median over the pixels of the squared error of luminance in the last of several frames.

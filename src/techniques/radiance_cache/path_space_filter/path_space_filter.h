@@ -228,8 +228,7 @@ struct ResolveCellsKernel {
       leave_out(i);
     }
     write(from_cells, i, value - p.unfiltered);
-    const bool is_sampled = allocation.empty() ? rays[i] > 0 : allocation[i] > 0;
-    if (edges.rays > 0 && is_sampled && edges.contains(grid, x, y)) {
+    if (edges.rays > 0 && is_sampled(i) && edges.contains(grid, x, y)) {
       value += edges.emission(x, y) - p.seen;
       rays[i] += edges.rays;
     }
@@ -242,6 +241,8 @@ struct ResolveCellsKernel {
   }
 
  private:
+  RELUME_HD bool is_sampled(uint32_t i) const { return allocation.empty() ? rays[i] > 0 : allocation[i] > 0; }
+
   /// Reflected radiance by the cells of pixel `i`; `cell`: the (diffuse) one. The path's own where a cell has no
   /// samples.
   RELUME_HD Rgb shown(uint32_t i, const CellMoments& cell) const {

@@ -1,5 +1,5 @@
-// Update paths of the spatially hashed radiance cache [Sharc25]. Few pixels trace one. Every vertex adds a sample to
-// its cell: its direct light, that of a few later vertices, and the radiance of the cell in which the path ends. That
+// Update paths of the spatially hashed radiance cache [Sharc25]. Few pixels trace one. The first vertices add a sample
+// to their cells: their direct light, that of later vertices, and the radiance of the cell in which the path ends. That
 // cell is of earlier frames, so light propagates over any number of bounces.
 #pragma once
 
@@ -12,10 +12,9 @@ namespace relume {
 inline constexpr uint32_t kUpdateBlock = 5;
 RELUME_HD constexpr uint32_t update_blocks(uint32_t size, uint32_t block) { return (size + block - 1) / block; }
 
-/// Maximum number of vertices whose light reaches a cell.
+/// Maximum number of samples that wait for the light of later vertices.
 inline constexpr uint32_t kMostPropagation = 8;
-/// Maximum number of cells of an update path, which discards incomplete samples at the next one. Paths that reach known
-/// cells end earlier.
+/// Maximum number of cells of an update path without feedback, which discards incomplete samples at the next one.
 inline constexpr uint32_t kMostUpdatedCells = 8;
 /// Minimum bounce limit of update paths, for any limit of camera paths. The samples of a path that ends at a limit
 /// lack light.
@@ -36,7 +35,7 @@ RELUME_HD inline float clamped_share(float clamp, const CellMoments& cell, float
 /// Constants of all update paths.
 struct CellUpdateContext {
   SharcCells cells;
-  uint32_t depth = 4;     ///< vertices whose light reaches a cell, 2 to kMostPropagation
+  uint32_t depth = 4;     ///< cells that wait for later light, 2 to kMostPropagation
   bool feedback = true;   ///< whether paths end in known cells
   float clamp = 0;        ///< as for clamped_share(); 0: no clamping
   bool inherits = false;  ///< whether new cells inherit moments from the next level
@@ -67,15 +66,19 @@ class CellUpdate : public NoPolicy {
   RELUME_HD bool goes_on(PathState& path) {
     if (!has_cell_) return true;
     settle(path);
-    if (count_ == context_->depth) insert_oldest();
-    advance(path.throughput);
     const uint32_t slot = grid().find(address_);
     const CellMoments cell = grid().own_moments(slot);
     if (ends_in(cell)) {
+      advance(path.throughput);
       const Rgb leaving = albedo_here_ * cell.mean;
       for (uint32_t i = 0; i < count_; ++i) add_later(samples_[i], leaving);
       return false;
     }
+    if (count_ == context_->depth) {
+      if (context_->feedback) return true;  // the waiting samples receive the light of all later vertices
+      insert_oldest();
+    }
+    advance(path.throughput);
     if (updated_ == kMostUpdatedCells) {
       count_ = 0;  // these samples lack light of later vertices
       return false;

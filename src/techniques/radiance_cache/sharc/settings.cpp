@@ -25,7 +25,8 @@ SettingList describe_paths(SharcSettings& s) {
        {.biases = true}},
       {"propagation-depth",
        &s.propagation_depth,
-       "Vertices of an update path whose light reaches a cell: its own and those that follow",
+       "Cells of an update path that wait for light of its later vertices; without feedback, also the number of these "
+       "vertices, with that of the cell",
        {.min = 2, .max = 8, .biases = true}},
       {"clamp",
        &s.clamp,
