@@ -107,14 +107,14 @@ TEST(SharcEnergy, CornellHasTheMeanOfPaths) {
   expect_mean_of_paths("cornell", sharc_settings(32, 32), 48, 64, 0.03, 0.01);
 }
 
-/// Light takes many bounces: without feedback most of it would be lost. Cells are small, because large ones average
-/// light around the bends.
+/// Light takes many bounces, and a few bright samples decide the mean. The test fails if 60 % of the light are lost:
+/// without feedback, or if samples lack the light of late vertices, more is.
 TEST(SharcEnergy, TheCorridorHasTheMeanOfPaths) {
   RenderSettings settings = sharc_settings(32, 18);
   settings.sharc.update = SharcUpdate::all;
   settings.sharc.cell_size = 1;
   settings.sharc.frames = 8;
-  expect_mean_of_paths("corridor", settings, 96, 48, 0.06, 0.1);
+  expect_mean_of_paths("corridor", settings, 96, 48, 0.06, 0.12);
 }
 
 TEST(SharcEnergy, ALightSwitchedOffDecays) {
