@@ -27,6 +27,9 @@ constexpr int kTries = 10;
 // Growth of the time outside of launches with the image, per pixel and frame, as a share of a loop with a power per
 // pixel. Without loops, 0.05 to 0.2 were measured.
 constexpr double kMostGrowth = 0.5;
+// The same as a share of the growth of the whole frame. Frames of seconds evict the caches of host code, and 0.0001 was
+// measured in them.
+constexpr double kMostShareOfGrowth = 0.0005;
 
 struct Size {
   int width = 128;
@@ -111,13 +114,22 @@ double most_growth_s() {
   return kMostGrowth * least_s / kLarge.pixels();
 }
 
-/// Growth of the time outside of launches per pixel of the image, seconds, for the frame of a session that takes the
-/// least.
-double growth_s(const DeterminismCheck& technique,
-                const std::function<void(Session&, const std::string&)>& after_pass = {}) {
-  const double large_s = measure(technique, kLarge, kGrowthFrames, after_pass).least_outside_s;
-  const double small_s = measure(technique, kSmall, kGrowthFrames, after_pass).least_outside_s;
-  return (large_s - small_s) / (kLarge.pixels() - kSmall.pixels());
+/// Growth of times per pixel of the image, seconds.
+struct Growth {
+  double all_s = 0;
+  double outside_s = 0;  ///< outside of launches, for the frame of a session that takes the least
+
+  /// `loop_s`: limit for frames that take less than milliseconds.
+  bool is_small(double loop_s) const { return outside_s <= std::max(loop_s, kMostShareOfGrowth * all_s); }
+};
+
+Growth growth(const DeterminismCheck& technique,
+              const std::function<void(Session&, const std::string&)>& after_pass = {}) {
+  const FrameTimes large = measure(technique, kLarge, kGrowthFrames, after_pass);
+  const FrameTimes small = measure(technique, kSmall, kGrowthFrames, after_pass);
+  const double pixels = kLarge.pixels() - kSmall.pixels();
+  return {(large.all_s - small.all_s) / (kGrowthFrames - 1) / pixels,
+          (large.least_outside_s - small.least_outside_s) / pixels};
 }
 
 class FrameTimesTest : public ::testing::TestWithParam<DeterminismCheck> {};
@@ -126,13 +138,17 @@ TEST_P(FrameTimesTest, AddUpToTheFrame) {
   EXPECT_TRUE(times.add_up()) << 1000 * times.outside_s << " of " << 1000 * times.all_s
                               << " ms are outside of launches; find a loop there, and launch it";
 }
-// Finds a single loop over pixels, in every frame, that takes more than half of the time of `sum_of_powers()`. Shorter
-// ones may pass.
+// Finds a single loop over pixels, in every frame, that takes more than half of the time of `sum_of_powers()` and
+// 0.05 % of the frame. Shorter ones may pass.
 TEST_P(FrameTimesTest, GrowWithTheImageOnlyInLaunches) {
   const double most_s = most_growth_s();
-  double least_s = growth_s(GetParam());
-  for (int i = 1; i < kTries && least_s > most_s; ++i) least_s = std::min(least_s, growth_s(GetParam()));
-  EXPECT_LE(least_s, most_s) << "find a loop over pixels outside of launches, and launch it";
+  Growth least = growth(GetParam());
+  for (int i = 1; i < kTries && !least.is_small(most_s); ++i) {
+    const Growth next = growth(GetParam());
+    if (next.outside_s < least.outside_s) least = next;
+  }
+  EXPECT_TRUE(least.is_small(most_s)) << 1e9 * least.outside_s << " of " << 1e9 * least.all_s << " ns per pixel, limit "
+                                      << 1e9 * most_s << "; find a loop over pixels outside of launches, and launch it";
 }
 INSTANTIATE_TEST_SUITE_P(Shared, FrameTimesTest, ::testing::ValuesIn(technique_checks().determinism),
                          [](const auto& instance) { return instance.param.name; });
@@ -145,9 +161,12 @@ TEST(FrameTimesTest, GrowIfOnePassLoopsOverPixels) {
   };
   const DeterminismCheck& technique = technique_checks().determinism.front();
   const double most_s = most_growth_s();
-  double longest_s = growth_s(technique, loop);
-  for (int i = 1; i < kTries && longest_s <= most_s; ++i) longest_s = std::max(longest_s, growth_s(technique, loop));
-  EXPECT_GT(longest_s, most_s);
+  Growth most = growth(technique, loop);
+  for (int i = 1; i < kTries && most.is_small(most_s); ++i) {
+    const Growth next = growth(technique, loop);
+    if (next.outside_s > most.outside_s) most = next;
+  }
+  EXPECT_FALSE(most.is_small(most_s)) << 1e9 * most.outside_s << " of " << 1e9 * most.all_s << " ns per pixel";
   EXPECT_GT(sum, 0.0);
 }
 
