@@ -130,9 +130,7 @@ void expect_values_of_path_tracing(ZooLight light, bool guided, uint32_t count, 
 }
 
 /// Path tracing finds the light of later vertices by few bright samples.
-TEST(BdptRecording, HasTheLightOfPathTracing) {
-  expect_values_of_path_tracing(ZooLight::triangles, false, 1024, 1);
-}
+TEST(BdptRecording, HasTheLightOfPathTracing) { expect_values_of_path_tracing(ZooLight::triangles, false, 1024, 1); }
 
 TEST(BdptRecording, HasTheLightOfPathTracingUnderAnEnvironment) {
   expect_values_of_path_tracing(ZooLight::environment_map, false, 1024, kVertices);
