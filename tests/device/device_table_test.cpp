@@ -3,7 +3,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
@@ -28,21 +27,13 @@ constexpr const char* kPageHead =
     "`SlowDeviceBitsOfMotion` requires the same for a skinned mesh with morph targets that moves. This\npage is "
     "generated (`RELUME_WRITE=1` adds missing rows, `all` measures every row):\n\n"
     "    RELUME_WRITE=all build/release/tests/device/device_tests --gtest_filter='DeviceBitsTable.*'\n\n"
+    "Techniques without a row have been compared in `cornell-glass` alone, by the test `DeviceBits`.\n\n"
     "| technique | scenes with equal bits |\n|---|---|\n";
-
-using ScenesOfTechnique = std::function<std::vector<std::string_view>(const DeterminismCheck&)>;
 
 std::string row(const DeterminismCheck& technique, const std::vector<std::string_view>& scenes) {
   const bool all = scenes.size() == builtin_scenes().size();
   return fmt::format("| `{}` | {} |\n", technique.name,
                      all ? fmt::format("all {}", scenes.size()) : fmt::format("{}", fmt::join(scenes, ", ")));
-}
-
-/// A row for each technique. `equal(technique)`: names of the scenes with equal bits.
-std::string page(const ScenesOfTechnique& equal) {
-  std::string text = kPageHead;
-  for (const DeterminismCheck& technique : technique_checks().determinism) text += row(technique, equal(technique));
-  return text;
 }
 
 std::string stored_page() {
@@ -82,8 +73,8 @@ std::vector<std::string_view> all_scene_names(const DeterminismCheck&) {
   return names;
 }
 
-/// RELUME_WRITE=all measures and writes the page, RELUME_WRITE=1 only the rows that it lacks. It is up to date if it
-/// lists all techniques with equal bits, which DeviceBits checks.
+/// RELUME_WRITE=all measures and writes the page, RELUME_WRITE=1 only the rows that it lacks. Its rows must have equal
+/// bits in all scenes. DeviceBits compares every technique in one scene.
 TEST(DeviceBitsTable, ListsAllTechniques) {
   if (const char* write = std::getenv("RELUME_WRITE")) {
     const std::string completed = completed_page(write == std::string_view("all") ? "" : stored_page());
@@ -91,7 +82,12 @@ TEST(DeviceBitsTable, ListsAllTechniques) {
   }
   const std::string stored = stored_page();
   ASSERT_FALSE(stored.empty()) << "docs/device-bits.md cannot be read; run this test with RELUME_WRITE=all";
-  EXPECT_EQ(stored, page(all_scene_names)) << "run it with RELUME_WRITE=1";
+  std::string expected = kPageHead;
+  for (const DeterminismCheck& technique : technique_checks().determinism) {
+    const std::string text = row(technique, all_scene_names(technique));
+    if (stored.find(text) != std::string::npos) expected += text;
+  }
+  EXPECT_EQ(stored, expected) << "run it with RELUME_WRITE=1";
 }
 
 }  // namespace
