@@ -1,4 +1,5 @@
-// Tests that the times of launches add up to the frame: no pass works on the host outside of them.
+// Tests that the times of launches add up to the frame: no pass works on the host outside of them. They measure, so they
+// are slow tests, for a quiet machine; `HostAndKernelsKeepToTheirMemory` and `TimedHostCodeAccessesNoPixels` count.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -132,15 +133,15 @@ Growth growth(const DeterminismCheck& technique,
           (large.least_outside_s - small.least_outside_s) / pixels};
 }
 
-class FrameTimesTest : public ::testing::TestWithParam<DeterminismCheck> {};
-TEST_P(FrameTimesTest, AddUpToTheFrame) {
+class SlowFrameTimes : public ::testing::TestWithParam<DeterminismCheck> {};
+TEST_P(SlowFrameTimes, AddUpToTheFrame) {
   const FrameTimes times = shortest(GetParam());
   EXPECT_TRUE(times.add_up()) << 1000 * times.outside_s << " of " << 1000 * times.all_s
                               << " ms are outside of launches; find a loop there, and launch it";
 }
 // Finds a single loop over pixels, in every frame, that takes more than half of the time of `sum_of_powers()` and
 // 0.05 % of the frame. Shorter ones may pass.
-TEST_P(FrameTimesTest, GrowWithTheImageOnlyInLaunches) {
+TEST_P(SlowFrameTimes, GrowWithTheImageOnlyInLaunches) {
   const double most_s = most_growth_s();
   Growth least = growth(GetParam());
   for (int i = 1; i < kTries && !least.is_small(most_s); ++i) {
@@ -150,10 +151,10 @@ TEST_P(FrameTimesTest, GrowWithTheImageOnlyInLaunches) {
   EXPECT_TRUE(least.is_small(most_s)) << 1e9 * least.outside_s << " of " << 1e9 * least.all_s << " ns per pixel, limit "
                                       << 1e9 * most_s << "; find a loop over pixels outside of launches, and launch it";
 }
-INSTANTIATE_TEST_SUITE_P(Shared, FrameTimesTest, ::testing::ValuesIn(technique_checks().determinism),
+INSTANTIATE_TEST_SUITE_P(Shared, SlowFrameTimes, ::testing::ValuesIn(technique_checks().determinism),
                          [](const auto& instance) { return instance.param.name; });
 
-TEST(FrameTimesTest, GrowIfOnePassLoopsOverPixels) {
+TEST(SlowFrameTimesTest, GrowIfOnePassLoopsOverPixels) {
   if (is_host_replaced()) GTEST_SKIP() << "the host waits for devices outside of launches";
   double sum = 0;
   const auto loop = [&sum](Session& session, const std::string& pass) {
