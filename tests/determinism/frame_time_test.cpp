@@ -1,5 +1,6 @@
-// Tests that the times of launches add up to the frame: no pass works on the host outside of them. They measure, so they
-// are slow tests, for a quiet machine; `HostAndKernelsKeepToTheirMemory` and `TimedHostCodeAccessesNoPixels` count.
+// Tests that the times of launches add up to the frame: no pass works on the host outside of them. They measure, so
+// they are slow tests, for a quiet machine; `HostAndKernelsKeepToTheirMemory` and `TimedHostCodeAccessesNoPixels`
+// count.
 #include <gtest/gtest.h>
 
 #include <algorithm>
