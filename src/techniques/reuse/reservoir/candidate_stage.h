@@ -51,6 +51,7 @@ struct CandidateStage {
     const bool visible = sees(context.scene, r, light_at(context.scene.lights, own.sample, r.sp.position));
     if (!recording.samples.empty() && recording.vertices > 0)
       recording.sample(0, pixel).light = own.sample.light | (visible ? kVisibleLight : 0u);
+    if (visible) recording.offer(0, pixel, own.sample.light, own.target * own.weight);
     if (!first_vertices.empty()) record_candidate(context.scene, r, own, visible, first_vertices[pixel]);
     if (!visible) own.weight = 0;
     return own;

@@ -4,6 +4,7 @@
 #include "core/hash.h"
 #include "core/octahedral.h"
 #include "scene/surface_point.h"
+#include "techniques/light_sampling/light_selection/light_feedback.h"
 #include "techniques/spatial/octree/sample_stream.h"
 
 namespace relume {
@@ -17,9 +18,11 @@ struct PathRecording {
   View<VertexSample> samples;
   uint32_t vertices = 0;
   uint32_t pixels = 0;
-  float jitter = 0;     ///< width of the jitter of look-ups, in edges of leaves
-  uint32_t seed = 0;    ///< seed of the jitter, different in each frame
-  bool frozen = false;  ///< whether the trees differ: `sampled` is that of an earlier frame of the epoch
+  float jitter = 0;                   ///< width of the jitter of look-ups, in edges of leaves
+  uint32_t seed = 0;                  ///< seed of the jitter, different in each frame
+  bool frozen = false;                ///< whether the trees differ: `sampled` is that of an earlier frame of the epoch
+  View<LightFeedback> feedback = {};  ///< by pixel, for light selection that learns per pixel; empty: none
+  uint32_t feedback_seed = 0;         ///< of its choices, different in each frame
 
   RELUME_HD PathRecorder begin(uint32_t pixel) const;
   /// The regions of a vertex without jitter.
@@ -37,6 +40,17 @@ struct PathRecording {
     return sampled.find_near(q, jitter, random_vector(hash(hash(seed, q.x), q.y, q.z)));
   }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
+  /// Stores the surface at a vertex in the feedback of its pixel, if it is the first.
+  RELUME_HD void meet(uint32_t vertex, uint32_t pixel, const SurfacePoint& sp) const {
+    if (vertex > 0 || feedback.empty()) return;
+    feedback[pixel].position = sp.position;
+    feedback[pixel].previous_position = sp.previous_position;
+  }
+  /// Adds an unblocked connection at a vertex to the feedback of its pixel. `contribution`: luminance.
+  RELUME_HD void offer(uint32_t vertex, uint32_t pixel, LightId light, float contribution) const {
+    if (feedback.empty()) return;
+    feedback[pixel].offer(light, vertex > 0, contribution, to_unit_float(hash(feedback_seed, pixel, vertex)));
+  }
   /// Clears the records of `pixel`.
   RELUME_HD void skip(uint32_t pixel) const {
     for (uint32_t v = 0; v < vertices; ++v) sample(v, pixel) = {};
@@ -72,6 +86,7 @@ struct PathRecorder {
                                                    random(v))
                     : regions.sample;
     begin_vertex(v, regions.store);
+    recording->meet(v, pixel, sp);
     return true;
   }
 
@@ -96,6 +111,7 @@ struct PathRecorder {
   RELUME_HD void connected(const SurfacePoint&, const Path&, const Connection& connection, bool visible) {
     if (current < recording->vertices)
       recording->sample(current, pixel).light = connection.light | (visible ? kVisibleLight : 0u);
+    if (visible) recording->offer(current, pixel, connection.light, luminance(connection.contribution));
   }
 
   template <typename Path>

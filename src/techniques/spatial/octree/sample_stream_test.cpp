@@ -112,6 +112,7 @@ struct FakePath {
 };
 struct FakeConnection {
   LightId light;
+  Rgb contribution{1};
 };
 
 class Recording : public ::testing::Test {

@@ -55,7 +55,7 @@ struct BdptContext {
 };
 
 /// Context of paths that take lights or directions from learned structures, and record samples for them (light
-/// selection "vlc", guiding "cdq").
+/// selections "vlc" and "neeat", guiding "cdq").
 struct LearningContext : BdptContext {
   static constexpr bool kLearns = true;
 };

@@ -51,7 +51,10 @@ class SubpathRecorder {
  public:
   RELUME_HD SubpathRecorder(const PathRecording& recording, uint32_t pixel) : recorder_(recording.begin(pixel)) {}
 
-  RELUME_HD bool needs_visibility() const { return recorder_.current < recorder_.recording->vertices; }
+  RELUME_HD bool needs_visibility() const {
+    const PathRecording& recording = *recorder_.recording;
+    return recorder_.current < recording.vertices || (recorder_.current == 0 && !recording.feedback.empty());
+  }
 
   /// Called with the arguments of SubpathWeights::arrive().
   RELUME_HD void moved(float cosine, float distance_squared) {
@@ -64,6 +67,7 @@ class SubpathRecorder {
     const RegionPair regions = recording.find(sp);
     sp.region = recording.jitter > 0.0f ? recording.jittered_region(sp) : regions.sample;
     recorder_.begin_vertex(path.bounce, regions.store);
+    recording.meet(path.bounce, recorder_.pixel, sp);
   }
 
   /// Sets the terms of the weight within the light that add() or add_met() gets next.
