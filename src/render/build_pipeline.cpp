@@ -17,6 +17,7 @@
 #include "techniques/gbuffer/features/features_pass.h"
 #include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
 #include "techniques/guiding/direction_view/direction_view_pass.h"
+#include "techniques/light_sampling/adaptive_tiles/adaptive_tiles_pass.h"
 #include "techniques/light_sampling/light_selection/light_selection_pass.h"
 #include "techniques/light_sampling/light_tree/light_tree_pass.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
@@ -66,6 +67,11 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
   });
 }
 
+/// Whether lights or directions are learned per region of the octree.
+bool learns_regions(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
 OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   OctreePass& octree = builder.add<OctreePass, &RenderSettings::octree>(adds_up);
   builder.add_follower(octree, [](const RenderSettings& s) {
@@ -76,8 +82,10 @@ OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   return octree;
 }
 
+/// Adds the light selection. `recording`: destination of samples for learning, from the octree or nullptr; becomes that
+/// of the light selection if it takes more.
 const LightSelector& add_light_selection(PipelineBuilder& builder, const RenderSettings& settings,
-                                         const OctreePass* octree) {
+                                         const OctreePass* octree, const PathRecording*& recording) {
   switch (settings.lights) {
     case LightSelectionChoice::uniform:
       return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::uniform).selector();
@@ -92,6 +100,12 @@ const LightSelector& add_light_selection(PipelineBuilder& builder, const RenderS
           builder.add<VisibilityLightCachePass, &RenderSettings::vlc, &RenderSettings::light_selection>(*octree);
       builder.add<KnownLightsPass>(*octree, cache);
       return cache.selector();
+    }
+    case LightSelectionChoice::neeat: {
+      auto& tiles = builder.add<AdaptiveTilesPass, &RenderSettings::neeat, &RenderSettings::light_selection>(
+          octree, settings.history != HistoryChoice::none);
+      recording = &tiles.recording();
+      return tiles.selector();
     }
   }
   return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::power).selector();
@@ -201,7 +215,7 @@ bool needs_first_vertices(const RenderSettings& settings) {
 bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1 || settings.switches_upscaling; }
 
 bool learns(const RenderSettings& settings) {
-  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+  return learns_regions(settings) || settings.lights == LightSelectionChoice::neeat;
 }
 
 bool denoiser_fills(const RenderSettings& settings) {
@@ -225,13 +239,15 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   FramePasses passes;
   PipelineBuilder builder(settings, passes, memory);
   const bool adds_up = settings.history != HistoryChoice::none;
-  const OctreePass* octree = learns(settings) ? &add_octree(builder, adds_up) : nullptr;
-  const LightSelector& selector = add_light_selection(builder, settings, octree);
+  const OctreePass* octree = learns_regions(settings) ? &add_octree(builder, adds_up) : nullptr;
+  const PathRecording* recording = octree ? &octree->recording() : nullptr;
+  const LightSelector& selector = add_light_selection(builder, settings, octree, recording);
   const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
-  PathPass* const paths = add_paths(builder, settings, source, octree);
+  if (octree) builder.add<RegionViewPass>(*octree);
+  PathPass* const paths = add_paths(builder, settings, source, recording);
   // Paths alone lack the light that reservoirs add to the image.
-  const bool whole_paths = paths && !octree && settings.reuse == ReuseChoice::none;
+  const bool whole_paths = paths && !recording && settings.reuse == ReuseChoice::none;
   const bool repeats = whole_paths && settings.denoise == DenoiseChoice::asvgf;
   const GradientPass* const gradients =
       repeats ? &builder.add_tracing<GradientPass, &RenderSettings::asvgf>(source) : nullptr;

@@ -17,6 +17,8 @@ void check_crop(const RenderSettings& s) {
       {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
       {s.lights == LightSelectionChoice::vlc,
        "the visibility light cache, which learns from other pixels; use --lights light-tree"},
+      {s.lights == LightSelectionChoice::neeat,
+       "light selection by screen tiles, which learns from other pixels; use --lights light-tree"},
       {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
@@ -52,8 +54,8 @@ void check_upscaling(const RenderSettings& s) {
 void check_sharc(const RenderSettings& s) {
   if (s.cache != CacheChoice::sharc || !learns(s)) return;
   throw Error(
-      "cache 'sharc' does not combine with lights 'vlc' or guide 'cdq': its paths leave no records to learn from; use "
-      "lights 'light-tree' and guide 'bsdf', or cache 'none'");
+      "cache 'sharc' does not combine with lights 'neeat', lights 'vlc' or guide 'cdq': its paths leave no records to "
+      "learn from; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
 }
 
 /// Throws if forward reprojection does not combine with the estimator and the cache.
@@ -139,9 +141,9 @@ void check_combination(const RenderSettings& settings) {
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
     throw Error(
-        "lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at their first "
-        "surface and choose no lights or directions there; use estimator "
-        "'bdpt', or lights 'light-tree' and guide 'bsdf'");
+        "lights 'neeat', lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at "
+        "their first surface and choose no lights or directions there; use estimator 'bdpt', or lights 'light-tree' "
+        "and guide 'bsdf'");
   }
 }
 

@@ -142,9 +142,7 @@ bool history_splits(const RenderSettings& settings) {
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const OctreePass* octree) {
-  const PathRecording* const recording = octree ? &octree->recording() : nullptr;
-  if (octree) builder.add<RegionViewPass>(*octree);
+                    const PathRecording* recording) {
   if (settings.cache != CacheChoice::none) {
     add_cached_paths(builder, settings, source, recording);
     return nullptr;

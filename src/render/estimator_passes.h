@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/pipeline_builder.h"
-#include "techniques/spatial/octree/octree_pass.h"
+#include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/path/path_pass.h"
 
 namespace relume {
@@ -21,9 +21,9 @@ bool denoiser_splits(const RenderSettings& settings);
 bool history_splits(const RenderSettings& settings);
 bool splits_light(const RenderSettings& settings);
 
-/// Adds the estimator. `octree`: destination of path samples, or nullptr. Returns the pass of path tracing without a
+/// Adds the estimator. `recording`: destination of path samples, or nullptr. Returns the pass of path tracing without a
 /// cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const OctreePass* octree);
+                    const PathRecording* recording);
 
 }  // namespace relume

@@ -59,9 +59,10 @@ SettingList describe_slots(RenderSettings& s) {
        "tracing only, which misses surfaces seen in mirrors and through smooth glass; vcm: vertex connection and "
        "merging, which adds photon mapping to bdpt and blurs the light that it merges",
        {.biases = true}},
-      {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc"}),
-       "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, or from a cache of "
-       "lights that were visible nearby in the last frame"},
+      {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc", "neeat"}),
+       "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, from a cache of "
+       "lights that were visible nearby in the last frame, or from lists of lights that were useful to the pixels of "
+       "a screen tile (NEE-AT)"},
       {"guide", choice(s.guide, {"bsdf", "cdq"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding)"},
@@ -102,6 +103,7 @@ SettingList describe_transport(RenderSettings& s) {
   append(list, with_prefix("static-lists", describe(s.static_lists)));
   append(list, with_prefix("octree", describe(s.octree)));
   append(list, with_prefix("vlc", describe(s.vlc)));
+  append(list, with_prefix("neeat", describe(s.neeat)));
   append(list, with_prefix("cdq", describe(s.cdq)));
   append(list, with_prefix("ris", describe(s.ris)));
   append(list, with_prefix("restir", describe(s.restir)));

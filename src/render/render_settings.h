@@ -14,6 +14,7 @@
 #include "techniques/denoise/svgf/settings.h"
 #include "techniques/gbuffer/features/settings.h"
 #include "techniques/guiding/directional_quadtree/settings.h"
+#include "techniques/light_sampling/adaptive_tiles/settings.h"
 #include "techniques/light_sampling/light_selection/settings.h"
 #include "techniques/light_sampling/static_light_lists/settings.h"
 #include "techniques/light_sampling/visibility_light_cache/settings.h"
@@ -40,7 +41,7 @@ inline constexpr int kMostSeed = 900'000'000;
 
 // The slots (docs/architecture.md): each enum lists the available choices.
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
-enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
+enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc, neeat };
 enum class GuideChoice : int { bsdf, cdq };
 enum class ReuseChoice : int { none, ris, restir_di, restir_gi };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
@@ -82,6 +83,7 @@ struct RenderSettings {
   LightSelectionSettings light_selection;
   OctreeSettings octree;
   VisibilityLightCacheSettings vlc;
+  AdaptiveTilesSettings neeat;
   DirectionalQuadtreeSettings cdq;
   StaticLightListsSettings static_lists;
   RisSettings ris;

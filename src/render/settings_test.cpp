@@ -117,7 +117,7 @@ TEST(Settings, ErrorsNameTheSource) {
   EXPECT_EQ(message_of([] {
               resolve({.flags = {{"lights", "vcl"}}});
             }),
-            "--lights is 'vcl', but this version has uniform, power, light-tree, static-lists and vlc");
+            "--lights is 'vcl', but this version has uniform, power, light-tree, static-lists, vlc and neeat");
 }
 
 TEST(Settings, EveryPresetIsValid) {

@@ -53,6 +53,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "directional_quadtree": "octree",
     "direction_view": "directional_quadtree octree path",
     "visibility_light_cache": "octree",
+    "adaptive_tiles": "octree",
     "features": "path primary_hits reprojection",
     "shared": "features path primary_hits reprojection",  # by denoisers
     "bmfr": "features shared",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene/surface_point.h"
+#include "techniques/light_sampling/adaptive_tiles/adaptive_tiles.h"
 #include "techniques/light_sampling/light_selection/light_selection.h"
 #include "techniques/light_sampling/light_tree/light_tree.h"
 #include "techniques/light_sampling/power_lights/power_lights.h"
@@ -12,8 +13,8 @@
 
 namespace relume {
 
-enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache };
-inline constexpr int kLightSelectorKindCount = 5;
+enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache, adaptive_tiles };
+inline constexpr int kLightSelectorKindCount = 6;
 
 struct LightSelector {
   LightSelectorKind kind = LightSelectorKind::power;
@@ -22,6 +23,7 @@ struct LightSelector {
   LightTree tree;
   StaticLightLists lists;
   VisibilityLightCache cache;
+  AdaptiveTiles tiles;
 
   /// Samples a light for the point `sp`; pmf 0 if none can be chosen.
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
@@ -31,6 +33,7 @@ struct LightSelector {
       case LightSelectorKind::light_tree: return tree.sample(sp, n);
       case LightSelectorKind::static_lists: return lists.sample(sp, n);
       case LightSelectorKind::cache: return cache.sample(sp, n);
+      case LightSelectorKind::adaptive_tiles: return tiles.sample(sp, n);
     }
     return {};
   }
@@ -43,6 +46,7 @@ struct LightSelector {
       case LightSelectorKind::light_tree: return tree.pmf(sp, light);
       case LightSelectorKind::static_lists: return lists.pmf(sp, light);
       case LightSelectorKind::cache: return cache.pmf(sp, light);
+      case LightSelectorKind::adaptive_tiles: return tiles.pmf(sp, light);
     }
     return 0.0f;
   }

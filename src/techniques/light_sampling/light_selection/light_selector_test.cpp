@@ -59,6 +59,7 @@ struct Selectors {
     selector.tree = tree.view(lights);
     view_lists(lights);
     view_cache(lights);
+    view_tiles(lights);
   }
 
   /// One cell that lists every second light and weighs two per sample.
@@ -100,6 +101,25 @@ struct Selectors {
     c.lights = lights;
   }
 
+  /// One tile that every receiver takes lights from, with two lights.
+  void view_tiles(const LightsView& lights) {
+    proxies.push_back(0);
+    for (const AliasEntry& entry : power)
+      proxies.push_back(proxies.back() + (entry.pmf > 0 ? 1 + static_cast<uint32_t>(1e6f * entry.pmf) : 0));
+    const auto last = static_cast<LightId>(lights.first_infinite) - 1;
+    tile_lights = {0, 0, 0, 0, 0, last, last, last};
+    AdaptiveTiles& t = selector.tiles;
+    t.all = {view_of(proxies)};
+    t.tiles.grid.camera.position = Vec3(0, 0, 3);
+    t.tiles.grid.camera.axes = make_frame(Vec3(0, 0, 1));
+    t.tiles.grid.camera.resolution = Vec2(4);
+    t.tiles.grid.tile_size = 4;
+    t.tiles.grid.list_size = 8;
+    t.tiles.grid.columns = t.tiles.grid.rows = 1;
+    t.tiles.lights = view_of(tile_lights);
+    t.tiles.depths = view_of(tile_depths);
+  }
+
   /// Adds the lights at infinity to the lists of region 0, where they are rarely visible.
   void list_infinite(const LightsView& lights) {
     for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
@@ -133,6 +153,9 @@ struct Selectors {
   std::vector<LightBuckets> buckets;
   std::vector<uint32_t> entries;
   std::vector<float> bucket_weights{0.7f, 0, 0.3f, 0};
+  std::vector<uint32_t> proxies;
+  std::vector<LightId> tile_lights;
+  std::vector<TileDepths> tile_depths{{2, 4}};
   std::vector<LightShares> shares;
 };
 
