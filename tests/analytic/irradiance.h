@@ -33,6 +33,7 @@ inline const auto kWays = ::testing::Values(
     Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
     Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
     Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
+    Way{"neeat", EstimatorChoice::path, LightSelectionChoice::neeat, GuideChoice::bsdf, 8},
     Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8}, kVlcCdq,
     Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt,
     Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2});
@@ -41,6 +42,7 @@ inline const auto kWays = ::testing::Values(
 inline const auto kOtherWays = ::testing::Values(
     Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
     Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
+    Way{"bdpt_neeat", EstimatorChoice::bdpt, LightSelectionChoice::neeat, GuideChoice::bsdf, 8},
     Way{"bdpt_vlc_cdq", EstimatorChoice::bdpt, LightSelectionChoice::vlc, GuideChoice::cdq, 8},
     Way{"ris", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 2, false, ReuseChoice::ris},
     Way{"ris_vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8, false, ReuseChoice::ris},

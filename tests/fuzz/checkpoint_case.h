@@ -57,8 +57,8 @@ inline Scene turning_triangle() {
 }
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
-/// reservoirs.
-inline constexpr int kCheckpointCases = 12;
+/// reservoirs, lists of tiles.
+inline constexpr int kCheckpointCases = 13;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -96,6 +96,7 @@ inline RenderSettings checkpoint_settings(int which) {
       s.reuse = ReuseChoice::restir_gi;
       s.restir_gi.correction = ReuseCorrection::lagging;
       break;
+    case 12: s.lights = LightSelectionChoice::neeat; break;
     default: break;  // accumulates
   }
   return s;

@@ -89,6 +89,12 @@ std::vector<Way> ways(const Effort& effort) {
   paper.settings.vlc.even_buckets = 1;
   paper.settings.guide = GuideChoice::cdq;
   list.push_back(paper);
+  for (const GuideChoice guide : {GuideChoice::bsdf, GuideChoice::cdq}) {
+    Way tiles{guide == GuideChoice::cdq ? "neeat-cdq" : "neeat", base_settings(effort)};
+    tiles.settings.lights = LightSelectionChoice::neeat;
+    tiles.settings.guide = guide;
+    list.push_back(tiles);
+  }
   return list;
 }
 

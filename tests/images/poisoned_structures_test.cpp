@@ -2,6 +2,7 @@
 // sequence, as in an epoch.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "support/image_test.h"
 #include "techniques/gbuffer/primary_hits/primary_hits.h"
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
+#include "techniques/light_sampling/adaptive_tiles/adaptive_tiles.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs.h"
@@ -104,6 +106,29 @@ class Poisoned {
     context.selector.cache = cache_;
     return context;
   }
+  /// With random lists, of which some hold lights that do not exist, and random proxies of all lights.
+  PathContext tiled() {
+    const uint32_t lights = scene_.view().lights.lights.size;
+    proxies_.assign(1, 0);
+    for (uint32_t i = 0; i < lights; ++i)
+      proxies_.push_back(proxies_.back() + (uniform_.pmf(i) > 0 ? 1 + below(40) : 0));
+    TileGrid grid;
+    grid.camera = scene_.view().camera;
+    grid.tile_size = 5;
+    grid.list_size = 6;
+    grid.offset = {2, 3};
+    grid.columns = (kWidth + 4) / 5 + 1;
+    grid.rows = (kHeight + 4) / 5 + 1;
+    for (uint32_t tile = 0; tile < grid.count(); ++tile) {
+      for (uint32_t i = 0; i < grid.list_size; ++i) tile_lights_.push_back(below(lights + lights / 8 + 1));
+      std::sort(tile_lights_.end() - grid.list_size, tile_lights_.end());
+      depths_.push_back({0.1f + 10 * random_.next(), 5 + 20 * random_.next()});
+    }
+    PathContext context = plain();
+    context.selector.kind = LightSelectorKind::adaptive_tiles;
+    context.selector.tiles = {{grid, 1.2f, view_of(tile_lights_), view_of(depths_)}, {view_of(proxies_)}, 0.65f};
+    return context;
+  }
 
   /// Images of several seeds, each the mean of one epoch's frames.
   Moments images(const PathContext& context, const Effort& effort, uint32_t first_seed,
@@ -121,6 +146,8 @@ class Poisoned {
   }
 
  private:
+  uint32_t below(uint32_t count) { return static_cast<uint32_t>(random_.next() * static_cast<float>(count)); }
+
   void build_caches() {
     const LightsView& lights = scene_.view().lights;
     const std::vector<LightSummary> summaries = light_summaries(lights);
@@ -235,6 +262,9 @@ class Poisoned {
   std::vector<float> fractions_;
   LightCaches caches_;
   ExplorationTables exploration_{host_memory()};
+  std::vector<uint32_t> proxies_;
+  std::vector<LightId> tile_lights_;
+  std::vector<TileDepths> depths_;
   std::vector<AliasEntry> infinite_;
   std::vector<CompactLight> compact_;
   VisibilityLightCache cache_;
@@ -260,6 +290,12 @@ void check_caches(const std::string& name, const Effort& effort) {
   Poisoned poisoned("turntable");
   const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
   expect_same_image(name, poisoned.images(poisoned.cached(), effort, 1), expected, effort.options);
+}
+
+void check_tiles(const std::string& name, const Effort& effort) {
+  Poisoned poisoned("turntable");
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  expect_same_image(name, poisoned.images(poisoned.tiled(), effort, 1), expected, effort.options);
 }
 
 void check_filtered_paths(const std::string& name, const Effort& effort) {
@@ -289,6 +325,7 @@ void check_both_ends(const std::string& name, const Effort& effort) {
 TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
 TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions", kQuick); }
 TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
+TEST(PoisonedStructures, TilesKeepTheMean) { check_tiles("poisoned-tiles", kQuick); }
 TEST(PoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf", kQuick); }
 TEST(PoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg", kQuick); }
 TEST(PoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt", kQuick); }
@@ -296,6 +333,7 @@ TEST(PoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poiso
 TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
 TEST(SlowPoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches-sharp", kSharp); }
+TEST(SlowPoisonedStructures, TilesKeepTheMean) { check_tiles("poisoned-tiles-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf-sharp", kSharp); }
 TEST(SlowPoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg-sharp", kSharp); }
 TEST(SlowPoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt-sharp", kSharp); }
