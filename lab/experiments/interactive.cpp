@@ -46,6 +46,7 @@ const Variation kTransports[] = {
     {"light-tree", R"({"lights": "light-tree"})"},
     {"static-lists", R"({"lights": "static-lists"})"},
     {"vlc", R"({"lights": "vlc"})"},
+    {"neeat", R"({"lights": "neeat"})"},
     {"cdq", R"({"guide": "cdq", "lights": "light-tree"})"},
     {"vlc, cdq", R"({"lights": "vlc", "guide": "cdq"})"},
     {"psf", R"({"cache": "psf"})"},

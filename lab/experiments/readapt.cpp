@@ -39,6 +39,7 @@ struct Technique {
 /// Techniques without a denoiser show single frames.
 constexpr Technique kContenders[] = {
     {"vlc", R"({"lights": "vlc", "history": "none"})", false, 11, "[Dittebrandt20 §7.2]"},
+    {"neeat", R"({"lights": "neeat", "history": "none"})"},
     {"cdq", R"({"guide": "cdq", "history": "none"})", false, 20, "[Dittebrandt20 §7.3]"},
     {"restir-di", R"({"reuse": "restir-di", "history": "none"})", false, 20, kOurs},
     {"svgf", R"({"denoise": "svgf"})", true},

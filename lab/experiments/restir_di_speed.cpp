@@ -41,6 +41,7 @@ constexpr Variation kContenders[] = {
     {"power", R"({"lights": "power"})"},
     {kTree, R"({"lights": "light-tree"})"},
     {"vlc", R"({"lights": "vlc"})"},
+    {"neeat", R"({"lights": "neeat"})"},
     {"ris", R"({"reuse": "ris"})"},
     {kReuse, R"({"reuse": "restir-di"})"},
     {"restir-di, light-tree", R"({"reuse": "restir-di", "lights": "light-tree"})"},
