@@ -54,8 +54,8 @@ void AdaptiveTilesPass::drop_inconsistent(const FrameContext& frame) {
     const auto is_consistent = [&](const LearnedTiles& tiles) {
       return tiles.consistent(frame.width(), frame.height(), light_count);
     };
-    consistent = is_consistent(tiles_) && is_consistent(snapshot_.of(tiles_)) &&
-                 has_known_projection(feedback_camera_) && has_exact_counts(frame);
+    consistent = is_consistent(tiles_) && is_consistent(snapshot_.of(tiles_)) && is_undamaged(feedback_camera_) &&
+                 has_exact_counts(frame);
   });
   if (consistent) return;
   tiles_ = LearnedTiles(feedback_.memory());

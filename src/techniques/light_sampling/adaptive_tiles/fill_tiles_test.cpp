@@ -203,6 +203,18 @@ TEST_F(FilledTiles, AreConsistentUntilDamaged) {
   EXPECT_FALSE(loaded.consistent(kWidth, kHeight, kLights));
 }
 
+/// Raster positions of such cameras are NaN, which no tile has.
+TEST_F(FilledTiles, AreInconsistentWithADamagedCamera) {
+  EXPECT_TRUE(filled({}).consistent(kWidth, kHeight, kLights));
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), kInfinity, 3e38f, 0.0f}) {
+    CameraView damaged = camera_;
+    damaged.axes.t = Vec3(bad);
+    std::swap(damaged, camera_);
+    EXPECT_FALSE(filled({}).consistent(kWidth, kHeight, kLights)) << bad;
+    std::swap(damaged, camera_);
+  }
+}
+
 TEST(ProxyCounts, BlendPowerAndUse) {
   const std::vector<AliasEntry> power{{1, 0, 0.5f}, {1, 1, 0}, {1, 2, 0.25f}, {1, 3, 0.25f}};
   const std::vector<uint32_t> counts{0, 8, 6, 2};

@@ -1,6 +1,7 @@
 #include "techniques/light_sampling/adaptive_tiles/learned_tiles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/stream_io.h"
@@ -29,7 +30,7 @@ TileGrid make_grid(const FrameFeedback& feedback, const TileOptions& options, ui
 
 bool is_valid(const TileGrid& grid, uint32_t width, uint32_t height) {
   constexpr uint32_t kMost = 1 << 16;  // far above the settings
-  if (!has_known_projection(grid.camera) || grid.tile_size == 0 || grid.list_size == 0) return false;
+  if (!is_undamaged(grid.camera) || grid.tile_size == 0 || grid.list_size == 0) return false;
   if (grid.tile_size > kMost || grid.list_size > kMost) return false;
   if (grid.offset.x >= grid.tile_size || grid.offset.y >= grid.tile_size) return false;
   return grid.columns == tiles_along(width, grid.tile_size) && grid.rows == tiles_along(height, grid.tile_size) &&
@@ -38,9 +39,12 @@ bool is_valid(const TileGrid& grid, uint32_t width, uint32_t height) {
 
 }  // namespace
 
-bool has_known_projection(const CameraView& camera) {
-  return camera.projection == Projection::perspective || camera.projection == Projection::orthographic ||
-         camera.projection == Projection::panoramic;
+bool is_undamaged(const CameraView& camera) {
+  const bool is_known = camera.projection == Projection::perspective || camera.projection == Projection::orthographic ||
+                        camera.projection == Projection::panoramic;
+  const auto is_unit = [](const Vec3& axis) { return std::fabs(glm::dot(axis, axis) - 1.0f) < 0.01f; };  // not NaN
+  return is_known && is_finite(camera.position) && is_unit(camera.axes.t) && is_unit(camera.axes.b) &&
+         is_unit(camera.axes.n);
 }
 
 LearnedTiles LearnedTiles::copy(Backend& backend) const {

@@ -27,8 +27,9 @@ struct FrameFeedback {
   CameraView camera = {};  ///< of that frame
 };
 
+/// Whether the projection is known and the axes have about unit length, so that points have raster positions or none.
 /// False only for cameras from damaged checkpoints.
-bool has_known_projection(const CameraView& camera);
+bool is_undamaged(const CameraView& camera);
 
 class LearnedTiles {
  public:
@@ -40,8 +41,9 @@ class LearnedTiles {
   /// Replaces the proxies. `power`: entries of build_power_lights(); `counts`: use by light, whose sum is `used`.
   void build_proxies(const PrimitiveLaunch& at, View<const AliasEntry> power, View<const uint32_t> counts,
                      uint32_t used, float feedback);
-  /// Replaces the lists by those of `feedback`, after build_proxies(). `before`: the lists from which that frame's
-  /// paths chose. Without proxies, there are no lists. `seed`: different in each frame.
+  /// Replaces the lists by those of `feedback`, after build_proxies(). `before`: those of the feedback of the frame
+  /// before, from which its paths chose except in epochs of several frames. Without proxies, there are no lists.
+  /// `seed`: different in each frame.
   void fill(Backend& backend, const FrameFeedback& feedback, const LearnedTiles& before, const TileOptions& options,
             uint32_t seed);
   /// Removes the lists.
