@@ -106,12 +106,13 @@ class Poisoned {
     context.selector.cache = cache_;
     return context;
   }
-  /// With random lists, of which some hold lights that do not exist, and random proxies of all lights.
+  /// With random lists, of which some hold lights that do not exist, and random proxies of all lights. Their number
+  /// differs by at most a factor of four: rarer samples would hide errors.
   PathContext tiled() {
     const uint32_t lights = scene_.view().lights.lights.size;
     proxies_.assign(1, 0);
     for (uint32_t i = 0; i < lights; ++i)
-      proxies_.push_back(proxies_.back() + (uniform_.pmf(i) > 0 ? 1 + below(40) : 0));
+      proxies_.push_back(proxies_.back() + (uniform_.pmf(i) > 0 ? 4 + below(13) : 0));
     TileGrid grid;
     grid.camera = scene_.view().camera;
     grid.tile_size = 5;

@@ -61,7 +61,8 @@ const Image& truth() {
   return image;
 }
 
-/// Mean squared error of single frames after `first` others. Pixels above the radiance of a lit floor show lamps.
+/// Squared error of single frames after `first` others, summed over pixels. Lamps face away from the camera, so their
+/// edges add none.
 double frame_error(const RenderSettings& settings, int first) {
   constexpr int kFrames = 16;
   Session session(stalls(96), settings);
@@ -76,7 +77,8 @@ double frame_error(const RenderSettings& settings, int first) {
   return sum / kFrames;
 }
 
-/// By power, one sample in 104 goes to the lamp of the stall. By the use of all lights, about one in ten does.
+/// By power, one sample in 104 goes to the lamp of the stall. By the use of all lights, about one in ten does, and with
+/// lists one in three: variances of 103, 9 and 2 times the squared mean.
 TEST(TileFrames, FindTheLampsOfATile) {
   const double tiles = frame_error(settings_of(LightSelectionChoice::neeat), 8);
   EXPECT_GT(frame_error(settings_of(LightSelectionChoice::power), 8), 5 * tiles);
@@ -120,8 +122,9 @@ TEST(TileFrames, FollowChangedLights) {
     swap(tiles, i % 2 == 1);
     swap(tree, i % 2 == 1);
     for (int k = 0; k < 8; ++k) tiles.render_frame();
-    const double expected = mean_of_frames(tree, 64);
-    EXPECT_NEAR(mean_of_frames(tiles, 64), expected, 0.03 * expected) << i;
+    // Standard errors are below 1 %. A lost lamp lacks most of the light.
+    const double expected = mean_of_frames(tree, 128);
+    EXPECT_NEAR(mean_of_frames(tiles, 128), expected, 0.06 * expected) << i;
   }
 }
 
