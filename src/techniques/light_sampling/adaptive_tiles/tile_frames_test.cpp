@@ -78,7 +78,7 @@ double frame_error(const RenderSettings& settings, int first) {
 }
 
 /// By power, one sample in 104 goes to the lamp of the stall. By the use of all lights, about one in ten does, and with
-/// lists one in three: variances of 103, 9 and 2 times the squared mean.
+/// lists about one in three: variances of 103, 9 and 2 times the squared mean.
 TEST(TileFrames, FindTheLampsOfATile) {
   const double tiles = frame_error(settings_of(LightSelectionChoice::neeat), 8);
   EXPECT_GT(frame_error(settings_of(LightSelectionChoice::power), 8), 5 * tiles);
