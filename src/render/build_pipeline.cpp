@@ -17,9 +17,11 @@
 #include "techniques/gbuffer/features/features_pass.h"
 #include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
 #include "techniques/guiding/direction_view/direction_view_pass.h"
+#include "techniques/guiding/markov_chain/markov_chain_pass.h"
 #include "techniques/light_sampling/adaptive_tiles/adaptive_tiles_pass.h"
 #include "techniques/light_sampling/light_selection/light_selection_pass.h"
 #include "techniques/light_sampling/light_tree/light_tree_pass.h"
+#include "techniques/light_sampling/markov_chain_lights/markov_chain_lights_pass.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
@@ -67,11 +69,6 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
   });
 }
 
-/// Whether lights or directions are learned per region of the octree.
-bool learns_regions(const RenderSettings& settings) {
-  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
-}
-
 OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   OctreePass& octree = builder.add<OctreePass, &RenderSettings::octree>(adds_up);
   builder.add_follower(octree, [](const RenderSettings& s) {
@@ -85,7 +82,8 @@ OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
 /// Adds the light selection. `recording`: destination of samples for learning, from the octree or nullptr; becomes that
 /// of the light selection if it takes more.
 const LightSelector& add_light_selection(PipelineBuilder& builder, const RenderSettings& settings,
-                                         const OctreePass* octree, const PathRecording*& recording) {
+                                         const OctreePass* octree, const PathRecording*& recording,
+                                         ChainRecordings& chains) {
   switch (settings.lights) {
     case LightSelectionChoice::uniform:
       return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::uniform).selector();
@@ -107,14 +105,24 @@ const LightSelector& add_light_selection(PipelineBuilder& builder, const RenderS
       recording = &tiles.recording();
       return tiles.selector();
     }
+    case LightSelectionChoice::mcls: {
+      auto& lights = builder.add<MarkovChainLightsPass, &RenderSettings::mcls, &RenderSettings::light_selection>();
+      chains.lights = &lights.recording();
+      return lights.selector();
+    }
   }
   return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::power).selector();
 }
 
 const DirectionSampler& add_direction_sampling(PipelineBuilder& builder, const RenderSettings& settings,
-                                               const OctreePass* octree) {
+                                               const OctreePass* octree, ChainRecordings& chains) {
   static const DirectionSampler bsdf_directions;
   if (settings.guide == GuideChoice::bsdf) return bsdf_directions;
+  if (settings.guide == GuideChoice::mcpg) {
+    auto& guide = builder.add<MarkovChainPass, &RenderSettings::mcpg>();
+    chains.guide = &guide.recording();
+    return guide.directions();
+  }
   return builder.add<DirectionalQuadtreePass, &RenderSettings::cdq>(*octree).directions();
 }
 
@@ -215,7 +223,15 @@ bool needs_first_vertices(const RenderSettings& settings) {
 bool upscales(const RenderSettings& settings) { return settings.upscaling.factor > 1 || settings.switches_upscaling; }
 
 bool learns(const RenderSettings& settings) {
-  return learns_regions(settings) || settings.lights == LightSelectionChoice::neeat;
+  return learns_regions(settings) || settings.lights == LightSelectionChoice::neeat || learns_in_chains(settings);
+}
+
+bool learns_regions(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
+bool learns_in_chains(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::mcls || settings.guide == GuideChoice::mcpg;
 }
 
 bool denoiser_fills(const RenderSettings& settings) {
@@ -241,13 +257,14 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   const bool adds_up = settings.history != HistoryChoice::none;
   const OctreePass* octree = learns_regions(settings) ? &add_octree(builder, adds_up) : nullptr;
   const PathRecording* recording = octree ? &octree->recording() : nullptr;
-  const LightSelector& selector = add_light_selection(builder, settings, octree, recording);
-  const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
+  ChainRecordings chains;
+  const LightSelector& selector = add_light_selection(builder, settings, octree, recording, chains);
+  const DirectionSampler& directions = add_direction_sampling(builder, settings, octree, chains);
   const PathSource source{settings.path, selector, directions};
   if (octree) builder.add<RegionViewPass>(*octree);
-  PathPass* const paths = add_paths(builder, settings, source, recording);
+  PathPass* const paths = add_paths(builder, settings, source, recording, chains);
   // Paths alone lack the light that reservoirs add to the image.
-  const bool whole_paths = paths && !recording && settings.reuse == ReuseChoice::none;
+  const bool whole_paths = paths && !learns(settings) && settings.reuse == ReuseChoice::none;
   const bool repeats = whole_paths && settings.denoise == DenoiseChoice::asvgf;
   const GradientPass* const gradients =
       repeats ? &builder.add_tracing<GradientPass, &RenderSettings::asvgf>(source) : nullptr;

@@ -18,6 +18,9 @@ std::string refusal(const RenderSettings& settings);
 
 /// Whether light selection or guiding learn from path samples.
 bool learns(const RenderSettings& settings);
+/// Whether they learn in the regions of the octree, or by Markov chains in cells.
+bool learns_regions(const RenderSettings& settings);
+bool learns_in_chains(const RenderSettings& settings);
 
 /// Whether the history needs the first vertices of paths.
 bool needs_first_vertices(const RenderSettings& settings);

@@ -19,7 +19,9 @@ void check_crop(const RenderSettings& s) {
        "the visibility light cache, which learns from other pixels; use --lights light-tree"},
       {s.lights == LightSelectionChoice::neeat,
        "light selection by screen tiles, which learns from other pixels; use --lights light-tree"},
-      {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
+      {s.lights == LightSelectionChoice::mcls,
+       "Markov chains of lights, which learn from other pixels; use --lights light-tree"},
+      {s.guide != GuideChoice::bsdf, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
       {s.reuse == ReuseChoice::restir_gi, "reservoirs of other pixels; use --reuse none"},
@@ -31,6 +33,38 @@ void check_crop(const RenderSettings& s) {
   };
   for (const auto& [conflict, with] : conflicts) {
     if (conflict) throw Error(fmt::format("--crop does not combine with {}, or render the whole image", with));
+  }
+}
+
+/// Throws if Markov chains do not combine with the other choices.
+void check_chains(const RenderSettings& s) {
+  if (!learns_in_chains(s)) return;
+  if (s.estimator != EstimatorChoice::path) {
+    throw Error(
+        "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm', whose light subpaths "
+        "are weighted without them; use estimator 'path', or lights 'vlc' and guide 'cdq'");
+  }
+  if (s.cache != CacheChoice::none) {
+    throw Error(
+        "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: where a path ends in a cell, its "
+        "vertices would miss the light of the rest; use cache 'none', or lights 'vlc' and guide 'cdq'");
+  }
+  if (learns_regions(s) || s.lights == LightSelectionChoice::neeat) {
+    throw Error(
+        "lights 'mcls' does not combine with guide 'cdq', nor lights 'vlc' and 'neeat' with guide 'mcpg': a path "
+        "records either samples or states for chains; use lights 'mcls' with guide 'mcpg', or lights 'vlc' or 'neeat' "
+        "with guide 'cdq'");
+  }
+  const bool resamples_lights = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
+  if (resamples_lights && s.lights == LightSelectionChoice::mcls) {
+    throw Error(
+        "lights 'mcls' does not combine with reuse 'ris' and 'restir-di', whose light candidates leave no records to "
+        "learn from; use lights 'light-tree' or 'vlc', or reuse 'none'");
+  }
+  if (resamples_lights && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
+    throw Error(
+        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris' and 'restir-di', which are next event "
+        "estimation; use mcpg.nee on, or reuse 'none'");
   }
 }
 
@@ -138,6 +172,7 @@ void check_combination(const RenderSettings& settings) {
   if (settings.estimator != EstimatorChoice::path) check_cache_of_light_paths(settings);
   check_forward_history(settings);
   check_reuse(settings);
+  check_chains(settings);
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
     throw Error(

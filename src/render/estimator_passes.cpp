@@ -142,7 +142,7 @@ bool history_splits(const RenderSettings& settings) {
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const PathRecording* recording) {
+                    const PathRecording* recording, const ChainRecordings& chains) {
   if (settings.cache != CacheChoice::none) {
     add_cached_paths(builder, settings, source, recording);
     return nullptr;
@@ -155,7 +155,7 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
                             .specular = splits_light(settings),
                             .first_scatters = reuses_direct_light(settings),
                             .indirect_samples = settings.reuse == ReuseChoice::restir_gi};
-  auto& paths = builder.add_tracing<PathPass>(source, records, recording);
+  auto& paths = builder.add_tracing<PathPass>(source, records, recording, chains);
   add_reuse(builder, settings, source, recording);
   return &paths;
 }

@@ -21,9 +21,9 @@ bool denoiser_splits(const RenderSettings& settings);
 bool history_splits(const RenderSettings& settings);
 bool splits_light(const RenderSettings& settings);
 
-/// Adds the estimator. `recording`: destination of path samples, or nullptr. Returns the pass of path tracing without a
-/// cache, or nullptr.
+/// Adds the estimator. `recording`: destination of path samples, or nullptr. `chains`: destinations of new states.
+/// Returns the pass of path tracing without a cache, or nullptr.
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                    const PathRecording* recording);
+                    const PathRecording* recording, const ChainRecordings& chains);
 
 }  // namespace relume

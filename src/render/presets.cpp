@@ -98,6 +98,12 @@ std::vector<Preset> program_presets() {
            "sharc.end": "footprint", "sharc.feedback": true, "sharc.propagation-depth": 4, "sharc.jitter": false,
            "sharc.normal-bins": 1, "sharc.min-samples": 1, "sharc.clamp": 10, "reuse": "none",
            "allocation": "uniform", "history": "none", "denoise": "none"})"},
+      {"mcpg-quake", "Markov chain path guiding with the parameters of its authors' renderer [Alber25]",
+       R"({"estimator": "path", "lights": "power", "guide": "mcpg", "mcpg.nee": false, "mcpg.bsdf-fraction": 0.1,
+           "mcpg.prior": 0.3, "mcpg.cells": 5, "mcpg.adaptive-share": 0.7, "mcpg.least-alpha": 0.01,
+           "mcpg.most-count": 1024, "mcpg.recovery": true, "mcpg.slots": 8, "mcpg.static-slots": 800009,
+           "mcpg.static-cells": 128, "mcpg.vertices": 2, "cache": "none", "reuse": "none", "allocation": "uniform",
+           "history": "none", "denoise": "none"})"},
   };
 }
 

@@ -59,13 +59,13 @@ SettingList describe_slots(RenderSettings& s) {
        "tracing only, which misses surfaces seen in mirrors and through smooth glass; vcm: vertex connection and "
        "merging, which adds photon mapping to bdpt and blurs the light that it merges",
        {.biases = true}},
-      {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc", "neeat"}),
+      {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc", "neeat", "mcls"}),
        "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, from a cache of "
-       "lights that were visible nearby in the last frame, or from lists of lights that were useful to the pixels of "
-       "a screen tile (NEE-AT)"},
-      {"guide", choice(s.guide, {"bsdf", "cdq"}),
+       "lights that were visible nearby in the last frame, from lists of lights that were useful to the pixels of a "
+       "screen tile (NEE-AT), or from Markov chains that remember lights which contributed nearby"},
+      {"guide", choice(s.guide, {"bsdf", "cdq", "mcpg"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
-       "(path guiding)"},
+       "(path guiding): cdq stores it in quadtrees, mcpg as lobes of Markov chains"},
       {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi"}),
        "Reservoirs at primary hits. none; ris: for direct light, chooses one of several lights by the light that the "
        "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
@@ -105,6 +105,8 @@ SettingList describe_transport(RenderSettings& s) {
   append(list, with_prefix("vlc", describe(s.vlc)));
   append(list, with_prefix("neeat", describe(s.neeat)));
   append(list, with_prefix("cdq", describe(s.cdq)));
+  append(list, with_prefix("mcpg", describe(s.mcpg)));
+  append(list, with_prefix("mcls", describe(s.mcls)));
   append(list, with_prefix("ris", describe(s.ris)));
   append(list, with_prefix("restir", describe(s.restir)));
   append(list, with_prefix("restir-gi", describe(s.restir_gi)));

@@ -14,8 +14,10 @@
 #include "techniques/denoise/svgf/settings.h"
 #include "techniques/gbuffer/features/settings.h"
 #include "techniques/guiding/directional_quadtree/settings.h"
+#include "techniques/guiding/markov_chain/settings.h"
 #include "techniques/light_sampling/adaptive_tiles/settings.h"
 #include "techniques/light_sampling/light_selection/settings.h"
+#include "techniques/light_sampling/markov_chain_lights/settings.h"
 #include "techniques/light_sampling/static_light_lists/settings.h"
 #include "techniques/light_sampling/visibility_light_cache/settings.h"
 #include "techniques/radiance_cache/adaptive_psf/settings.h"
@@ -41,8 +43,8 @@ inline constexpr int kMostSeed = 900'000'000;
 
 // The slots (docs/architecture.md): each enum lists the available choices.
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
-enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc, neeat };
-enum class GuideChoice : int { bsdf, cdq };
+enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc, neeat, mcls };
+enum class GuideChoice : int { bsdf, cdq, mcpg };
 enum class ReuseChoice : int { none, ris, restir_di, restir_gi };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
 enum class AllocationChoice : int { uniform, adaptive };
@@ -85,6 +87,8 @@ struct RenderSettings {
   VisibilityLightCacheSettings vlc;
   AdaptiveTilesSettings neeat;
   DirectionalQuadtreeSettings cdq;
+  MarkovChainSettings mcpg;
+  MarkovChainLightsSettings mcls;
   StaticLightListsSettings static_lists;
   RisSettings ris;
   RestirSettings restir;

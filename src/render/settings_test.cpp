@@ -113,11 +113,11 @@ TEST(Settings, ErrorsNameTheSource) {
   EXPECT_EQ(message_of([] {
               resolve({.flags = {{"guide", "cqd"}}});
             }),
-            "--guide is 'cqd', but this version has bsdf and cdq");
+            "--guide is 'cqd', but this version has bsdf, cdq and mcpg");
   EXPECT_EQ(message_of([] {
               resolve({.flags = {{"lights", "vcl"}}});
             }),
-            "--lights is 'vcl', but this version has uniform, power, light-tree, static-lists, vlc and neeat");
+            "--lights is 'vcl', but this version has uniform, power, light-tree, static-lists, vlc, neeat and mcls");
 }
 
 TEST(Settings, EveryPresetIsValid) {

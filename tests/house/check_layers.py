@@ -47,10 +47,13 @@ MAY_INCLUDE = {
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
 TECHNIQUE_MAY_INCLUDE = {
-    "path": "octree primary_hits",
+    "path": "markov_chain markov_chain_lights octree primary_hits",
     "bdpt": "octree path",
     "vcm": "bdpt path",
     "directional_quadtree": "octree",
+    "markov_grid": "hash_grid",
+    "markov_chain": "markov_grid",
+    "markov_chain_lights": "light_tree markov_grid",
     "direction_view": "directional_quadtree octree path",
     "visibility_light_cache": "octree",
     "adaptive_tiles": "octree",

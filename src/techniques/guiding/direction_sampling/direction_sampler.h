@@ -6,10 +6,11 @@
 #include "sampling/sampler.h"
 #include "scene/surface_point.h"
 #include "techniques/guiding/directional_quadtree/directional_quadtree.h"
+#include "techniques/guiding/markov_chain/markov_guide.h"
 
 namespace relume {
 
-enum class DirectionSamplerKind : int { bsdf, quadtree };
+enum class DirectionSamplerKind : int { bsdf, quadtree, markov_chains };
 
 /// Independent random numbers, for candidates beyond the first: a bounce has few dimensions of a sequence.
 struct HashedNumbers {
@@ -36,21 +37,31 @@ struct DirectionSampler {
   bool stratified = false;      ///< whether quadtrees are sampled by sample_stratified()
   View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none
   uint32_t candidates = 1;      ///< directions of which one is resampled at glossy vertices; 1: no resampling
+  MarkovGuide chains;           ///< chains around vertices
 
-  /// Light subpaths (importance) follow the BSDF alone, because quadtrees learn radiance.
+  /// Light subpaths (importance) follow the BSDF alone, because guides learn radiance.
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
+    if (mode == TransportMode::radiance && has_chains(sp)) {
+      const MarkovLobes lobes = chains.lobes_at(sp);
+      if (!lobes.empty()) return sample_mixture(sp, lobes, chains.bsdf_fraction, sampler);
+    }
     if (mode == TransportMode::importance || !guides(sp)) return sample_bsdf(sp, sampler, mode);
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
-    return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, tree, sampler);
+    return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, drawn_from(tree), fraction_at(sp), sampler);
   }
 
   /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there. With resampling, that of a candidate.
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
+    if (has_chains(sp)) {
+      const MarkovLobes lobes = chains.lobes_at(sp);
+      return lobes.empty() ? bsdf.pdf_forward : mixed(chains.bsdf_fraction, bsdf.pdf_forward, lobes.pdf(wi));
+    }
     if (!guides(sp)) return bsdf.pdf_forward;
     return mixed(fraction_at(sp), bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
   }
 
+  /// Of points with quadtrees; others are not guided.
   RELUME_HD GuidedPoint guided(const SurfacePoint& sp) const {
     return guides(sp) ? GuidedPoint{sp.region, fraction_at(sp)} : GuidedPoint{};
   }
@@ -62,6 +73,20 @@ struct DirectionSampler {
   }
 
  private:
+  /// A quadtree with the chosen form of sampling.
+  struct DrawnTree {
+    const DirectionalQuadtree& tree;
+    bool stratified;
+
+    RELUME_HD float pdf(const Vec3& w) const { return tree.pdf(w); }
+    RELUME_HD Vec3 sample(const Vec2& u) const { return stratified ? tree.sample_stratified(u) : tree.sample(u); }
+  };
+  RELUME_HD DrawnTree drawn_from(const DirectionalQuadtree& tree) const { return {tree, stratified}; }
+
+  /// Whether chains may guide a point: if any of the drawn ones has a lobe.
+  RELUME_HD bool has_chains(const SurfacePoint& sp) const {
+    return kind == DirectionSamplerKind::markov_chains && has_non_delta(sp.bsdf);
+  }
   RELUME_HD bool guides(const SurfacePoint& sp) const {
     return kind == DirectionSamplerKind::quadtree && sp.region < quadtrees.tree_count() && has_non_delta(sp.bsdf);
   }
@@ -70,8 +95,8 @@ struct DirectionSampler {
   RELUME_HD float fraction_at(const SurfacePoint& sp) const {
     return sp.region < fractions.size && !has_delta(sp.bsdf) ? fractions[sp.region] : bsdf_fraction;
   }
-  RELUME_HD static float mixed(float fraction, float pdf_bsdf, float pdf_tree) {
-    return fraction * pdf_bsdf + (1.0f - fraction) * pdf_tree;
+  RELUME_HD static float mixed(float fraction, float pdf_bsdf, float pdf_guide) {
+    return fraction * pdf_bsdf + (1.0f - fraction) * pdf_guide;
   }
 
   /// Whether a direction is resampled. Delta lobes cannot be: their directions have no density.
@@ -107,10 +132,12 @@ struct DirectionSampler {
       kept = s;
       kept_weight = weight;
     };
-    offer(sample_mixture(sp, tree, sampler), 0.0f);
+    const DrawnTree drawn = drawn_from(tree);
+    const float fraction = fraction_at(sp);
+    offer(sample_mixture(sp, drawn, fraction, sampler), 0.0f);
     HashedNumbers numbers{hash(sampler.ray_id(), kSalt)};
     for (uint32_t i = 1; i < candidates; ++i) {
-      const BsdfSample s = sample_mixture(sp, tree, numbers);
+      const BsdfSample s = sample_mixture(sp, drawn, fraction, numbers);
       offer(s, numbers.next_1d());
     }
     if (!(kept_weight > 0.0f)) return {};
@@ -120,11 +147,12 @@ struct DirectionSampler {
     return kept;
   }
 
-  /// One sample of the mixture of BSDF and quadtree. `eta_scale` includes the ratio of densities, so that Russian
-  /// roulette uses the weight of BSDF sampling. Guided directions have small weights because they are likely.
-  template <typename Numbers>
-  RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, const DirectionalQuadtree& tree, Numbers& numbers) const {
-    const float fraction = fraction_at(sp);
+  /// One sample of the mixture of BSDF and guide, a DrawnTree or MarkovLobes; `fraction`: probability of the BSDF.
+  /// `eta_scale` includes the ratio of densities, so that Russian roulette uses the weight of BSDF sampling. Guided
+  /// directions have small weights because they are likely.
+  template <typename Guide, typename Numbers>
+  RELUME_HD static BsdfSample sample_mixture(const SurfacePoint& sp, const Guide& guide, float fraction,
+                                             Numbers& numbers) {
     BsdfSample s;
     if (numbers.next_1d() < fraction) {
       s = sample_bsdf(sp, numbers);
@@ -133,7 +161,7 @@ struct DirectionSampler {
         s.weight /= fraction;
         return s;
       }
-      s.guide_pdf_w = tree.pdf(s.wi);
+      s.guide_pdf_w = guide.pdf(s.wi);
       s.bsdf_pdf_w = s.pdf_w;
       const float pdf = mixed(fraction, s.pdf_w, s.guide_pdf_w);
       s.weight *= s.pdf_w / pdf;
@@ -142,9 +170,9 @@ struct DirectionSampler {
       return s;
     }
     const Vec2 u = numbers.next_2d();
-    s.wi = stratified ? tree.sample_stratified(u) : tree.sample(u);
+    s.wi = guide.sample(u);
     const BsdfEval bsdf = eval_pdf(sp, s.wi);
-    s.guide_pdf_w = tree.pdf(s.wi);
+    s.guide_pdf_w = guide.pdf(s.wi);
     s.bsdf_pdf_w = bsdf.pdf_forward;
     s.pdf_w = mixed(fraction, bsdf.pdf_forward, s.guide_pdf_w);
     s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;

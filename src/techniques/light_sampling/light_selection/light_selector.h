@@ -6,6 +6,7 @@
 #include "techniques/light_sampling/adaptive_tiles/adaptive_tiles.h"
 #include "techniques/light_sampling/light_selection/light_selection.h"
 #include "techniques/light_sampling/light_tree/light_tree.h"
+#include "techniques/light_sampling/markov_chain_lights/light_chain.h"
 #include "techniques/light_sampling/power_lights/power_lights.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists.h"
 #include "techniques/light_sampling/uniform_lights/uniform_lights.h"
@@ -13,8 +14,8 @@
 
 namespace relume {
 
-enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache, adaptive_tiles };
-inline constexpr int kLightSelectorKindCount = 6;
+enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache, adaptive_tiles, markov_chains };
+inline constexpr int kLightSelectorKindCount = 7;
 
 struct LightSelector {
   LightSelectorKind kind = LightSelectorKind::power;
@@ -24,6 +25,7 @@ struct LightSelector {
   StaticLightLists lists;
   VisibilityLightCache cache;
   AdaptiveTiles tiles;
+  MarkovChainLights chains;  ///< mixed with `tree`
 
   /// Samples a light for the point `sp`; pmf 0 if none can be chosen.
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
@@ -34,6 +36,7 @@ struct LightSelector {
       case LightSelectorKind::static_lists: return lists.sample(sp, n);
       case LightSelectorKind::cache: return cache.sample(sp, n);
       case LightSelectorKind::adaptive_tiles: return tiles.sample(sp, n);
+      case LightSelectorKind::markov_chains: return chains.sample(tree, sp, n);
     }
     return {};
   }
@@ -47,6 +50,7 @@ struct LightSelector {
       case LightSelectorKind::static_lists: return lists.pmf(sp, light);
       case LightSelectorKind::cache: return cache.pmf(sp, light);
       case LightSelectorKind::adaptive_tiles: return tiles.pmf(sp, light);
+      case LightSelectorKind::markov_chains: return chains.pmf(tree, sp, light);
     }
     return 0.0f;
   }

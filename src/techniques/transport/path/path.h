@@ -65,6 +65,7 @@ struct PathContext {
   IndirectRate indirect;
   uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
   bool indirect_to_reservoirs = false;  ///< whether reservoirs resample the light beyond the second vertex
+  bool next_event = true;               ///< whether vertices connect to lights that directions can find, too
 
   /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
   RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
@@ -124,7 +125,7 @@ template <typename LightPmf>
 RELUME_HD inline bool add_surface_emission(const PathContext& c, const Vec3& previous, const LightPmf& light_pmf,
                                            const SurfacePoint& sp, PathState& path) {
   if (is_black(sp.emission)) return false;
-  const bool covered_by_nee = !path.delta && sp.light != kNoLight;
+  const bool covered_by_nee = c.next_event && !path.delta && sp.light != kNoLight;
   if (covered_by_nee && c.left_to_reservoirs(path, sp.light)) return true;
   float weight = 1.0f;
   if (covered_by_nee) {
@@ -150,7 +151,7 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
       continue;
     }
     float weight = 1.0f;
-    if (!path.delta) {
+    if (c.next_event && !path.delta) {
       const float pmf = c.selector.pmf(previous, id);
       if (pmf > 0.0f) weight = power_heuristic(path.pdf_w, pmf * pdf_li(lights, id, previous.position, wi, {}));
       covered_by_nee = covered_by_nee || pmf > 0.0f;
@@ -183,7 +184,7 @@ RELUME_HD inline LightSample sample_picked(const PathContext& c, const SurfacePo
 RELUME_HD inline bool make_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                       const LightPick& pick, const LightSample& light, const Sampler& sampler,
                                       Connection& connection) {
-  if (!light.valid()) return false;
+  if (!light.valid() || (!c.next_event && !light.delta)) return false;
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
   if (is_black(bsdf.f)) return false;
   const float pdf_light = pick.pmf * light.pdf_w;
@@ -319,7 +320,7 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, SurfacePoint&
   }
   const Vec3 previous = sp.position;
   const Instance& instance = c.scene.instances[hit.instance];
-  const bool weighted = !path.delta && instance.first_light != kNoLight;
+  const bool weighted = c.next_event && !path.delta && instance.first_light != kNoLight;
   const float pmf = weighted ? c.selector.pmf(sp, light_of(instance, hit.primitive)) : 0.0f;
   return arrive_at_surface(
       c, hit, previous, [pmf](LightId) { return pmf; }, sp, path, policy);
@@ -334,9 +335,11 @@ RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoin
 }
 
 /// Next event estimation at a vertex. Returns whether to test a connection.
+template <typename Policy>
 RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler,
-                              Connection& connection) {
+                              Connection& connection, Policy& policy) {
   const LightPick pick = pick_light_at(c, sp, path, sampler);
+  if (pick.pmf > 0.0f) path_policy::light_picked(policy, sp, path, pick.id);
   return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
 }
 
@@ -349,7 +352,7 @@ RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint& sp, Path
     if constexpr (DecidesLater<Policy>) {
       if (!policy.goes_on(path)) break;
     }
-    if (Connection connection; connect(c, sp, path, sampler, connection)) {
+    if (Connection connection; connect(c, sp, path, sampler, connection, policy)) {
       ++path.rays;
       const bool visible = !occluded(c.scene, connection.ray, connection.ray_id);
       if (visible) path.radiance += connection.contribution;

@@ -92,6 +92,7 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
     const uint32_t i = b.active[k];
     const LightPick pick = b.picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
     if (!(pick.pmf > 0.0f)) continue;
+    path_policy::light_picked(policies[i], points[i], b.paths[i], pick.id);
     b.requests[count] = {pick.id, points[i].position, pick.u};
     b.owners[count++] = i;
   }

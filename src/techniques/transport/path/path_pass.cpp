@@ -1,5 +1,6 @@
 #include "techniques/transport/path/path_pass.h"
 
+#include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/indirect_sample.h"
@@ -23,6 +24,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.russian_roulette = source.settings.russian_roulette;
   context.first_nee_bounce = source.first_nee_bounce;
   context.indirect_to_reservoirs = source.indirect_to_reservoirs;
+  context.next_event = !source.directions.chains.replaces_lights;
   context.indirect = indirect_rate(source.settings.indirect_rate, frame.index, frame.blue_noise);
   return context;
 }
@@ -90,11 +92,22 @@ struct Tracing {
   }
 };
 
+ChainOutput chain_output(const ChainRecordings& chains) {
+  ChainOutput output;
+  if (chains.guide) output.guide = *chains.guide;
+  if (chains.lights) output.lights = *chains.lights;
+  return output;
+}
+
 }  // namespace
 
 bool PathPass::run(const FrameContext& frame) {
   const Tracing tracing{source_, frame, records_, surfaces_};
   const RadianceOutput radiance{frame.write(kRadiance)};
+  if (chains_.any()) {
+    const ChainOutput chains = chain_output(chains_);
+    return records_.indirect_samples ? tracing.run_indirect(radiance, chains) : tracing.run(radiance, chains);
+  }
   if (records_.indirect_samples) {
     return recording_ ? tracing.run_indirect(radiance, CachedRecordingOutput{*recording_})
                       : tracing.run_indirect(radiance);

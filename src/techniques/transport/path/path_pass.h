@@ -10,6 +10,8 @@
 namespace relume {
 
 class FirstSurfaces;
+struct GuideRecording;
+struct LightChainRecording;
 struct PathContext;
 
 /// Inputs of path tracing. The samplers belong to passes that prepare them every frame.
@@ -24,6 +26,14 @@ struct PathSource {
 /// Data shared by all paths of this frame.
 PathContext make_path_context(const PathSource& source, const FrameContext& frame);
 
+/// Destinations of new states for Markov chains; nullptr: none.
+struct ChainRecordings {
+  const GuideRecording* guide = nullptr;
+  const LightChainRecording* lights = nullptr;
+
+  bool any() const { return guide || lights; }
+};
+
 /// Outputs of paths for later passes, besides estimator_buffers().
 struct PathRecords {
   bool first_vertices = false;    ///< fills kFirstVertices
@@ -35,9 +45,10 @@ struct PathRecords {
 /// Traces one path for each pixel that receives a sample.
 class PathPass final : public Pass {
  public:
-  /// `recording`: destination of samples for learning; nullptr: none.
-  PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr)
-      : source_(source), records_(records), recording_(recording) {
+  /// `recording`: destination of samples for learning; nullptr: none. Paths record either these or states of chains.
+  PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr,
+           const ChainRecordings& chains = {})
+      : source_(source), records_(records), recording_(recording), chains_(chains) {
     if (records.first_scatters) source_.first_nee_bounce = 1;
     source_.indirect_to_reservoirs = records.indirect_samples;
   }
@@ -53,6 +64,7 @@ class PathPass final : public Pass {
   PathSource source_;
   PathRecords records_;
   const PathRecording* recording_;
+  ChainRecordings chains_;
   const FirstSurfaces* surfaces_ = nullptr;
 };
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <type_traits>
 
+#include "lights/light.h"
 #include "scene/surface_point.h"
 
 namespace relume {
@@ -23,6 +24,9 @@ struct NoPolicy {
   /// change the lobes and region of the surface. It may also remove radiance and throughput from the path, here and in
   /// scattered().
   RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
+  /// Called when next event estimation has picked a light at the surface, which may have no contribution there.
+  /// Policies may lack this hook.
+  RELUME_HD void light_picked(const SurfacePoint&, const PathState&, LightId) {}
   /// Called after next event estimation at the surface; `visible`: the shadow ray was not blocked.
   RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
   /// Called after a direction was sampled; `after`: the path with its new ray.
@@ -116,6 +120,11 @@ RELUME_HD inline void scattered(Policy& policy, const SurfacePoint& sp, const Bs
   }
 }
 
+template <typename Policy>
+RELUME_HD inline void light_picked(Policy& policy, const SurfacePoint& sp, const PathState& path, LightId light) {
+  if constexpr (requires { policy.light_picked(sp, path, light); }) policy.light_picked(sp, path, light);
+}
+
 }  // namespace path_policy
 
 /// Combines any number of policies for one path. Each hook calls them in the order of the template arguments. If one
@@ -159,6 +168,10 @@ struct PathPolicies<First, Others...> {
     const bool first_continues = path_policy::goes_on(first, path, earlier);
     PathEvents<Earlier, First> events{earlier, first};
     return path_policy::goes_on(others, path, events) && first_continues;
+  }
+  RELUME_HD void light_picked(const SurfacePoint& sp, const PathState& path, LightId light) {
+    path_policy::light_picked(first, sp, path, light);
+    path_policy::light_picked(others, sp, path, light);
   }
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
     first.connected(sp, path, c, visible);
