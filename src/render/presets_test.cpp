@@ -109,6 +109,17 @@ TEST(CachePresets, HaveTheParametersOfTheirPrograms) {
   EXPECT_FALSE(sharc.sharc.jitter);
 }
 
+TEST(GuidingPresets, HaveTheParametersOfTheirPrograms) {
+  const RenderSettings quake = resolve({.preset = "mcpg-quake"}).render;
+  EXPECT_EQ(quake.guide, GuideChoice::mcpg);
+  EXPECT_FALSE(quake.mcpg.nee);
+  EXPECT_FLOAT_EQ(quake.mcpg.bsdf_fraction, 0.1f);
+  EXPECT_FLOAT_EQ(quake.mcpg.prior, 0.3f);
+  EXPECT_EQ(quake.mcpg.most_count, 1024);
+  EXPECT_EQ(quake.mcpg.grid.cells, 5);
+  EXPECT_EQ(quake.mcpg.grid.static_slots, 800009);
+}
+
 TEST(ReferencePreset, HasNoFireflyClampWhateverTheSceneSets) {
   const std::string scene = R"({"firefly.limit": 8})";
   EXPECT_EQ(resolve({.scene_json = scene, .scene_place = "view.json"}).render.firefly.limit, 8);

@@ -49,7 +49,9 @@ inline const auto kOtherWays = ::testing::Values(
     Way{"restir_di", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::bsdf, 8, false,
         ReuseChoice::restir_di},
     Way{"restir_gi", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 16, false,
-        ReuseChoice::restir_gi});
+        ReuseChoice::restir_gi},
+    Way{"mcpg", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::mcpg, 8},
+    Way{"mcls_mcpg", EstimatorChoice::path, LightSelectionChoice::mcls, GuideChoice::mcpg, 8});
 
 /// For scenes without light selection.
 inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);

@@ -16,7 +16,7 @@ inline constexpr float kMostLightWeight = 1e30f;
 struct LightState {
   LightId light = kNoLight;
   float weight = 0;    ///< mean score of the light; 0: empty
-  uint32_t count = 0;  ///< number of scores in the mean, with a limit
+  uint32_t count = 0;  ///< number of averaged scores, with a limit
 };
 
 /// Whether the tree may choose the light.

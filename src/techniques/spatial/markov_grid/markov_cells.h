@@ -24,7 +24,7 @@ inline int static_level_of(const SceneView& scene, int count) {
   return std::clamp(static_cast<int>(std::lround(std::log2(edge))), kMinCellLevel, kMaxCellLevel);
 }
 
-template <typename State>
+template <typename ChainState>
 class MarkovCells {
  public:
   /// `name`: of launches; it must outlive the object.
@@ -34,9 +34,9 @@ class MarkovCells {
   /// Gives the last frame's records to their cells, and prepares records for this frame. A frame that repeats an
   /// abandoned one keeps the states, which already include the records of the last complete frame.
   void begin_frame(const FrameContext& frame, const MarkovGridSettings& settings) {
-    const bool has_taken = std::exchange(prepared_, false);
+    has_taken_ = std::exchange(prepared_, false);
     resize(frame, settings);
-    if (!has_taken) take_in(frame);
+    if (!has_taken_) take_in(frame);
     has_taken_ = true;
     set_grid(frame, settings);
   }
@@ -44,14 +44,14 @@ class MarkovCells {
   void abandon() { prepared_ = has_taken_; }
 
   const MarkovGrid& grid() const { return grid_; }
-  MarkovTable<State> table() const { return {slots_.view()}; }
-  MarkovRecords<State> records() { return {records_.mutable_view(), vertices_, pixels_}; }
+  MarkovTable<ChainState> table() const { return {slots_.view()}; }
+  MarkovRecords<ChainState> records() { return {records_.mutable_view(), vertices_, pixels_}; }
 
   size_t memory_bytes() const { return slots_.memory_bytes() + winners_.memory_bytes() + records_.memory_bytes(); }
   std::vector<PassStatistic> statistics() const {
     return {{"slots", static_cast<double>(slots_.size())},
             {"records", static_cast<double>(records_.size())},
-            {"table-bytes", static_cast<double>(slots_.size() * sizeof(MarkovSlot<State>))}};
+            {"table-bytes", static_cast<double>(slots_.size() * sizeof(MarkovSlot<ChainState>))}};
   }
 
   /// Winners are not saved: those of earlier frames lose against all later ones.
@@ -128,9 +128,9 @@ class MarkovCells {
     }
     const MarkovPriority priority{++stamp_, hash(frame.index.seed, frame.number, kOrderSeed)};
     const Grid all{static_cast<uint32_t>(records_.size()), 1, kTile};
-    frame.launch(name_, ElectWritersKernel<State>{records_.view(), winners_.mutable_view(), priority}, all);
-    frame.launch(name_, WriteStatesKernel<State>{records_.view(), winners_.view(), slots_.mutable_view(), priority},
-                 all);
+    frame.launch(name_, ElectWritersKernel<ChainState>{records_.view(), winners_.mutable_view(), priority}, all);
+    frame.launch(name_,
+                 WriteStatesKernel<ChainState>{records_.view(), winners_.view(), slots_.mutable_view(), priority}, all);
   }
 
   void set_grid(const FrameContext& frame, const MarkovGridSettings& s) {
@@ -150,9 +150,9 @@ class MarkovCells {
   }
 
   std::string_view name_;
-  Array<MarkovSlot<State>> slots_;      ///< of the adaptive grid, then of the static one
-  Array<uint64_t> winners_;             ///< MarkovPriority::key() by slot
-  Array<MarkovRecord<State>> records_;  ///< of the current frame; of the last one before begin_frame()
+  Array<MarkovSlot<ChainState>> slots_;      ///< of the adaptive grid, then of the static one
+  Array<uint64_t> winners_;                  ///< MarkovPriority::key() by slot
+  Array<MarkovRecord<ChainState>> records_;  ///< of the current frame; of the last one before begin_frame()
   MarkovGrid grid_;
   uint32_t vertices_ = 0;
   uint32_t pixels_ = 0;

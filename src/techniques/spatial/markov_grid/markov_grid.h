@@ -12,7 +12,7 @@ namespace relume {
 inline constexpr uint32_t kNoSlot = 0xffffffffu;
 
 /// Maximum number of cells drawn at a vertex, and of recorded vertices per path.
-inline constexpr uint32_t kMostDrawnCells = 8;
+inline constexpr uint32_t kMostDrawnCells = 6;
 inline constexpr uint32_t kMostChainVertices = 4;
 
 /// Place of a cell in the table, and a number that tells it from other cells with the same slot.
@@ -94,19 +94,19 @@ struct MarkovGrid {
 };
 
 /// Element of a table: the state of the cell that wrote it last. A state has the member `weight`, 0 for none.
-template <typename State>
+template <typename ChainState>
 struct MarkovSlot {
-  State state;
+  ChainState state;
   uint32_t check = 0;
 };
 
 /// The table that paths read: states of earlier frames.
-template <typename State>
+template <typename ChainState>
 struct MarkovTable {
-  View<const MarkovSlot<State>> slots;
+  View<const MarkovSlot<ChainState>> slots;
 
   /// State of the cell; an empty one if another cell has its slot.
-  RELUME_HD State load(const MarkovCell& cell) const {
+  RELUME_HD ChainState load(const MarkovCell& cell) const {
     if (cell.slot >= slots.size || slots[cell.slot].check != cell.check) return {};
     return slots[cell.slot].state;
   }

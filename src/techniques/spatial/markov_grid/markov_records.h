@@ -8,20 +8,20 @@
 namespace relume {
 
 /// A state and the cells that may take it; kNoSlot: none.
-template <typename State>
+template <typename ChainState>
 struct MarkovRecord {
-  State state;
+  ChainState state;
   MarkovCell cells[2];
 };
 
 /// Records of a frame: that of vertex v at pixel p is element v · pixels + p.
-template <typename State>
+template <typename ChainState>
 struct MarkovRecords {
-  View<MarkovRecord<State>> records;
+  View<MarkovRecord<ChainState>> records;
   uint32_t vertices = 0;  ///< per path, at most kMostChainVertices; 0: nothing is recorded
   uint32_t pixels = 0;
 
-  RELUME_HD MarkovRecord<State>& record(uint32_t vertex, uint32_t pixel) const {
+  RELUME_HD MarkovRecord<ChainState>& record(uint32_t vertex, uint32_t pixel) const {
     return records[vertex * pixels + pixel];
   }
   RELUME_HD void clear(uint32_t vertex, uint32_t pixel) const {
@@ -50,9 +50,9 @@ struct MarkovPriority {
 };
 
 /// Finds the record that writes each cell.
-template <typename State>
+template <typename ChainState>
 struct ElectWritersKernel {
-  View<const MarkovRecord<State>> records;
+  View<const MarkovRecord<ChainState>> records;
   View<uint64_t> winners;  ///< key by slot
   MarkovPriority priority;
 
@@ -64,11 +64,11 @@ struct ElectWritersKernel {
 };
 
 /// Writes the states of the elected records: at most one for each slot.
-template <typename State>
+template <typename ChainState>
 struct WriteStatesKernel {
-  View<const MarkovRecord<State>> records;
+  View<const MarkovRecord<ChainState>> records;
   View<const uint64_t> winners;
-  View<MarkovSlot<State>> slots;
+  View<MarkovSlot<ChainState>> slots;
   MarkovPriority priority;
 
   RELUME_HD void operator()(uint32_t record, uint32_t) const {
