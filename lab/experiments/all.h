@@ -16,6 +16,7 @@ Experiment light_selection_experiment();
 Experiment guiding_experiment();
 Experiment vlc_adaptation_experiment();
 Experiment cdq_adaptation_experiment();
+Experiment mcpg_adaptation_experiment();
 Experiment guide_cost_experiment();
 Experiment psf_error_experiment();
 Experiment psf_bias_experiment();

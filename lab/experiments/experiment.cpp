@@ -22,10 +22,12 @@ const std::vector<Experiment>& experiments() {
       psf_variance_experiment(),
       psf_frametime_experiment(),
       apg_depth_experiment(),
+      // Learned lights and directions.
       light_selection_experiment(),
       guiding_experiment(),
       vlc_adaptation_experiment(),
       cdq_adaptation_experiment(),
+      mcpg_adaptation_experiment(),
       guide_cost_experiment(),
       bdpt_quality_experiment(),
       bdpt_cost_experiment(),

@@ -94,6 +94,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
     add(paper, fmt::format("{} bits", bits),
         [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
   }
+  add(settings, "mcpg", [](RenderSettings& s) { s.guide = GuideChoice::mcpg; });
   add(lasting, "lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
   add(lasting, "lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
   add(lasting, "lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });

@@ -69,6 +69,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   use_paper_cache(paper);
   add(kCache, vlc, GuideChoice::bsdf);
   add("neeat", neeat, GuideChoice::bsdf);
+  if (extent != Extent::bases) add("mcls", mcls, GuideChoice::bsdf);
   for (const LearningMode& mode : modes_to_measure(context, cache_modes()))
     mode.apply(add(with_mode(kCache, mode), vlc, GuideChoice::bsdf));
   if (extent != Extent::tuned) return list;

@@ -41,6 +41,8 @@ constexpr Technique kContenders[] = {
     {"vlc", R"({"lights": "vlc", "history": "none"})", false, 11, "[Dittebrandt20 §7.2]"},
     {"neeat", R"({"lights": "neeat", "history": "none"})"},
     {"cdq", R"({"guide": "cdq", "history": "none"})", false, 20, "[Dittebrandt20 §7.3]"},
+    {"mcls", R"({"lights": "mcls", "history": "none"})", false, 11, kOurs},
+    {"mcpg", R"({"guide": "mcpg", "history": "none"})", false, 20, kOurs},
     {"restir-di", R"({"reuse": "restir-di", "history": "none"})", false, 20, kOurs},
     {"svgf", R"({"denoise": "svgf"})", true},
     {"asvgf", R"({"denoise": "asvgf"})", true, 8, kOurs},

@@ -262,7 +262,8 @@ constexpr const char* kWhatRemembers[] = {
     R"({"lights": "static-lists", "allocation": "adaptive", "history": "reproject"})",
     R"({"lights": "light-tree", "reuse": "restir-di", "denoise": "svgf"})",
     R"({"lights": "vlc", "guide": "cdq", "cache": "apsf+apg", "octree.vertices": 4})",
-    R"({"reuse": "restir-gi", "restir-gi.correction": "lagging", "denoise": "svgf"})"};
+    R"({"reuse": "restir-gi", "restir-gi.correction": "lagging", "denoise": "svgf"})",
+    R"({"lights": "mcls", "guide": "mcpg", "denoise": "svgf"})"};
 
 /// Restores the scene and resets all state.
 void put_back(Session& session, const Stage& stage, const RenderSettings& settings) {

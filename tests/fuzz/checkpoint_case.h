@@ -57,8 +57,8 @@ inline Scene turning_triangle() {
 }
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
-/// reservoirs, lists of tiles.
-inline constexpr int kCheckpointCases = 13;
+/// reservoirs, lists of tiles, Markov chains.
+inline constexpr int kCheckpointCases = 14;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -97,6 +97,11 @@ inline RenderSettings checkpoint_settings(int which) {
       s.restir_gi.correction = ReuseCorrection::lagging;
       break;
     case 12: s.lights = LightSelectionChoice::neeat; break;
+    case 13:
+      s.lights = LightSelectionChoice::mcls;
+      s.guide = GuideChoice::mcpg;
+      s.mcls.grid.static_slots = s.mcpg.grid.static_slots = 64;
+      break;
     default: break;  // accumulates
   }
   return s;
