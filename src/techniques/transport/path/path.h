@@ -65,7 +65,9 @@ struct PathContext {
   IndirectRate indirect;
   uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
   bool indirect_to_reservoirs = false;  ///< whether reservoirs resample the light beyond the second vertex
-  bool next_event = true;               ///< whether vertices connect to lights that directions can find, too
+  /// Whether paths end where a lobe with a density would scatter: reservoirs add its light.
+  bool only_specular = false;
+  bool next_event = true;  ///< whether vertices connect to lights that directions can find, too
 
   /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
   RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
@@ -228,7 +230,7 @@ RELUME_HD inline void disperse(const SceneView& scene, const SurfacePoint& sp, c
 /// Continues the path along a sampled direction. Returns false if it ends here.
 RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const BsdfSample& s, PathState& path,
                              Sampler& sampler, TransportMode mode = TransportMode::radiance) {
-  if (!s.valid) return false;
+  if (!s.valid || (c.only_specular && !s.delta)) return false;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
   if (!s.delta && !path.indirect) {
@@ -331,7 +333,8 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, SurfacePoint&
 RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                          Sampler& sampler) {
   sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-  return has_non_delta(sp.bsdf) && path.bounce >= c.first_nee_bounce ? pick_light(c, sp, sampler) : LightPick{};
+  if (c.only_specular || !has_non_delta(sp.bsdf) || path.bounce < c.first_nee_bounce) return {};
+  return pick_light(c, sp, sampler);
 }
 
 /// Next event estimation at a vertex. Returns whether to test a connection.

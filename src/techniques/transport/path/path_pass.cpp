@@ -24,6 +24,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.russian_roulette = source.settings.russian_roulette;
   context.first_nee_bounce = source.first_nee_bounce;
   context.indirect_to_reservoirs = source.indirect_to_reservoirs;
+  context.only_specular = source.only_specular;
   context.next_event = !source.directions.chains.replaces_lights;
   context.indirect = indirect_rate(source.settings.indirect_rate, frame.index, frame.blue_noise);
   return context;

@@ -21,6 +21,7 @@ struct PathSource {
   const DirectionSampler& directions;
   uint32_t first_nee_bounce = 0;        ///< as in PathContext
   bool indirect_to_reservoirs = false;  ///< as in PathContext
+  bool only_specular = false;           ///< as in PathContext
 };
 
 /// Data shared by all paths of this frame.
@@ -40,6 +41,7 @@ struct PathRecords {
   bool specular = false;          ///< fills kRadianceSpecular
   bool first_scatters = false;    ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
   bool indirect_samples = false;  ///< fills kIndirectSamples, and leaves light beyond second vertices to reservoirs
+  bool only_specular = false;     ///< leaves all light that lobes with a density scatter to reservoirs
 };
 
 /// Traces one path for each pixel that receives a sample.
@@ -51,6 +53,7 @@ class PathPass final : public Pass {
       : source_(source), records_(records), recording_(recording), chains_(chains) {
     if (records.first_scatters) source_.first_nee_bounce = 1;
     source_.indirect_to_reservoirs = records.indirect_samples;
+    source_.only_specular = records.only_specular;
   }
 
   void configure(const PathSettings& path) { source_.settings = path; }
