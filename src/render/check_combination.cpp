@@ -24,7 +24,8 @@ void check_crop(const RenderSettings& s) {
       {s.guide != GuideChoice::bsdf, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
-      {s.reuse == ReuseChoice::restir_gi, "reservoirs of other pixels; use --reuse none"},
+      {s.reuse == ReuseChoice::restir_gi || s.reuse == ReuseChoice::restir_pt,
+       "reservoirs of other pixels; use --reuse none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
       {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
       {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
@@ -117,20 +118,42 @@ void check_restir_gi(const RenderSettings& s) {
   }
 }
 
+/// Throws if reservoirs of paths do not combine with the other choices.
+void check_restir_pt(const RenderSettings& s) {
+  if (learns(s)) {
+    throw Error(
+        "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': a path "
+        "is repeated by its random numbers, but these techniques have learned other choices since; use lights "
+        "'light-tree' and guide 'bsdf', or reuse 'restir-gi'");
+  }
+  if (needs_first_vertices(s)) {
+    throw Error(
+        "reuse 'restir-pt' does not combine with history 'reproject' by reproject.method 'forward', which verifies the "
+        "light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse 'none'");
+  }
+  if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
+    throw Error(
+        "reuse 'restir-pt' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
+        "would have no reservoir for their neighbours and the next frame; use reuse 'none', or allocation 'uniform' "
+        "with upscale 1");
+  }
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
-        "reuse 'ris', 'restir-di' and 'restir-gi' do not combine with estimators 'bdpt', 'light' and 'vcm', whose MIS "
-        "weights do not include reservoirs; use estimator 'path' or reuse 'none'");
+        "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with estimators 'bdpt', 'light' and "
+        "'vcm', whose MIS weights do not include reservoirs; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
-        "reuse 'ris', 'restir-di' and 'restir-gi' do not combine with a radiance cache: its cells would lack the light "
-        "that reservoirs add; use cache 'none' or reuse 'none'");
+        "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with a radiance cache: its cells would "
+        "lack the light that reservoirs add; use cache 'none' or reuse 'none'");
   }
   if (s.reuse == ReuseChoice::restir_gi) return check_restir_gi(s);
+  if (s.reuse == ReuseChoice::restir_pt) return check_restir_pt(s);
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
     throw Error(
         "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "

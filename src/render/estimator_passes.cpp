@@ -8,6 +8,7 @@
 #include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/restir_di/restir_pass.h"
 #include "techniques/reuse/restir_gi/restir_gi_pass.h"
+#include "techniques/reuse/restir_pt/restir_pt_pass.h"
 #include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/vcm/vcm_pass.h"
 
@@ -36,6 +37,7 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
     case ReuseChoice::restir_gi:
       builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
       break;
+    case ReuseChoice::restir_pt: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(source); break;
   }
 }
 
@@ -154,7 +156,8 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .specular = splits_light(settings),
                             .first_scatters = reuses_direct_light(settings),
-                            .indirect_samples = settings.reuse == ReuseChoice::restir_gi};
+                            .indirect_samples = settings.reuse == ReuseChoice::restir_gi,
+                            .only_specular = settings.reuse == ReuseChoice::restir_pt};
   auto& paths = builder.add_tracing<PathPass>(source, records, recording, chains);
   add_reuse(builder, settings, source, recording);
   return &paths;

@@ -82,6 +82,19 @@ TEST(ReusePresets, HaveTheParametersOfTheirPrograms) {
   EXPECT_TRUE(indirect.reuse_glossy);
 }
 
+TEST(ReusePresets, ShiftPathsByTheRulesOfTheirPapers) {
+  const RenderSettings first = resolve({.preset = "restir-pt-2022"}).render;
+  EXPECT_EQ(first.reuse, ReuseChoice::restir_pt);
+  EXPECT_EQ(first.restir_pt.shift, PathShiftKind::hybrid);
+  EXPECT_EQ(first.restir_pt.connect, ConnectRuleKind::distance_2022);
+  EXPECT_EQ(first.path.max_bounces, 9);
+  EXPECT_FALSE(first.path.russian_roulette);
+  const RenderSettings enhanced = resolve({.preset = "restir-pt-2026"}).render;
+  EXPECT_EQ(enhanced.restir_pt.connect, ConnectRuleKind::footprint);
+  EXPECT_EQ(enhanced.restir_pt.radius, 16);
+  EXPECT_EQ(enhanced.restir_pt.correction, PathCorrection::exact);
+}
+
 TEST(AsvgfPresets, HaveTheParametersOfTheirPrograms) {
   const RenderSettings paper = resolve({.preset = "asvgf-2018"}).render;
   EXPECT_EQ(paper.denoise, DenoiseChoice::asvgf);

@@ -66,10 +66,11 @@ SettingList describe_slots(RenderSettings& s) {
       {"guide", choice(s.guide, {"bsdf", "cdq", "mcpg"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding): cdq stores it in quadtrees, mcpg as lobes of Markov chains"},
-      {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi"}),
+      {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi", "restir-pt"}),
        "Reservoirs at primary hits. none; ris: for direct light, chooses one of several lights by the light that the "
        "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
-       "frames and of neighbouring pixels (ReSTIR DI); restir-gi: reuses their indirect light instead (ReSTIR GI)"},
+       "frames and of neighbouring pixels (ReSTIR DI); restir-gi: reuses their indirect light instead (ReSTIR GI); "
+       "restir-pt: reuses their whole paths (ReSTIR PT)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg", "sharc"}),
        "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, both adaptive techniques, "
@@ -110,6 +111,7 @@ SettingList describe_transport(RenderSettings& s) {
   append(list, with_prefix("ris", describe(s.ris)));
   append(list, with_prefix("restir", describe(s.restir)));
   append(list, with_prefix("restir-gi", describe(s.restir_gi)));
+  append(list, with_prefix("restir-pt", describe(s.restir_pt)));
   return list;
 }
 

@@ -27,6 +27,7 @@
 #include "techniques/reuse/reservoir/settings.h"
 #include "techniques/reuse/restir_di/settings.h"
 #include "techniques/reuse/restir_gi/settings.h"
+#include "techniques/reuse/restir_pt/settings.h"
 #include "techniques/spatial/octree/settings.h"
 #include "techniques/temporal/adaptive_sampling/settings.h"
 #include "techniques/temporal/reprojection/settings.h"
@@ -45,7 +46,7 @@ inline constexpr int kMostSeed = 900'000'000;
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc, neeat, mcls };
 enum class GuideChoice : int { bsdf, cdq, mcpg };
-enum class ReuseChoice : int { none, ris, restir_di, restir_gi };
+enum class ReuseChoice : int { none, ris, restir_di, restir_gi, restir_pt };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
@@ -93,6 +94,7 @@ struct RenderSettings {
   RisSettings ris;
   RestirSettings restir;
   RestirGiSettings restir_gi;
+  RestirPtSettings restir_pt;
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;

@@ -34,6 +34,8 @@ BOUNDS = (
     # Receivers of the pixel, and of its history or a neighbour.
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 3100),
     (r"IndirectValidationKernel", 1600),
+    (r"PathTemporalKernel|PathSpatialKernel", 3000),  # a path, its surface point and sampler, beside two reservoirs
+    (r"PathCandidateKernel", 2000),  # a path, beside the chosen one
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, IndirectSampleOutput", 2000),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1800),
     # Lobes of the drawn cells, and the recorders of both kinds of chains: 0.4 KB.

@@ -71,6 +71,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "reservoir": "octree path reprojection",
     "restir_di": "path reprojection reservoir",
     "restir_gi": "path reprojection reservoir",
+    "restir_pt": "path reprojection reservoir",
 }
 
 # The parts of the viewer -> the parts that each may include, besides itself.

@@ -24,6 +24,13 @@ struct Receiver {
   uint32_t ray_id = 0;
 };
 
+/// Whether a hit refers to a visible surface: instances can be hidden, and a damaged checkpoint may hold any numbers.
+RELUME_HD inline bool exists(const SceneView& scene, const Hit& hit) {
+  if (hit.instance >= scene.instances.size || !is_finite(hit.u) || !is_finite(hit.v)) return false;
+  const Instance& instance = scene.instances[hit.instance];
+  return instance.visible && hit.primitive < scene.meshes[instance.mesh].triangle_count;
+}
+
 /// Record of pixel (x, y) with this primary hit, without testing whether the surface scatters.
 RELUME_HD inline ReceiverRecord record_of(const SceneView& scene, uint32_t x, uint32_t y, const Sampler& sampler,
                                           const Hit& hit) {

@@ -17,13 +17,6 @@ using IndirectReservoir = Reservoir<IndirectVertex>;
 inline constexpr uint32_t kChoosesIndirectHistory = 0x47490001u;
 inline constexpr uint32_t kChoosesIndirectNeighbours = 0x47490002u;
 
-/// Whether a hit refers to a visible surface: instances can be hidden, and a damaged checkpoint may hold any numbers.
-RELUME_HD inline bool exists(const SceneView& scene, const Hit& hit) {
-  if (hit.instance >= scene.instances.size || !is_finite(hit.u) || !is_finite(hit.v)) return false;
-  const Instance& instance = scene.instances[hit.instance];
-  return instance.visible && hit.primitive < scene.meshes[instance.mesh].triangle_count;
-}
-
 /// Place of an existing vertex; `front` is the normal on its lit side.
 RELUME_HD inline SurfacePlace place_of(const SceneView& scene, const Instance& instance, const IndirectVertex& vertex) {
   SurfacePlace place = surface_place(scene, instance, vertex.hit());

@@ -1,0 +1,293 @@
+// First kernel of ReSTIR PT: traces one path per pixel, and keeps one of the paths to light that it contains, by
+// resampling with their luminances as weights ([Lin22]).
+#pragma once
+
+#include "techniques/reuse/restir_pt/path_walk.h"
+#include "techniques/transport/path/specular_part.h"
+
+namespace relume {
+
+/// The first joint along a path that is being traced.
+struct TracedJoint {
+  uint32_t vertex = 0;  ///< 0: none yet
+  Hit hit;
+  Vec3 leaving{0};
+  Rgb medium{0};
+  Rgb suffix{1};           ///< throughput after the joint, with the transmittance along `leaving`
+  float density = 0;       ///< density of the path's coordinates at the joint: area times solid angle
+  bool disperses = false;  ///< whether a vertex after the joint scatters by wavelength
+};
+
+/// Traces a path from its primary hit, and chooses one of its contributions.
+struct CandidateTracer {
+  const PathContext& context;
+  const ConnectRule& rule;
+  PathWalk& walk;  ///< started
+  Sampler& sampler;
+  ChoiceNumbers& numbers;
+  float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel
+  StoredPath chosen;          ///< begins with the identity of the random numbers
+  WeightedChoice choice = {};
+  TracedJoint joint = {};
+  Hit hit;          ///< of the current vertex
+  Vec3 first{0};    ///< StoredPath::first
+  float scale = 1;  ///< one over the probability with which the walk has survived
+  uint32_t rays = 0;
+
+  RELUME_HD void trace() {
+    const SceneView& scene = context.scene;
+    while (!walk.sp.bsdf.empty() && walk.path.bounce < context.max_bounces) {
+      connect_to_light();
+      const BsdfSample s = context.directions.sample(walk.sp, sampler);
+      if (!scatter(s)) return;
+      const Hit next = intersect(scene, walk.path.ray, sampler.ray_id());
+      ++rays;
+      if (!next.valid()) return add_infinity();
+      const float pmf = walk.path.delta ? 0.0f : pmf_of_hit(context, walk.sp, next);
+      const Vec3 previous = walk.sp.position;
+      hit = next;
+      joint.suffix *= arrive(scene, hit, walk);
+      add_emitter(previous, pmf);
+      enter(scene, walk);
+      if (joint.vertex > 0) joint.disperses = joint.disperses || disperses(scene, walk.sp, walk.sp.ng);
+    }
+  }
+
+ private:
+  /// Whether a contribution replaces the chosen one. `value`: light in the image, without `scale`.
+  RELUME_HD bool offer(const Rgb& value) { return choice.offer(luminance(value) * scale, numbers.next()); }
+
+  /// Stores the chosen path. `value`: light in the image. `density`: of the path's coordinates. Other members are set.
+  RELUME_HD void store(PathEnd end, uint32_t joint_vertex, bool disperses, const Rgb& value, float density) {
+    const uint32_t length = end == PathEnd::connection ? walk.path.bounce + 1 : walk.path.bounce;
+    chosen.shape = StoredPath::shape_of(end, length, joint_vertex, disperses);
+    chosen.value = value * density;
+    chosen.first = first;
+  }
+  RELUME_HD void store_surface(const Hit& at) {
+    chosen.instance = at.instance;
+    chosen.primitive = at.primitive;
+    chosen.u = at.u;
+    chosen.v = at.v;
+  }
+  RELUME_HD void clear_joint() {
+    store_surface({});
+    chosen.u = chosen.v = 0;
+    chosen.leaving = Vec3(0);
+    chosen.light = kNoLight;
+    chosen.light_pdf_w = 0;
+    chosen.suffix = Rgb(0);
+    chosen.medium = Rgb(0);
+  }
+  /// Stores the joint that the path has passed.
+  RELUME_HD void store_joint(const Rgb& suffix) {
+    store_surface(joint.hit);
+    chosen.leaving = joint.leaving;
+    chosen.medium = joint.medium;
+    chosen.suffix = suffix;
+  }
+
+  /// Next event estimation at the current vertex.
+  RELUME_HD void connect_to_light() {
+    const SurfacePoint& sp = walk.sp;
+    const SceneView& scene = context.scene;
+    const LightPick pick = pick_light_at(context, sp, walk.path, sampler);
+    const LightSample light = sample_picked(context, sp, pick);
+    if (!light.valid()) return;
+    const BsdfEval bsdf = eval_pdf(sp, light.wi);
+    if (is_black(bsdf.f)) return;
+    const float mis = connection_weight(light, pick.pmf * light.pdf_w, bsdf.pdf_forward);
+    const Rgb reflected = reflected_light(scene, sp, walk.path.medium, light, bsdf) * (mis / pick.pmf);
+    const bool scatters_by_wavelength = disperses(scene, sp, light.wi);
+    const Rgb weight =
+        walk.path.dispersed || scatters_by_wavelength ? wavelength_weight(walk.path.wavelength_nm) : Rgb(1);
+    const Rgb value = walk.path.throughput * reflected * weight;
+    if (is_black(value)) return;
+    ++rays;
+    if (occluded(scene, shadow_ray(sp, light), sampler.ray_id())) return;
+    if (walk.path.bounce == 0) {
+      first = light.wi;
+    }
+    if (offer(value)) store_connection(pick, light, bsdf, value, joint.suffix * reflected, scatters_by_wavelength);
+  }
+
+  RELUME_HD void store_connection(const LightPick& pick, const LightSample& light, const BsdfEval& bsdf,
+                                  const Rgb& value, const Rgb& suffix, bool scatters_by_wavelength) {
+    const SurfacePoint& sp = walk.sp;
+    const uint32_t vertex = walk.path.bounce;
+    clear_joint();
+    if (joint.vertex > 0) {
+      store_joint(suffix);
+      return store(PathEnd::connection, joint.vertex, joint.disperses || scatters_by_wavelength, value, joint.density);
+    }
+    const LightPoint point = point_of(context.scene.lights, pick.id, light);
+    chosen.light = point.light;
+    chosen.leaving = Vec3(point.coordinates.x, point.coordinates.y, 0);
+    // One over the density of the coordinates, in the measure of light_at().
+    const float unit = light_at(context.scene.lights, point, sp.position).pdf_w;
+    const float density = pick.pmf * light.pdf_w / unit;
+    const SegmentEnd here{bsdf.pdf_forward, narrowest_alpha(sp.bsdf), walk.cosine, false};
+    if (vertex == 0 || !rule.connects(walk.from, here, walk.distance, walk.footprint))
+      return store(PathEnd::connection, vertex + 1, false, value, density);
+    store_surface(hit);
+    chosen.medium = medium_along(context.scene, sp, light.wi, walk.path.medium);
+    store(PathEnd::connection, vertex, false, value, walk.from.pdf_w * walk.geometry() * density);
+  }
+
+  /// Leaves the current vertex, by Russian roulette as path tracing. Returns false if the path ends there.
+  RELUME_HD bool scatter(const BsdfSample& s) {
+    if (!s.valid) return false;
+    const SceneView& scene = context.scene;
+    const uint32_t vertex = walk.path.bounce;
+    if (!s.delta && !walk.path.indirect) {
+      if (indirect_weight == 0.0f) return false;
+      scale *= indirect_weight;
+    }
+    if (vertex == 0) first = s.delta ? Vec3(0) : s.wi;
+    const SegmentEnd before = walk.from;
+    const bool passed = joint.vertex > 0;
+    if (passed) {
+      joint.suffix *= s.weight;
+      joint.disperses = joint.disperses || disperses(scene, walk.sp, s.wi);
+    }
+    leave(scene, s, walk);
+    if (!passed && vertex > 0) find_joint(vertex, before, s);
+    const Rgb& throughput = walk.path.throughput;
+    const float sum = throughput.r + throughput.g + throughput.b;
+    if (!(sum > 0.0f)) {
+      if (!is_finite(sum)) choice.sum = sum;  // is counted there
+      return false;
+    }
+    return survives(vertex);
+  }
+
+  /// Makes vertex `vertex`, which the path leaves by `s`, the joint if it is connectible to the one before it.
+  RELUME_HD void find_joint(uint32_t vertex, const SegmentEnd& before, const BsdfSample& s) {
+    const SegmentEnd here{s.pdf_w, walk.from.alpha, walk.cosine, s.delta};
+    if (!rule.connects(before, here, walk.distance, walk.footprint)) return;
+    joint.vertex = vertex;
+    joint.hit = hit;
+    joint.leaving = s.wi;
+    joint.medium = walk.path.medium;
+    joint.suffix = Rgb(1);
+    joint.density = before.pdf_w * walk.geometry() * s.pdf_w;
+  }
+
+  RELUME_HD bool survives(uint32_t vertex) {
+    PathState& path = walk.path;
+    if (vertex == 0) {
+      path.rr_reference = max_component(path.throughput) * scale / path.eta_scale;
+    } else if (context.russian_roulette) {
+      const float survival =
+          kRouletteThreshold * max_component(path.throughput) * scale / (path.eta_scale * path.rr_reference);
+      if (survival < 1.0f) {
+        if (sampler.next_1d() >= survival) return false;
+        scale /= survival;
+      }
+    }
+    return true;
+  }
+
+  /// Emission at the current vertex, where the path has arrived from `previous`. `pmf`: of selecting its light there.
+  RELUME_HD void add_emitter(const Vec3& previous, float pmf) {
+    const SurfacePoint& sp = walk.sp;
+    const PathState& path = walk.path;
+    if (!path.indirect || is_black(sp.emission)) return;
+    const bool selectable = !path.delta && sp.light != kNoLight;
+    const float pdf =
+        selectable ? pdf_li(context.scene.lights, sp.light, previous, path.ray.direction, sp.emitter_point()) : 0.0f;
+    const float mis = selectable ? scatter_weight(path.pdf_w, pmf, pdf) : 1.0f;
+    const Rgb value = path.throughput * sp.emission * walk.dispersion() * mis;
+    if (!offer(value)) return;
+    clear_joint();
+    if (joint.vertex > 0) {
+      const bool is_last = joint.vertex + 1 == path.bounce;
+      store_joint(joint.suffix * sp.emission * (is_last ? 1.0f : mis));
+      if (is_last && selectable) chosen.light = sp.light;
+      if (is_last) chosen.light_pdf_w = pdf;
+      return store(PathEnd::emitter, joint.vertex, joint.disperses, value, joint.density);
+    }
+    if (!rule.connects_to_end(walk.from, walk.cosine, walk.distance, walk.footprint))
+      return store(PathEnd::emitter, 0, false, value, 1.0f);
+    store_surface(hit);
+    store(PathEnd::emitter, path.bounce, false, value, walk.from.pdf_w * walk.geometry());
+  }
+
+  /// Light from infinity along the path's ray, which left the scene.
+  RELUME_HD void add_infinity() {
+    const PathState& path = walk.path;
+    if (!path.indirect) return;
+    const Rgb light = light_from_infinity(context, walk.sp, path.ray.direction, path.pdf_w, path.delta);
+    const Rgb value = path.throughput * light * walk.dispersion();
+    if (is_black(value) || !offer(value)) return;
+    clear_joint();
+    if (joint.vertex > 0) {
+      store_joint(joint.suffix * light);
+      return store(PathEnd::infinity, joint.vertex, joint.disperses, value, joint.density);
+    }
+    if (!rule.connects_to_end(walk.from, 1.0f, kInfinity, walk.footprint))
+      return store(PathEnd::infinity, 0, false, value, 1.0f);
+    chosen.leaving = path.ray.direction;
+    store(PathEnd::infinity, path.bounce, false, value, path.pdf_w);
+  }
+};
+
+/// Planes to which reservoirs add their light.
+struct PathImage {
+  View<Rgb> radiance;
+  View<Rgb> specular;  ///< part from specular lobes; may be empty
+  View<uint32_t> rays;
+};
+
+struct PathCandidateKernel {
+  PathContext context;
+  ConnectRule rule;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<PathReservoir> reservoirs;
+  View<ReceiverRecord> records;
+  PathImage image;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    reservoirs[pixel] = {};
+    records[pixel] = {};
+    if (!hits[pixel].valid() || context.max_bounces == 0) return;
+    Sampler sampler = index.sampler(x, y);
+    records[pixel] = record_of(context.scene, x, y, sampler, hits[pixel]);
+    PathWalk walk;
+    const ReceiverRecord& record = records[pixel];
+    const Instance& instance = context.scene.instances[record.hit.instance];
+    if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk)) return;
+    ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPaths);
+    CandidateTracer tracer{.context = context,
+                           .rule = rule,
+                           .walk = walk,
+                           .sampler = sampler,
+                           .numbers = numbers,
+                           .indirect_weight = context.indirect.weight(x, y),
+                           .chosen = {.pixel = pixel, .sequence = index.sequence, .element = index.sample_of(x, y)},
+                           .hit = record.hit};
+    tracer.trace();
+    image.rays[pixel] += tracer.rays;
+    finish(pixel, tracer);
+  }
+
+ private:
+  RELUME_HD void finish(uint32_t pixel, const CandidateTracer& tracer) const {
+    PathReservoir own;
+    own.confidence = 1;
+    if (!is_finite(tracer.choice.sum)) {
+      image.radiance[pixel] += Rgb(tracer.choice.sum);  // is counted there, and must not spread
+    } else if (tracer.chosen.valid()) {
+      own.sample = tracer.chosen;
+      own.target = luminance(own.sample.value);
+      own.weight = own.target > 0.0f ? tracer.choice.sum / own.target : 0.0f;
+      if (!is_finite(own.weight) || !is_finite(own.target)) own.weight = own.target = 0.0f;
+    }
+    reservoirs[pixel] = own;
+  }
+};
+
+}  // namespace relume

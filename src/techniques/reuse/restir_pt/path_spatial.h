@@ -1,0 +1,120 @@
+// Third kernel of ReSTIR PT: combines each pixel's reservoir with those of neighbouring pixels by the pairwise weights
+// of [Lin22], and adds the light of the result.
+#pragma once
+
+#include "techniques/reuse/reservoir/neighbours.h"
+#include "techniques/reuse/restir_pt/path_candidates.h"
+#include "techniques/reuse/restir_pt/path_shift.h"
+
+namespace relume {
+
+struct PathSpatialKernel {
+  PathShifter shifter;
+  NeighbourSearch search;
+  View<const PathReservoir> reservoirs;  ///< before this kernel
+  View<const ReceiverRecord> records;
+  View<PathReservoir> history;  ///< for the next frame
+  PathImage image;
+  PathCorrection correction = PathCorrection::exact;
+  bool feeds_back = true;  ///< whether the history is the result of this kernel
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * search.width + x;
+    const PathReservoir own = reservoirs[pixel];
+    if (!(own.confidence > 0.0f)) {
+      history[pixel] = own;
+      return;
+    }
+    ChoiceNumbers numbers(shifter.index.seed, shifter.index.frame, pixel, kChoosesPathNeighbours);
+    ReuseNeighbours near;
+    const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
+    search.find(x, y, has_reservoir, numbers, near);
+    const bool weighs_all = correction == PathCorrection::basic || correction == PathCorrection::constant;
+    PathReservoir result =
+        weighs_all ? combine_all(pixel, own, near, numbers) : combine_pairs(pixel, own, near, numbers);
+    shade(pixel, result);
+    if (!is_finite(result.weight)) result.weight = 0;  // must not spread
+    history[pixel] = feeds_back ? result : own;
+  }
+
+ private:
+  /// Shifts a path to the primary hit of a pixel, for the reservoir of `pixel`.
+  RELUME_HD Shifted shift(uint32_t pixel, uint32_t to, const StoredPath& path, bool traced) const {
+    const SceneView& scene = shifter.context.scene;
+    const ReceiverRecord& record = records[to];
+    return shifter.shift(path, scene.camera, scene.instances[record.hit.instance], record, traced, image.rays[pixel]);
+  }
+
+  /// The reservoir of pixel `other`, whose path has the value that it has at `pixel`.
+  RELUME_HD PathReservoir moved(uint32_t pixel, uint32_t other) const {
+    PathReservoir neighbour = reservoirs[other];
+    if (neighbour.weight > 0.0f) move_to(shift(pixel, pixel, neighbour.sample, true), neighbour.sample);
+    return neighbour;
+  }
+
+  RELUME_HD PathReservoir combine_pairs(uint32_t pixel, const PathReservoir& own, const ReuseNeighbours& near,
+                                        ChoiceNumbers& numbers) const {
+    PairwiseCombination<StoredPath> combination(own, near.count);
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const PathReservoir neighbour = moved(pixel, near.pixels[i]);
+      const float here = neighbour.weight > 0.0f ? luminance(neighbour.sample.value) : 0.0f;
+      const float there = own.weight > 0.0f ? shift(pixel, near.pixels[i], own.sample, true).target() : 0.0f;
+      combination.add(neighbour, here, there, numbers.next());
+    }
+    return combination.finish(numbers.next());
+  }
+
+  /// The modes "basic" and "constant".
+  RELUME_HD PathReservoir combine_all(uint32_t pixel, const PathReservoir& own, const ReuseNeighbours& near,
+                                      ChoiceNumbers& numbers) const {
+    BasicCombination<StoredPath> combination;
+    combination.add(own, 0, own.target, 0.0f);
+    float confidence = own.confidence;
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const PathReservoir neighbour = moved(pixel, near.pixels[i]);
+      combination.add(neighbour, i + 1, luminance(neighbour.sample.value), numbers.next());
+      confidence += neighbour.confidence;
+    }
+    const StoredPath path = combination.sample();
+    if (!path.valid()) return combination.finish(0.0f, 0.0f);
+    if (correction == PathCorrection::constant) return combination.finish(1.0f, confidence);
+    const uint32_t chosen = combination.chosen();
+    const float here = luminance(path.value);
+    float of_source = here;
+    float of_all = own.confidence * here;
+    for (uint32_t i = 0; i < near.count; ++i) {
+      const PathReservoir& neighbour = reservoirs[near.pixels[i]];
+      const bool is_source = chosen == i + 1;
+      const float there = is_source ? neighbour.target : shift(pixel, near.pixels[i], path, false).target();
+      of_all += neighbour.confidence * there;
+      if (is_source) of_source = there;
+    }
+    return combination.finish(of_source, of_all);
+  }
+
+  /// Adds the light of the result, whose path is known to be visible. A weight that is not finite shows as such.
+  RELUME_HD void shade(uint32_t pixel, const PathReservoir& result) const {
+    if (result.weight == 0.0f) return;
+    if (!is_finite(result.weight)) {
+      image.radiance[pixel] += Rgb(result.weight);
+      return;
+    }
+    const Rgb value = result.sample.value * result.weight;
+    image.radiance[pixel] += value;
+    if (!image.specular.empty()) image.specular[pixel] += value * share_of_specular(pixel, result.sample);
+  }
+
+  /// Share of specular lobes of the primary hit in the light of a path.
+  RELUME_HD Rgb share_of_specular(uint32_t pixel, const StoredPath& path) const {
+    if (path.first == Vec3(0)) return Rgb(1);
+    const SceneView& scene = shifter.context.scene;
+    const ReceiverRecord& record = records[pixel];
+    const float wavelength_nm = path_wavelength(scene, sampler_of(shifter.index, shifter.width, path));
+    PathWalk walk;
+    if (!start_walk(scene, scene.camera, scene.instances[record.hit.instance], record, wavelength_nm, walk))
+      return Rgb(0);
+    return specular_share(walk.sp, path.first);
+  }
+};
+
+}  // namespace relume

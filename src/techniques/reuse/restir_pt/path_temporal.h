@@ -1,0 +1,80 @@
+// Second kernel of ReSTIR PT: combines the path of each pixel with the reservoir of its surface in the previous frame,
+// by the generalised balance heuristic of [Lin22].
+#pragma once
+
+#include "techniques/reuse/reservoir/history_source.h"
+#include "techniques/reuse/restir_pt/path_shift.h"
+
+namespace relume {
+
+/// The combination with weights cᵢ / Σc, which needs no inverse shift. `before`: with its value in the domain of `now`.
+RELUME_HD inline PathReservoir combine_constant(const PathReservoir& now, const PathReservoir& before, float u) {
+  BasicCombination<StoredPath> combination;
+  combination.add(now, 0, now.target, 0.0f);
+  combination.add(before, 1, luminance(before.sample.value), u);
+  return combination.finish(1.0f, now.confidence + before.confidence);
+}
+
+struct PathTemporalKernel {
+  PathShifter shifter;
+  BackwardReprojection reprojection;
+  View<const PathReservoir> history;           ///< of the previous frame
+  View<const ReceiverRecord> history_records;  ///< primary hits of the previous frame
+  View<const ReceiverRecord> records;
+  View<PathReservoir> reservoirs;
+  View<uint32_t> rays;
+  PathCorrection correction = PathCorrection::exact;
+  float cap = 0;
+  bool moved = false;  ///< whether instances were placed differently in the previous frame
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * shifter.width + x;
+    const PathReservoir own = reservoirs[pixel];
+    if (!(own.confidence > 0.0f)) return;
+    const SampleIndex& index = shifter.index;
+    ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPathHistory);
+    const float u_source = numbers.next();
+    const float u = numbers.next();
+    const uint32_t source = cap > 0.0f ? history_source(reprojection, x, y, u_source) : kNoSurface;
+    if (source == kNoSurface) return;
+    PathReservoir before = history[source];
+    before.confidence = relume::min(before.confidence, cap * own.confidence);
+    if (!(before.confidence > 0.0f) || !is_finite(before.weight)) return;
+    const SceneView& scene = shifter.context.scene;
+    const ReceiverRecord& old = history_records[source];
+    if (!exists(scene, old.hit)) return;
+    if (before.weight > 0.0f && !exists(scene, before.sample, shifter.context.max_bounces)) return;
+    const Instance& instance = scene.instances[old.hit.instance];
+    if (moved && scene.meshes[instance.mesh].deforms) return;  // its previous shape is not fully known
+    reservoirs[pixel] = combine(pixel, own, before, old, instance, u);
+  }
+
+ private:
+  RELUME_HD PathReservoir combine(uint32_t pixel, const PathReservoir& own, PathReservoir& before,
+                                  const ReceiverRecord& old, const Instance& instance, float u) const {
+    const SceneView& scene = shifter.context.scene;
+    if (before.weight > 0.0f) {
+      const ReceiverRecord& now = records[pixel];
+      move_to(shifter.shift(before.sample, scene.camera, scene.instances[now.hit.instance], now, true, rays[pixel]),
+              before.sample);
+    }
+    if (correction == PathCorrection::constant) return combine_constant(own, before, u);
+    const float there = own.weight > 0.0f ? old_target(own.sample, old, instance, rays[pixel]) : 0.0f;
+    const auto now_target = [](const StoredPath& path) { return luminance(path.value); };
+    const auto before_target = [there](const StoredPath&) { return there; };
+    return correction == PathCorrection::basic ? combine_basic(own, before, now_target, before_target, u)
+                                               : combine_balanced(own, before, now_target, before_target, u);
+  }
+
+  /// p̂ of this pixel's path at the primary hit of the previous frame.
+  RELUME_HD float old_target(const StoredPath& path, const ReceiverRecord& old, const Instance& instance,
+                             uint32_t& ray_count) const {
+    const CameraView& camera = shifter.context.scene.previous_camera;
+    const bool traced = correction != PathCorrection::basic;
+    const Shifted there = moved ? shifter.shift(path, camera, previous_instance(instance), old, traced, ray_count)
+                                : shifter.shift(path, camera, instance, old, traced, ray_count);
+    return there.target();
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,37 @@
+// The choice "restir-pt" of the slot reuse as a pass.
+#pragma once
+
+#include "frame/pass.h"
+#include "techniques/reuse/restir_pt/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+struct PathShifter;
+
+/// Adds the light of all paths that scatter by a lobe with a density, to that of paths without such
+/// (PathRecords::only_specular).
+class RestirPtPass final : public Pass {
+ public:
+  RestirPtPass(const RestirPtSettings& settings, const PathSource& source) : settings_(settings), source_(source) {}
+
+  void configure(const RestirPtSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool keeps_to_pixels() const override { return false; }
+  /// As for ReSTIR DI: the sum over k of the correlations (cap / (cap + 1))^k, forwards and backwards.
+  uint32_t correlated_frames() const override { return 1 + 2 * static_cast<uint32_t>(settings_.cap); }
+
+ private:
+  PathShifter shifter(const FrameContext& frame) const;
+  // These return false if a stop was requested first.
+  bool trace_candidates(const FrameContext& frame) const;
+  bool reuse_history(const FrameContext& frame) const;
+  bool reuse_neighbours(const FrameContext& frame) const;
+
+  RestirPtSettings settings_;
+  PathSource source_;
+};
+
+}  // namespace relume

@@ -1,0 +1,235 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "builtin_scenes/builtin.h"
+#include "frame/pipeline.h"
+#include "render/build_pipeline.h"
+#include "techniques/reuse/restir_gi/testing/image_means.h"
+#include "techniques/reuse/restir_gi/testing/posts.h"
+#include "techniques/reuse/restir_pt/testing/patch_beside_floors.h"
+
+namespace relume {
+namespace {
+
+using testing::error_of;
+using testing::Measured;
+
+constexpr int kMoving = 6;
+constexpr int kKept = 8;
+constexpr int kBounces = 3;
+
+RenderSettings settings_of(ReuseChoice reuse) {
+  RenderSettings settings = testing::reuse_settings(reuse);
+  settings.restir_pt.radius = 6;
+  settings.path.max_bounces = kBounces;
+  return settings;
+}
+
+std::vector<Measured> reference_of(const Scene& scene, int seeds = 12, int bounces = kBounces) {
+  RenderSettings settings = settings_of(ReuseChoice::none);
+  settings.path.max_bounces = bounces;
+  return testing::after_moves(scene, settings, seeds, kMoving, 96);
+}
+
+/// Compares the mean of the image, then those of its blocks, which show darkening at edges. `most_error`: of the image,
+/// relative. `blocks`: whether to compare blocks, too.
+void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth, double most_error = 0.02,
+                  bool blocks = true) {
+  EXPECT_LT(error_of(reused[0], truth[0]), most_error * truth[0].mean);
+  for (size_t k = 0; k < (blocks ? truth.size() : 1); ++k) {
+    // With few degrees of freedom, standard errors are uncertain.
+    const double tolerance = (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
+    EXPECT_NEAR(reused[k].mean, truth[k].mean, tolerance) << (k == 0 ? "image" : "block ") << k;
+  }
+}
+
+class RestirPtMode : public ::testing::TestWithParam<RestirPtSettings> {};
+
+TEST_P(RestirPtMode, HasTheMeanOfPathTracingInImageAndBlocks) {
+  static const Scene scene = find_builtin_scene("cornell")->build();
+  static const std::vector<Measured> truth = reference_of(scene);
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.restir_pt = GetParam();
+  settings.restir_pt.radius = 6;
+  expect_equal(testing::after_moves(scene, settings, 20, kMoving, kKept), truth);
+}
+
+std::string mode_name(const ::testing::TestParamInfo<RestirPtSettings>& info) {
+  const RestirPtSettings& s = info.param;
+  const std::array<const char*, 3> shifts{"reconnection", "replay", "hybrid"};
+  return std::string(shifts[static_cast<size_t>(s.shift)]) + "_cap_" + std::to_string(s.cap) + "_neighbours_" +
+         std::to_string(s.neighbours) + (s.feedback == ReuseFeedback::spatial ? "_spatial" : "_temporal") +
+         (s.correction == PathCorrection::exact ? "" : "_lagging") +
+         (s.connect == ConnectRuleKind::footprint ? "" : "_2022");
+}
+
+INSTANTIATE_TEST_SUITE_P(Unbiased, RestirPtMode,
+                         ::testing::Values(RestirPtSettings{.cap = 0, .neighbours = 0}, RestirPtSettings{.cap = 0},
+                                           RestirPtSettings{.neighbours = 0},
+                                           RestirPtSettings{.feedback = ReuseFeedback::temporal, .cap = 8},
+                                           RestirPtSettings{.cap = 8},
+                                           RestirPtSettings{.correction = PathCorrection::lagging, .cap = 8},
+                                           RestirPtSettings{.connect = ConnectRuleKind::distance_2022, .cap = 8},
+                                           RestirPtSettings{.shift = PathShiftKind::reconnection, .cap = 8},
+                                           RestirPtSettings{.shift = PathShiftKind::replay, .cap = 8}),
+                         mode_name);
+
+struct SceneCase {
+  const char* scene;
+  PathShiftKind shift;
+};
+
+void PrintTo(const SceneCase& c, std::ostream* out) { *out << c.scene; }
+
+std::string scene_name(const ::testing::TestParamInfo<SceneCase>& info) {
+  const std::array<const char*, 3> shifts{"reconnection", "replay", "hybrid"};
+  std::string name = std::string(info.param.scene) + "_" + shifts[static_cast<size_t>(info.param.shift)];
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+/// Caustics and light through a gap: few seeds find most of the light, and blocks with caustics have no reliable
+/// errors.
+class SlowRestirPtScene : public ::testing::TestWithParam<SceneCase> {};
+
+TEST_P(SlowRestirPtScene, HasTheMeanOfPathTracing) {
+  const Scene scene = find_builtin_scene(GetParam().scene)->build();
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.restir_pt.shift = GetParam().shift;
+  settings.restir_pt.cap = 4;
+  settings.path.max_bounces = 6;
+  expect_equal(testing::after_moves(scene, settings, 100, kMoving, kKept), reference_of(scene, 40, 6), 0.05,
+               std::string_view(GetParam().scene) != "cornell-glass");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shifts, SlowRestirPtScene,
+    ::testing::Values(
+        SceneCase{"cornell", PathShiftKind::reconnection}, SceneCase{"cornell", PathShiftKind::replay},
+        SceneCase{"cornell", PathShiftKind::hybrid}, SceneCase{"cornell-mirror", PathShiftKind::reconnection},
+        SceneCase{"cornell-mirror", PathShiftKind::replay}, SceneCase{"cornell-mirror", PathShiftKind::hybrid},
+        SceneCase{"cornell-glass", PathShiftKind::reconnection}, SceneCase{"cornell-glass", PathShiftKind::replay},
+        SceneCase{"cornell-glass", PathShiftKind::hybrid}, SceneCase{"door", PathShiftKind::reconnection},
+        SceneCase{"door", PathShiftKind::replay}, SceneCase{"door", PathShiftKind::hybrid}),
+    scene_name);
+
+/// Expects the mean of path tracing with hybrid shifts and a short history.
+void expect_mean_of_paths(const Scene& scene) {
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.restir_pt.cap = 8;
+  expect_equal(testing::after_moves(scene, settings, 20, kMoving, kKept), reference_of(scene));
+}
+
+TEST(RestirPtMirror, HasTheMeanOfPathTracing) { expect_mean_of_paths(find_builtin_scene("cornell-mirror")->build()); }
+
+/// Posts hide parts of the ceiling from the floor.
+TEST(RestirPtPosts, HasTheMeanOfPathTracing) { expect_mean_of_paths(testing::posts()); }
+
+/// Sheets with stochastic alpha are occluders and vertices.
+TEST(RestirPtAlpha, HasTheMeanOfPathTracing) {
+  Scene scene = testing::posts();
+  Material veil = testing::matte(Rgb(0.3f, 0.6f, 0.4f));
+  veil.alpha_mode = AlphaMode::blend;
+  veil.alpha = 0.4f;
+  testing::add_mesh(scene, veil, quad({-3, 1.5f, -3}, {6, 0, 0}, {0, 0, 6}));
+  expect_mean_of_paths(scene);
+}
+
+/// A medium around everything.
+TEST(RestirPtMedium, HasTheMeanOfPathTracing) {
+  Scene scene = find_builtin_scene("cornell")->build();
+  testing::add_mesh(scene, testing::tint({0.05f, 0.1f, 0.2f}), box(Vec3(-40), Vec3(40)));
+  expect_mean_of_paths(scene);
+}
+
+/// Paths have wavelengths, which shifts keep.
+TEST(RestirPtDispersion, HasTheMeanOfPathTracing) {
+  Scene scene = find_builtin_scene("cornell-spheres")->build();
+  int glass = 0;
+  for (Material& material : scene.materials) {
+    if (!(material.transmission > 0)) continue;
+    material.dispersion = 2;
+    material.roughness = 0.4f;  // vertices on the glass can be joints
+    ++glass;
+  }
+  ASSERT_GT(glass, 0);
+  expect_mean_of_paths(scene);
+}
+
+TEST(RestirPtIndirectRate, KeepsTheMean) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.restir_pt.cap = 8;
+  settings.path.indirect_rate = 0.5f;
+  expect_equal(testing::after_moves(scene, settings, 24, kMoving, kKept), reference_of(scene), 0.03);
+}
+
+/// Variance between seeds of a frame's pixels, in the left and in the right half of the image.
+std::array<double, 2> noise_of(const Scene& scene, const RenderSettings& settings) {
+  constexpr size_t kSize = testing::kReuseSize;
+  constexpr int kRuns = 64;
+  Session session(Scene(scene), settings);
+  std::vector<double> sum(kSize * kSize);
+  std::vector<double> squares(kSize * kSize);
+  for (int seed = 1; seed <= kRuns; ++seed) {
+    session.restart(seed);
+    session.render_frame();
+    const Image image = session.image();
+    for (size_t p = 0; p < kSize * kSize; ++p) {
+      const auto y = static_cast<double>(luminance(image.pixels[p]));
+      sum[p] += y / kRuns;
+      squares[p] += y * y / kRuns;
+    }
+  }
+  std::array<double, 2> variance{};
+  for (size_t p = 0; p < kSize * kSize; ++p) variance[p % kSize * 2 / kSize] += squares[p] - sum[p] * sum[p];
+  return variance;
+}
+
+/// Replayed paths miss the patch. On the mirror, nothing can be reconnected at the second vertex. Hybrid shifts repeat
+/// the reflection in the mirror, and then connect to the patch.
+TEST(RestirPtNoise, IsLeastWithHybridShifts) {
+  const Scene scene = testing::patch_beside_floors();
+  const auto noise = [&](PathShiftKind shift) {
+    RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+    settings.history = HistoryChoice::none;
+    settings.restir_pt.shift = shift;
+    settings.restir_pt.neighbours = 6;
+    return noise_of(scene, settings);
+  };
+  const std::array<double, 2> reconnection = noise(PathShiftKind::reconnection);
+  const std::array<double, 2> replay = noise(PathShiftKind::replay);
+  const std::array<double, 2> hybrid = noise(PathShiftKind::hybrid);
+  EXPECT_GT(hybrid[0], 0);
+  EXPECT_LT(hybrid[0], 0.7 * replay[0]) << "matte";
+  EXPECT_LT(hybrid[1], 0.7 * replay[1]) << "mirror";
+  EXPECT_LT(hybrid[1], 0.7 * reconnection[1]) << "mirror";
+}
+
+TEST(RestirPtFrames, AreNotIndependent) {
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  EXPECT_EQ(build_passes(settings, host_memory()).pipeline.correlated_frames(), 41u);
+  EXPECT_FALSE(build_passes(settings, host_memory()).pipeline.keeps_to_pixels());
+  settings.restir_pt.cap = 0;
+  EXPECT_EQ(build_passes(settings, host_memory()).pipeline.correlated_frames(), 1u);
+}
+
+/// Without scattering there is nothing to reuse.
+TEST(RestirPtBounces, AreOneAtLeast) {
+  const auto rendered = [&](ReuseChoice reuse) {
+    RenderSettings settings = settings_of(reuse);
+    settings.path.max_bounces = 0;
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    for (int i = 0; i < 3; ++i) session.render_frame();
+    return session.image();
+  };
+  EXPECT_EQ(rendered(ReuseChoice::restir_pt).pixels, rendered(ReuseChoice::none).pixels);
+}
+
+}  // namespace
+}  // namespace relume

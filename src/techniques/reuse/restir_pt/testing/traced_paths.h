@@ -1,0 +1,82 @@
+// The first paths of a small image, for tests of their shifts.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "builtin_scenes/builtin.h"
+#include "scene/compiled_scene.h"
+#include "techniques/reuse/restir_pt/path_candidates.h"
+#include "techniques/reuse/restir_pt/path_shift.h"
+
+namespace relume::testing {
+
+class TracedPaths {
+ public:
+  static constexpr uint32_t kEdge = 24;  ///< pixels
+  static constexpr uint32_t kPixels = kEdge * kEdge;
+
+  TracedPaths(const Scene& source, const ConnectRule& rule, uint32_t max_bounces, uint32_t sample = 3)
+      : scene_(source, {.camera = {}, .width = kEdge, .height = kEdge}),
+        reservoirs(kPixels),
+        records(kPixels),
+        radiance(kPixels),
+        rays_(kPixels),
+        hits_(kPixels) {
+    const SceneView view = scene_.view();
+    shifter.context.scene = view;
+    shifter.context.selector.kind = LightSelectorKind::uniform;
+    shifter.context.selector.uniform = make_uniform_lights(view.lights);
+    shifter.context.max_bounces = max_bounces;
+    shifter.rule = rule;
+    shifter.index = {.seed = 7, .sample = sample};
+    shifter.width = kEdge;
+    PathCandidateKernel kernel;
+    kernel.context = shifter.context;
+    kernel.rule = rule;
+    kernel.index = shifter.index;
+    kernel.hits = view_of(hits_);
+    kernel.reservoirs = mutable_view_of(reservoirs);
+    kernel.records = mutable_view_of(records);
+    kernel.image = {mutable_view_of(radiance), {}, mutable_view_of(rays_)};
+    kernel.width = kEdge;
+    const PrimaryHitsKernel primary{view, shifter.index, mutable_view_of(hits_), {}, kEdge};
+    for (uint32_t y = 0; y < kEdge; ++y) {
+      for (uint32_t x = 0; x < kEdge; ++x) {
+        primary(x, y);
+        kernel(x, y);
+      }
+    }
+  }
+
+  /// The path of pixel `from` at pixel `to`.
+  Shifted shifted(uint32_t from, uint32_t to) const { return shifted(reservoirs[from].sample, to); }
+  Shifted shifted(const StoredPath& path, uint32_t to) const {
+    const SceneView& view = shifter.context.scene;
+    uint32_t rays = 0;
+    const ReceiverRecord& record = records[to];
+    return shifter.shift(path, view.camera, view.instances[record.hit.instance], record, true, rays);
+  }
+  bool has_path(uint32_t pixel) const { return reservoirs[pixel].weight > 0.0f; }
+
+ private:
+  CompiledScene scene_;
+
+ public:
+  PathShifter shifter;
+  std::vector<PathReservoir> reservoirs;
+  std::vector<ReceiverRecord> records;
+  std::vector<Rgb> radiance;  ///< light of paths that are not finite
+
+ private:
+  std::vector<uint32_t> rays_;
+  std::vector<Hit> hits_;
+};
+
+/// The rule of a kind of shift with the default settings.
+inline ConnectRule rule_of(PathShiftKind shift, ConnectRuleKind kind = ConnectRuleKind::footprint) {
+  const RestirPtSettings settings;
+  return {shift, kind, sqr(settings.roughness), settings.distance, settings.footprint};
+}
+
+}  // namespace relume::testing
