@@ -58,7 +58,7 @@ inline Scene turning_triangle() {
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
 /// reservoirs, lists of tiles, Markov chains.
-inline constexpr int kCheckpointCases = 14;
+inline constexpr int kCheckpointCases = 15;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -101,6 +101,10 @@ inline RenderSettings checkpoint_settings(int which) {
       s.lights = LightSelectionChoice::mcls;
       s.guide = GuideChoice::mcpg;
       s.mcls.grid.static_slots = s.mcpg.grid.static_slots = 64;
+      break;
+    case 14:
+      s.reuse = ReuseChoice::restir_pt;
+      s.restir_pt.correction = PathCorrection::lagging;
       break;
     default: break;  // accumulates
   }

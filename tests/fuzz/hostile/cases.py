@@ -13,7 +13,7 @@ from trial_case import SMALL, Case
 
 TECHNIQUES = [
     [], [], [], [], ["--lights", "light-tree"], ["--lights", "vlc", "--guide", "cdq"], ["--lights", "static-lists", "--static-lists.rays", "64"], ["--cache", "psf"],
-    ["--cache", "apsf+apg"], ["--cache", "sharc"], ["--reuse", "restir-gi"], ["--estimator", "bdpt"], ["--estimator", "light"], ["--history", "reproject", "--denoise", "svgf"], ["--denoise", "bmfr"],
+    ["--cache", "apsf+apg"], ["--cache", "sharc"], ["--reuse", "restir-gi"], ["--reuse", "restir-pt"], ["--estimator", "bdpt"], ["--estimator", "light"], ["--history", "reproject", "--denoise", "svgf"], ["--denoise", "bmfr"],
     ["--allocation", "adaptive", "--spp", "8"], ["--texture-filter", "encoded"], ["--aov", "albedo,normal,depth,motion"], ["--env", "1,1,1"], ["--scene-time", "0.5"],
 ]
 IMAGES = ["out.exr", "out.exr", "out.hdr", "out.png", "out.jpg", "out.tga"]
