@@ -29,6 +29,8 @@ Experiment vcm_quality_experiment();
 Experiment restir_di_speed_experiment();
 Experiment restir_bias_experiment();
 Experiment restir_correlation_experiment();
+Experiment restir_pt_shifts_experiment();
+Experiment scale_experiment();
 Experiment no_reuse_experiment();
 Experiment readapt_experiment();
 Experiment together_experiment();

@@ -38,6 +38,8 @@ const std::vector<Experiment>& experiments() {
       restir_di_speed_experiment(),
       restir_bias_experiment(),
       restir_correlation_experiment(),
+      restir_pt_shifts_experiment(),
+      scale_experiment(),
       no_reuse_experiment(),
       readapt_experiment(),
       together_experiment(),
