@@ -101,7 +101,7 @@ TEST(CommandLine, ErrorsAreOneSentence) {
   EXPECT_EQ(f.error_of({"in", "more"}), "paint: unexpected argument 'more'; see relume paint --help");
   EXPECT_EQ(f.error_of({"in", "--count", "10"}), "--count is '10', but must be from 1 to 9");
   EXPECT_EQ(f.error_of({"in", "--max-bounces", "-1"}), "--max-bounces is '-1', but must be from 0 to 1024");
-  EXPECT_EQ(f.error_of({"in", "--guide", "cqd"}), "--guide is 'cqd', but this version has bsdf and cdq");
+  EXPECT_EQ(f.error_of({"in", "--guide", "cqd"}), "--guide is 'cqd', but this version has bsdf, cdq and mcpg");
   EXPECT_NE(f.error_of({"in", "--count"}), "no error");
   EXPECT_NE(f.error_of({"in", "-o"}), "no error");
 }
