@@ -13,10 +13,13 @@ struct SegmentEnd {
   float alpha = 0;     ///< α of the narrowest glossy lobe of the surface; 1 without any
   float cosine = 0;    ///< |cos| between the segment and the geometric normal
   bool delta = false;  ///< whether the path leaves through a delta lobe
+  bool first = false;  ///< whether the vertex is the primary hit
 };
 
-RELUME_HD inline SegmentEnd segment_end(const SurfacePoint& sp, const Vec3& segment, float pdf_w, bool delta) {
-  return {pdf_w, narrowest_alpha(sp.bsdf), std::fabs(glm::dot(sp.ng, segment)), delta};
+/// `bounce`: number of the vertex.
+RELUME_HD inline SegmentEnd segment_end(const SurfacePoint& sp, const Vec3& segment, float pdf_w, bool delta,
+                                        uint32_t bounce) {
+  return {pdf_w, narrowest_alpha(sp.bsdf), std::fabs(glm::dot(sp.ng, segment)), delta, bounce == 0};
 }
 
 /// Area at the primary hit over which a uniform direction from the camera spreads, m². `cosine`: |cos| at the hit.
@@ -45,10 +48,11 @@ struct ConnectRule {
   }
 
   /// Whether the end of a path can be its joint, if `from` samples the direction to it. `cosine`: |cos| at the end.
-  /// `distance`: kInfinity for light from infinity. Ends by next event estimation always can.
+  /// `distance`: kInfinity for light from infinity. Ends by next event estimation always can. With shift reconnection,
+  /// only the second vertex of a path can.
   RELUME_HD bool connects_to_end(const SegmentEnd& from, float cosine, float distance, float primary) const {
     if (from.delta || shift == PathShiftKind::replay) return false;
-    if (shift == PathShiftKind::reconnection) return true;
+    if (shift == PathShiftKind::reconnection) return from.first;
     if (kind == ConnectRuleKind::distance_2022) return from.alpha >= least_alpha && distance >= least_distance;
     if (!(from.pdf_w <= kLargestDensity)) return false;
     return distance == kInfinity || sqr(distance) >= least_footprint * primary * cosine * from.pdf_w;

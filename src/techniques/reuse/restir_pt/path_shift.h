@@ -202,7 +202,7 @@ struct PathShifter {
     const Vec3& wi = t.stored.leaving;
     BsdfEval bsdf;
     if (!leaves_towards(t, wi, bsdf)) return;
-    const SegmentEnd from = segment_end(w.sp, wi, bsdf.pdf_forward, false);
+    const SegmentEnd from = segment_end(w.sp, wi, bsdf.pdf_forward, false, w.path.bounce);
     if (!rule.connects_to_end(from, 1.0f, kInfinity, w.footprint)) return void(t.fail(ShiftResult::no_joint));
     if (t.traced) {
       ++t.rays;
@@ -242,7 +242,7 @@ struct PathShifter {
     s.cosine = std::fabs(glm::dot(s.wi, place.front));
     if (!(s.cosine > 0.0f)) return t.fail(ShiftResult::dark);
     if (!leaves_towards(t, s.wi, s.bsdf)) return false;
-    s.from = segment_end(w.sp, s.wi, s.bsdf.pdf_forward, false);
+    s.from = segment_end(w.sp, s.wi, s.bsdf.pdf_forward, false, w.path.bounce);
     s.value = s.bsdf.f * (shading_cosine(w.sp, s.wi) * s.geometry());
     s.dispersed = w.path.dispersed || disperses(scene, w.sp, s.wi);
     s.ray = shadow_ray(w.sp, s.wi, s.distance);

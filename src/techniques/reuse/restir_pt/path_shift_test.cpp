@@ -142,6 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"hybrid_2022", "cornell", hybrid, ConnectRuleKind::distance_2022},
                       Case{"glass_replay", "cornell-glass", replay}, Case{"glass_hybrid", "cornell-glass", hybrid},
                       Case{"mirror_hybrid", "cornell-mirror", hybrid},
+                      Case{"mirror_reconnection", "cornell-mirror", reconnection},
                       Case{"spheres_2022", "cornell-spheres", hybrid, ConnectRuleKind::distance_2022}),
     case_name);
 
@@ -158,6 +159,26 @@ TEST(PathJoint, IsWhereTheShiftSays) {
     const StoredPath& path = replayed.reservoirs[p].sample;
     EXPECT_EQ(path.joint(), path.end() == PathEnd::connection ? path.length() : 0u);
   }
+}
+
+/// Over a mirror in view, the second vertex cannot be connected. Later ones must not be, either: that is hybrid.
+TEST(PathJoint, IsNeverLaterWithReconnection) {
+  const Scene scene = find_builtin_scene("cornell-mirror")->build();
+  const TracedPaths traced(scene, rule_of(reconnection), 6);
+  const TracedPaths hybrids(scene, rule_of(hybrid), 6);
+  int replayed = 0;
+  int later = 0;
+  const auto is_later = [](const StoredPath& path) { return path.joint() > 1 && path.joint() < path.length(); };
+  for (uint32_t p = 0; p < TracedPaths::kPixels; ++p) {
+    if (hybrids.has_path(p)) later += is_later(hybrids.reservoirs[p].sample) ? 1 : 0;
+    if (!traced.has_path(p)) continue;
+    const StoredPath& path = traced.reservoirs[p].sample;
+    if (path.joint() == 1) continue;
+    ++replayed;
+    EXPECT_EQ(path.joint(), path.end() == PathEnd::connection ? path.length() : 0u);
+  }
+  EXPECT_GT(replayed, 10);
+  EXPECT_GT(later, 10);
 }
 
 /// Media around all segments are part of integrands.

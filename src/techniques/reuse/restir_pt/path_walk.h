@@ -45,7 +45,7 @@ RELUME_HD inline void skip_light(const PathWalk& w, Sampler& sampler) {
 
 /// Leaves the current vertex along a sampled direction.
 RELUME_HD inline void leave(const SceneView& scene, const BsdfSample& s, PathWalk& w) {
-  w.from = segment_end(w.sp, s.wi, s.pdf_w, s.delta);
+  w.from = segment_end(w.sp, s.wi, s.pdf_w, s.delta, w.path.bounce);
   PathState& path = w.path;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;

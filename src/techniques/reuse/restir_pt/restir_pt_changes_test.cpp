@@ -68,14 +68,14 @@ Measured between_posts(RenderSettings settings) {
 }
 
 TEST(RestirPtBasic, LosesLightBetweenPosts) {
-  const Measured truth = testing::after_moves(testing::posts(), paths(), 12, 6, 96)[0];
+  const Measured truth = testing::after_moves(testing::posts(), paths(), 8, 6, 64)[0];
   const Measured basic = between_posts(settings_of(PathCorrection::basic));
   EXPECT_LT(basic.mean - truth.mean, -4.5 * error_of(basic, truth));
   EXPECT_GT(basic.mean, 0.4 * truth.mean);
 }
 
 TEST(RestirPtConstant, LosesLightBetweenPosts) {
-  const Measured truth = testing::after_moves(testing::posts(), paths(), 12, 6, 96)[0];
+  const Measured truth = testing::after_moves(testing::posts(), paths(), 8, 6, 64)[0];
   const Measured constant = between_posts(settings_of(PathCorrection::constant));
   EXPECT_LT(constant.mean - truth.mean, -4.5 * error_of(constant, truth));
   EXPECT_GT(constant.mean, 0.2 * truth.mean);

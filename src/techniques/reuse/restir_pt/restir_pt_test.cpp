@@ -30,10 +30,11 @@ RenderSettings settings_of(ReuseChoice reuse) {
   return settings;
 }
 
-std::vector<Measured> reference_of(const Scene& scene, int seeds = 12, int bounces = kBounces) {
+/// The mean of many more samples than reuse has, so that its own noise is small.
+std::vector<Measured> reference_of(const Scene& scene, int seeds = 8, int bounces = kBounces) {
   RenderSettings settings = settings_of(ReuseChoice::none);
   settings.path.max_bounces = bounces;
-  return testing::after_moves(scene, settings, seeds, kMoving, 96);
+  return testing::after_moves(scene, settings, seeds, kMoving, 64);
 }
 
 /// Compares the mean of the image, then those of its blocks, which show darkening at edges. `most_error`: of the image,

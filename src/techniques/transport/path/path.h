@@ -65,9 +65,8 @@ struct PathContext {
   IndirectRate indirect;
   uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
   bool indirect_to_reservoirs = false;  ///< whether reservoirs resample the light beyond the second vertex
-  /// Whether paths end where a lobe with a density would scatter: reservoirs add its light.
-  bool only_specular = false;
-  bool next_event = true;  ///< whether vertices connect to lights that directions can find, too
+  bool only_specular = false;           ///< whether paths end at lobes with a density, whose light reservoirs add
+  bool next_event = true;               ///< whether vertices connect to lights that directions can find, too
 
   /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
   RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
