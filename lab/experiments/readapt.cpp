@@ -1,7 +1,6 @@
 // Frames that stateful techniques need after a lamp, the camera or an object has moved, until their error is
 // that of an adapted technique.
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "experiments/measure/adaptation.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
+#include "experiments/measure/settling.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
@@ -25,8 +25,6 @@ namespace relume {
 namespace {
 
 constexpr const char* kOurs = "[relume]";
-constexpr double kSettled = 1.1;  ///< error over the settled one
-constexpr size_t kWindow = 4;     ///< frames over which errors are averaged
 
 struct Technique {
   const char* name;
@@ -55,13 +53,6 @@ struct SceneChange {
   ExperimentScene before;
   ExperimentScene after;
   std::optional<Index> node = {};  ///< of the object that moves
-};
-
-/// Errors of a contender after a change.
-struct Case {
-  Adaptation after;
-  Adaptation fresh;  ///< of sessions that begin in the state after the change; only for denoisers
-  bool denoised = false;
 };
 
 SceneChange lamp_turns() {
@@ -95,8 +86,9 @@ int runs_of(const ExperimentContext& context) { return context.choose(10, 2); }
 int warm_up_of(const ExperimentContext& context) { return context.choose(40, 4); }
 int frames_of(const ExperimentContext& context) { return context.choose(48, 24); }
 
-Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Technique& contender,
-             const SceneChange& change, const Reference& reference, const PixelMask& region) {
+Settling measure(const ExperimentContext& context, Session& session, const RenderSettings& base,
+                 const Technique& contender, const SceneChange& change, const Reference& reference,
+                 const PixelMask& region) {
   RenderSettings settings = base;
   settings_from_json(describe(settings), contender.json, contender.name);
   session.set_settings(settings);
@@ -110,10 +102,8 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
     bring(s, change.after, change.node);
   };
   const std::string stage = fmt::format("{}, {}", change.id, contender.name);
-  Case result{measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region,
-                                 change_at_first),
-              {},
-              contender.denoised};
+  Settling result{measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region,
+                                     change_at_first)};
   if (contender.denoised) {
     const auto stay = [&](Session& s, int frame) {
       if (frame == 0) bring(s, change.after, change.node);
@@ -126,46 +116,12 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
   return result;
 }
 
-/// Mean of kWindow frames from `begin` on, by runs.
-std::vector<double> window(const Adaptation& adaptation, size_t begin) {
-  std::vector<double> means;
-  for (const std::vector<double>& run : adaptation.runs) {
-    const auto first = run.begin() + static_cast<std::ptrdiff_t>(begin);
-    means.push_back(mean({first, first + static_cast<std::ptrdiff_t>(kWindow)}));
-  }
-  return means;
-}
-
-/// Error of frames from `begin` on over the settled one. A denoised image keeps improving while nothing changes, so its
-/// settled error is that of a new session after as many frames.
-Ratio over_settled(const Case& c, size_t begin) {
-  if (!c.denoised) return c.after.over_plateau(begin, kWindow);
-  return error_ratio(window(c.after, begin), window(c.fresh, begin));
-}
-
-/// Number of the first frame, from 1 on, from which the error is within 10 % of the settled one; 0: none, or the
-/// settled error is below the reference's noise.
-size_t frames_until_settled(const Case& c) {
-  const size_t frames = c.after.runs.front().size();
-  for (size_t begin = 0; begin + kWindow <= frames; ++begin) {
-    const Ratio ratio = over_settled(c, begin);
-    if (std::isfinite(ratio.interval.high) && ratio.value <= kSettled) return begin + 1;
-  }
-  return 0;
-}
-
-std::string settled_text(const Case& c) {
-  const size_t frame = frames_until_settled(c);
-  return frame > 0 ? fmt::format("from frame {} on", frame)
-                   : fmt::format("not within {} frames", c.after.runs.front().size());
-}
-
 struct ChangeResult {
   SceneChange change;
-  std::vector<Case> cases;
+  std::vector<Settling> cases;
 
-  const Case& of(std::string_view contender) const {
-    return *std::find_if(cases.begin(), cases.end(), [&](const Case& c) { return c.after.name == contender; });
+  const Settling& of(std::string_view contender) const {
+    return *std::find_if(cases.begin(), cases.end(), [&](const Settling& c) { return c.after.name == contender; });
   }
 };
 
@@ -186,17 +142,17 @@ ChangeResult measure_change(const ExperimentContext& context, SceneChange change
 void claim_readapts(const ChangeResult& result, std::vector<Claim>& claims) {
   for (const Technique& contender : kContenders) {
     if (contender.frames == 0) continue;
-    const Case& c = result.of(contender.name);
+    const Settling& c = result.of(contender.name);
     const size_t begin = contender.frames - 1;
     const Ratio ratio = over_settled(c, begin);
     claims.push_back(judged_within(
         fmt::format("{}-{}", result.change.id, contender.name), contender.paper,
         fmt::format("After {}, {} has settled within {} frames.", result.change.text, contender.name, contender.frames),
         fmt::format("{} of the settled error in the first frames, {} in frames {} to {}; within 10 % {}",
-                    share_text(over_settled(c, 0)), share_text(ratio), contender.frames, begin + kWindow,
+                    share_text(over_settled(c, 0)), share_text(ratio), contender.frames, begin + kFramesOfSettling,
                     settled_text(c)),
-        fmt::format("at most {} of the settled error in {} frames from there on", kSettled, kWindow), {ratio}, 0,
-        kSettled));
+        fmt::format("at most {} of the settled error in {} frames from there on", kSettled, kFramesOfSettling), {ratio},
+        0, kSettled));
   }
 }
 
@@ -225,7 +181,7 @@ TableBlock table(const std::vector<ChangeResult>& results) {
       fmt::format("First frame from which the mean of {} frames is within 10 % of the settled error, and the "
                   "error over that in the first {} frames. Settled: the last quarter of the frames; for "
                   "denoised images, a session that began after the change.",
-                  kWindow, kWindow),
+                  kFramesOfSettling, kFramesOfSettling),
       "technique",
       {},
       {}};
@@ -235,7 +191,7 @@ TableBlock table(const std::vector<ChangeResult>& results) {
   for (const Technique& contender : kContenders) {
     TableRow row{.name = contender.name, .color = color++, .cells = {}};
     for (const ChangeResult& result : results) {
-      const Case& c = result.of(contender.name);
+      const Settling& c = result.of(contender.name);
       const size_t frame = frames_until_settled(c);
       const size_t shown = frame > 0 ? frame : c.after.runs.front().size() + 1;
       row.cells.push_back({settled_text(c), static_cast<double>(shown), "first " + share_text(over_settled(c, 0))});
@@ -259,9 +215,9 @@ ExperimentResult run_readapt(const ExperimentContext& context) {
   for (const ChangeResult& change : results) {
     std::vector<Adaptation> single;
     std::vector<Adaptation> denoised;
-    for (const Case& c : change.cases) {
-      (c.denoised ? denoised : single).push_back(c.after);
-      if (c.denoised) denoised.push_back(c.fresh);
+    for (const Settling& c : change.cases) {
+      (c.keeps_improving() ? denoised : single).push_back(c.after);
+      if (c.keeps_improving()) denoised.push_back(c.fresh);
     }
     const std::string text = fmt::format(
         "Error after {}; frame 1 is the first. Bands are 95 % intervals of the mean over "
