@@ -41,6 +41,7 @@ constexpr Variation kContenders[] = {
     {"restir-di, vlc, svgf", R"({"reuse": "restir-di", "lights": "vlc", "denoise": "svgf"})", true},
     {"restir-di, basic, svgf", R"({"reuse": "restir-di", "restir.correction": "basic", "denoise": "svgf"})", true},
     {"restir-di, cap 5, svgf", R"({"reuse": "restir-di", "restir.cap": 5, "denoise": "svgf"})", true},
+    {"restir-gi, svgf", R"({"reuse": "restir-gi", "denoise": "svgf"})", true},
     {"ris", R"({"reuse": "ris", "history": "none"})"},
     {"restir-di", R"({"reuse": "restir-di", "history": "none"})", true},
 };
