@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "compare/contender.h"
 #include "experiments/all.h"
 #include "experiments/measure/adaptation.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
+#include "experiments/setup/apply_settings.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "metrics/statistics.h"
@@ -25,19 +25,12 @@ constexpr double kLeastGain = 2;  ///< error of sampling by power over that of t
 constexpr int kBounces = 8;
 constexpr double kEqualTime_s = 2;
 
-/// Applies settings in the syntax of `relume compare`.
-void apply_settings(const std::string& texts, RenderSettings& settings) {
-  const SettingList list = describe(settings);
-  for (const auto& [name, text] : parse_settings(texts, "together"))
-    assign(require_setting(list, name, "together"), text, "together");
-}
-
 /// Errors of the displayed image in the first frames after a start.
 Adaptation first_frames(const ExperimentContext& context, const ExperimentScene& scene, const std::string& name,
                         const std::string& texts, const Reference& reference, const PixelMask& surfaces) {
   RenderSettings settings = scene.settings;
   set_size_and_device(context, settings);
-  apply_settings(texts, settings);
+  apply_settings(texts, "together", settings);
   Session session(Scene(scene.scene), settings);
   session.set_camera(scene.camera);
   return measure_adaptation(context, name, session, context.choose(64, 2), kFirstFrames, reference, surfaces);

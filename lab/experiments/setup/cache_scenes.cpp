@@ -3,9 +3,8 @@
 #include <optional>
 #include <utility>
 
-#include "compare/contender.h"
+#include "experiments/setup/apply_settings.h"
 #include "experiments/setup/references.h"
-#include "settings/setting.h"
 
 namespace relume {
 
@@ -49,9 +48,7 @@ std::vector<NamedSettings> option_contenders(const ExperimentContext& context, c
     NamedSettings contender{option.name, scene.settings};
     set_size_and_device(context, contender.settings);
     contender.settings.history = HistoryChoice::none;
-    const SettingList list = describe(contender.settings);
-    for (const auto& [name, text] : parse_settings(option.settings, option.name))
-      assign(require_setting(list, name, option.name), text, option.name);
+    apply_settings(option.settings, option.name, contender.settings);
     contenders.push_back(std::move(contender));
   }
   return contenders;
