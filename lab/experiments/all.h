@@ -34,5 +34,8 @@ Experiment scale_experiment();
 Experiment no_reuse_experiment();
 Experiment readapt_experiment();
 Experiment together_experiment();
+Experiment indirect_experiment();
+Experiment caustics_experiment();
+Experiment sharc_cost_experiment();
 
 }  // namespace relume

@@ -43,6 +43,9 @@ const std::vector<Experiment>& experiments() {
       no_reuse_experiment(),
       readapt_experiment(),
       together_experiment(),
+      indirect_experiment(),
+      caustics_experiment(),
+      sharc_cost_experiment(),
   };
   return list;
 }
