@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   std::vector<Command> commands = {
       render_command(verbosity), view_command(verbosity), scenes_command(),           export_command(verbosity),
       info_command(verbosity),   metrics_command(),       compare_command(verbosity), experiment_command(verbosity),
-      settings_command(),        devices_command(),
+      survey_command(verbosity), settings_command(),      devices_command(),
   };
   commands.push_back(man_command(commands));
   commands.push_back(completion_command(commands));

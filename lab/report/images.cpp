@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/srgb.h"
+#include "framebuffer/auto_exposure.h"
 #include "relume/lab/flip.h"
 #include "relume/lab/metrics.h"
 
@@ -66,6 +67,8 @@ std::vector<std::string> value_planes(const Image& image) {
 }
 
 }  // namespace
+
+float metered_exposure(const Image& image) { return auto_exposure(image.pixels); }
 
 uint16_t half_from_float(float x) {
   const uint32_t bits = std::bit_cast<uint32_t>(x);

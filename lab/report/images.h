@@ -17,6 +17,9 @@ struct ImageOptions {
   bool values = true;  ///< radiance per pixel for the inspector, 6 bytes each before compression
 };
 
+/// Exposure in stops that suits the image, as a camera meters it.
+float metered_exposure(const Image& image);
+
 /// Meanings of the layers of measured_image(), in order.
 std::vector<LayerKind> image_layer_kinds();
 

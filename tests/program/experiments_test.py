@@ -107,5 +107,42 @@ class Options(Experiments):
                 self.assertIn(" | ".join(("", claim["claim"], claim["measured"], claim["threshold"], claim["verdict"], "")).strip(), tables)
 
 
+class Survey(ProgramTest):
+    COMMAND = ("survey", "--quick", "--threads", "1", "-o", "out", "--cache-dir", "cache", "--techniques", "cache,vlc + svgf")
+
+    def survey(self):
+        return json.loads((self.folder / "out/all.json").read_text())
+
+    def test_continues_scene_by_scene(self):
+        self.assertIn("measured 7 of 7 techniques in cornell", self.succeed(*self.COMMAND, "--scenes", "cornell", timeout=300).stderr)
+        before = self.survey()["scenes"][0]
+        messages = self.succeed(*self.COMMAND, "--scenes", "cornell,furnace", timeout=300).stderr
+        self.assertNotIn("in cornell,", messages)
+        self.assertIn("in furnace,", messages)
+        survey = self.survey()
+        self.assertTrue(survey["quick"])
+        self.assertEqual([scene["name"] for scene in survey["scenes"]], ["cornell", "furnace"])
+        self.assertEqual(survey["scenes"][0], before)
+        for scene in survey["scenes"]:
+            for technique in scene["techniques"]:
+                self.assertGreater(technique["rays"], 0)
+                self.assertTrue((self.folder / "out" / technique["image"]).exists())
+                self.assertEqual("image_after" in technique, technique["name"] != "path")
+        # Other techniques make other conditions.
+        messages = self.succeed(*self.COMMAND[:-1], "guide", "--scenes", "furnace", timeout=300).stderr
+        self.assertIn("2 scenes were measured under other conditions", messages)
+        self.assertEqual([scene["name"] for scene in self.survey()["scenes"]], ["furnace"])
+
+    def test_lists_and_refuses(self):
+        listed = self.succeed("survey", "--list").stdout
+        self.assertIn("reuse=restir-di", listed)
+        self.assertRegex(listed, "scene +mine")
+        done = run("survey", "--scenes", "mein", "-o", "out", cwd=self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("the survey has no scene 'mein'; did you mean 'mine'", done.stderr)
+        done = run("survey", "--techniques", "cdq", "-o", "out", cwd=self.folder)
+        self.assertIn("the survey has no technique 'cdq'", done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(defaultTest=sys.argv[1:] or None, argv=sys.argv[:1])

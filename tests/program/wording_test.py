@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "house"))
 import check_spelling  # noqa: E402
 import check_wording  # noqa: E402
 
-COMMANDS = ("render", "view", "scenes", "export", "info", "metrics", "compare", "experiment", "settings", "devices", "man", "completion")
+COMMANDS = ("render", "view", "scenes", "export", "info", "metrics", "compare", "experiment", "survey", "settings", "devices", "man", "completion")
 
 
 class Wording(ProgramTest):
@@ -20,7 +20,7 @@ class Wording(ProgramTest):
         super().setUp()
         self.texts = {command: self.succeed(command, "--help-all").stdout for command in COMMANDS}
         self.texts["help"] = self.succeed("--help").stdout
-        for line in ("scenes", "devices", "settings --markdown", "experiment list"):
+        for line in ("scenes", "devices", "settings --markdown", "experiment list", "survey --list"):
             self.texts[line.replace(" ", "_")] = self.succeed(*line.split()).stdout
 
     def test_every_command_is_read(self):

@@ -95,6 +95,7 @@ Command info_command(Verbosity& verbosity);
 Command metrics_command();
 Command compare_command(Verbosity& verbosity);
 Command experiment_command(Verbosity& verbosity);
+Command survey_command(Verbosity& verbosity);
 Command settings_command();
 Command devices_command();
 // `commands`: all commands of the program, including these once the list is complete.

@@ -1,0 +1,128 @@
+#include "experiments/survey/survey.h"
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "experiments/survey/survey_file.h"
+#include "files/atomic_file.h"
+#include "relume/error.h"
+
+namespace relume {
+namespace {
+
+/// Clock with one microsecond per ray, which makes times independent of the machine.
+double rays_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
+
+ExperimentContext quick_context() {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_survey_test";
+  return context;
+}
+
+const TechniqueValues& of(const SceneValues& scene, std::string_view name) {
+  for (const TechniqueValues& values : scene.techniques) {
+    if (values.technique.name == name) return values;
+  }
+  throw Error("no technique " + std::string(name));
+}
+
+/// Effort for stable values: the same budget for all, in rays.
+SurveyEffort effort() {
+  return {.budget_s = 0.04, .repetitions = 3, .runs = 3, .warm_up = 8, .frames = 8, .reference_spp = 256};
+}
+
+TEST(Survey, MeasuresAtEqualTime) {
+  const ExperimentContext context = quick_context();
+  const SceneValues scene =
+      measure_survey(context, survey_scene(context, "cornell"),
+                     {{"path", ""}, {"long", "estimator:bdpt"}, {"clean", "denoise:svgf"}}, effort(), rays_clock);
+  const StillValues& path = *of(scene, "path").still;
+  const StillValues& bdpt = *of(scene, "long").still;
+  const StillValues& clean = *of(scene, "clean").still;
+  EXPECT_GT(path.frames, bdpt.frames);  // a frame of bdpt traces more rays
+  EXPECT_LT(path.rays, bdpt.rays);
+  for (const StillValues* still : {&path, &bdpt}) EXPECT_NEAR(still->time_s, 0.04, 0.6e-3 * still->frame_ms);
+  EXPECT_LT(clean.mse, path.mse);
+  EXPECT_GT(clean.memory_bytes, path.memory_bytes);
+  EXPECT_GT(path.variance, 0);
+  EXPECT_LT(std::fabs(path.bias2.value), path.variance);
+  EXPECT_FALSE(of(scene, "path").change);
+  ASSERT_TRUE(of(scene, "clean").change);
+}
+
+TEST(Survey, FindsLightThatStays) {
+  const ExperimentContext context = quick_context();
+  // Cells that never discard their history show the lamp's earlier place.
+  const SceneValues scene =
+      measure_survey(context, survey_scene(context, "turntable"),
+                     {{"path", ""}, {"stale", "cache:psf,psf.change-detection:0"}}, effort(), rays_clock);
+  const ChangeValues& stale = *of(scene, "stale").change;
+  EXPECT_GT(stale.ghost.value, 2 * stale.ghost.error.value());
+  EXPECT_FALSE(stale.image.pixels.empty());
+}
+
+TEST(Survey, SaysWhyATechniqueCannotRun) {
+  const ExperimentContext context = quick_context();
+  const SceneValues scene =
+      measure_survey(context, survey_scene(context, "cornell"), {{"path", ""}, {"both", "estimator:bdpt,cache:sharc"}},
+                     SurveyEffort::of(context), rays_clock);
+  EXPECT_TRUE(of(scene, "path").refused.empty());
+  EXPECT_NE(of(scene, "both").refused.find("sharc"), std::string::npos);
+  EXPECT_FALSE(of(scene, "both").still);
+}
+
+TEST(SurveyFile, ContinuesWithTheSameConditionsOnly) {
+  const ExperimentContext context = quick_context();
+  const SurveyEffort quick = SurveyEffort::of(context);
+  const std::vector<SurveyTechnique> techniques = {{"path", ""}, {"cache=sharc", "cache:sharc"}};
+  const std::filesystem::path folder = context.cache_folder / "out";
+  std::filesystem::remove_all(folder);
+  const std::string key = survey_key(context, techniques, quick);
+  {
+    SurveyFile file(folder, key);
+    EXPECT_FALSE(file.has("cornell"));
+    file.add(measure_survey(context, survey_scene(context, "cornell"), techniques, quick, rays_clock), 1, context, {},
+             quick);
+  }
+  const std::vector<std::byte> bytes = read_file(folder / kSurveyFile);
+  const auto json = nlohmann::json::parse(reinterpret_cast<const char*>(bytes.data()),
+                                          reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+  const auto& list = json.at("scenes").at(0).at("techniques");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list.at(1).at("slots").at("cache"), "sharc");
+  for (const char* image : {"image", "image_after"})
+    EXPECT_TRUE(std::filesystem::exists(folder / list.at(1).at(image).get<std::string>())) << image;
+  EXPECT_TRUE(SurveyFile(folder, key).has("cornell"));
+  EXPECT_NE(survey_key(context, {techniques.front()}, quick), key);
+  const SurveyFile other(folder, "another");
+  EXPECT_FALSE(other.has("cornell"));
+  EXPECT_EQ(other.dropped(), 1u);
+}
+
+TEST(SurveyFile, RefusesOtherFiles) {
+  const std::filesystem::path folder = quick_context().cache_folder / "foreign";
+  std::filesystem::create_directories(folder);
+  write_file(folder / kSurveyFile, "{}");
+  EXPECT_THROW(SurveyFile(folder, "key"), Error);
+}
+
+TEST(SurveyFile, NamesImagesForEverySystem) {
+  EXPECT_EQ(image_name("restir-di + vlc + svgf"), "restir-di-vlc-svgf");
+  EXPECT_EQ(image_name("cache=apsf+apg"), "cache-apsf-apg");
+  EXPECT_EQ(image_name("Sponza"), "sponza");
+  // Equal names would overwrite each other's images.
+  std::set<std::string> names;
+  for (const SurveyTechnique& technique : survey_techniques())
+    EXPECT_TRUE(names.insert(image_name(technique.name)).second) << technique.name;
+}
+
+}  // namespace
+}  // namespace relume
