@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -34,26 +35,30 @@ std::string image_of(std::string_view scene, std::string_view image) {
   return fmt::format("images/{}/{}.jpg", image_name(scene), image_name(image));
 }
 
+/// The value with five digits, which keeps the file small; null unless finite.
+Json rounded(double value) { return std::isfinite(value) ? Json::parse(fmt::format("{:.5g}", value)) : Json(); }
+Json rounded(const std::optional<double>& value) { return value ? rounded(*value) : Json(); }
+
 void add_still(const StillValues& still, Json& json) {
-  json["mse"] = still.mse;
-  json["mse_low"] = still.mse_interval.low;
-  json["mse_high"] = still.mse_interval.high;
-  json["rel_mse"] = still.rel_mse;
-  json["flip"] = still.flip;
-  json["frame_ms"] = still.frame_ms;
+  json["mse"] = rounded(still.mse);
+  json["mse_low"] = rounded(still.mse_interval.low);
+  json["mse_high"] = rounded(still.mse_interval.high);
+  json["rel_mse"] = rounded(still.rel_mse);
+  json["flip"] = rounded(still.flip);
+  json["frame_ms"] = rounded(still.frame_ms);
   json["frames"] = still.frames;
-  json["time_s"] = still.time_s;
-  json["rays"] = still.rays;
+  json["time_s"] = rounded(still.time_s);
+  json["rays"] = rounded(still.rays);
   json["memory_bytes"] = still.memory_bytes;
-  json["bias2"] = still.bias2.value;
-  json["bias2_error"] = still.bias2.error ? Json(*still.bias2.error) : Json();
-  json["variance"] = still.variance;
+  json["bias2"] = rounded(still.bias2.value);
+  json["bias2_error"] = rounded(still.bias2.error);
+  json["variance"] = rounded(still.variance);
 }
 
 void add_change(const ChangeValues& change, Json& json) {
   json["lag"] = change.lag ? Json(*change.lag) : Json();
-  json["ghost"] = change.ghost.value;
-  json["ghost_error"] = change.ghost.error ? Json(*change.ghost.error) : Json();
+  json["ghost"] = rounded(change.ghost.value);
+  json["ghost_error"] = rounded(change.ghost.error);
 }
 
 Json technique_json(const std::string& scene, const TechniqueValues& values) {
@@ -73,9 +78,9 @@ Json technique_json(const std::string& scene, const TechniqueValues& values) {
 Json scene_json(const SceneValues& scene, double seconds) {
   Json json = {{"name", scene.name},
                {"change", scene.change},
-               {"seconds", seconds},
-               {"mean_square", scene.mean_square},
-               {"reference_mse", scene.reference_mse},
+               {"seconds", rounded(seconds)},
+               {"mean_square", rounded(scene.mean_square)},
+               {"reference_mse", rounded(scene.reference_mse)},
                {"reference_spp", scene.reference_spp},
                {"image", image_of(scene.name, "reference")},
                {"image_after", image_of(scene.name, "reference after")},
@@ -169,7 +174,7 @@ void SurveyFile::add(const SceneValues& scene, double seconds, const ExperimentC
                {"scenes", Json::array()}};
   for (const auto& [name, value] : machine) json["machine"][name] = value;
   for (const auto& [name, text] : scenes_) json["scenes"].push_back(Json::parse(text));
-  write_file(folder_ / kSurveyFile, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(folder_ / kSurveyFile, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace relume
