@@ -94,8 +94,9 @@ class Markdown(unittest.TestCase):
         for link in links:
             self.assertTrue((house.ROOT / "docs/results" / link).exists(), link)
         self.assertEqual(all_page.linked("strange=new"), "strange=new")
-        for name, folder in all_page.FOLDERS.items():
-            self.assertTrue((all_page.TECHNIQUES / folder / "README.md").exists(), name)
+        for name in all_page.FOLDERS:
+            self.assertIsNotNone(all_page.page_of(name), name)
+        self.assertEqual(all_page.page_of("restir-gi"), "reuse/restir_gi/README.md")
 
     def test_numbers(self):
         self.assertEqual([all_page.short(x) for x in (None, 0, 0.01234, 0.001, 999.9, 12345, -2.5)], ["–", "0", "0.0123", "1.00e-03", "1000", "1.23e+04", "-2.5"])

@@ -136,6 +136,7 @@ class Unwritable(RefusalTest):
         yield ["export", "cornell", "-o", name.replace(".exr", ".glb")]
         yield ["compare", "cornell", "--reference-spp", "100000", "-o", name.replace(".exr", ".html"), "--cache-dir", "cache"]
         yield ["experiment", "run", "guide-cost", "-o", name.replace(".exr", "")]
+        yield ["survey", "--scenes", "cornell", "-o", name.replace(".exr", "")]
         yield ["man", "-o", name.replace(".exr", "")]
         yield ["view", "cornell", "--smoke", "1", "--screenshot", name.replace(".exr", ".png")]
 
@@ -158,7 +159,7 @@ class Unwritable(RefusalTest):
 
     def test_missing_folders(self):
         for command in self.outputs("missing/x.exr"):
-            if command[0] in ("experiment", "man"):
+            if command[0] in ("experiment", "survey", "man"):
                 continue  # they create their folders
             with self.subTest(command=command[:1] + command[-2:]):
                 if command[0] == "view" and "without its viewer" in run(*command, cwd=self.folder).stderr:
