@@ -218,8 +218,8 @@ ExperimentResult run_readapt(const ExperimentContext& context) {
     std::vector<Adaptation> single;
     std::vector<Adaptation> denoised;
     for (const Settling& c : change.cases) {
-      (c.keeps_improving() ? denoised : single).push_back(c.after);
-      if (c.keeps_improving()) denoised.push_back(c.fresh);
+      (c.has_fresh() ? denoised : single).push_back(c.after);
+      if (c.has_fresh()) denoised.push_back(c.fresh);
     }
     const std::string text = fmt::format(
         "Error after {}; frame 1 is the first. Bands are 95 % intervals of the mean over "

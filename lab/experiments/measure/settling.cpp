@@ -23,7 +23,7 @@ std::vector<double> window(const Adaptation& adaptation, size_t begin) {
 }  // namespace
 
 Ratio over_settled(const Settling& settling, size_t begin) {
-  if (!settling.keeps_improving()) return settling.after.over_plateau(begin, kFramesOfSettling);
+  if (!settling.has_fresh()) return settling.after.over_plateau(begin, kFramesOfSettling);
   return error_ratio(window(settling.after, begin), window(settling.fresh, begin));
 }
 

@@ -15,11 +15,11 @@ inline constexpr size_t kFramesOfSettling = 4;  ///< frames over which errors ar
 /// Errors of frames after a change, in runs with different seeds.
 struct Settling {
   Adaptation after;
-  /// The same of sessions that began in the state after the change: the settled errors of images that keep improving
-  /// while nothing changes. No runs: single frames, whose settled error is the mean of the last quarter of `after`.
+  /// Settled errors, frame by frame: those of sessions that saw no change, only the state after it. Needed for images
+  /// that keep improving. No runs: the settled error is the mean of the last quarter of `after`.
   Adaptation fresh = {};
 
-  bool keeps_improving() const { return !fresh.runs.empty(); }
+  bool has_fresh() const { return !fresh.runs.empty(); }
 };
 
 /// Mean error of kFramesOfSettling frames from `begin` on over the settled one. Requires that many frames.

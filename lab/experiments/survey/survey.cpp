@@ -8,7 +8,6 @@
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/settling.h"
 #include "experiments/setup/apply_settings.h"
-#include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "metrics/ensemble.h"
 #include "relume/error.h"
@@ -64,6 +63,7 @@ struct Survey {
   void plan(Running& r);
   void measure_still(Running& r, int repetition);
   void finish_still(Running& r);
+  void prepare_change(bool changes, bool single);
   void measure_change(Running& r);
 };
 
@@ -72,11 +72,11 @@ struct Survey {
 void Survey::plan(Running& r) {
   try {
     begin(r, 0);
+    render(1);
   } catch (const Error& error) {
     r.values.refused = error.what();
     return;
   }
-  render(1);
   const double first_s = timed.frame_s().front();
   while (timed.frames() <= kFewestTimed || (timed.frames() <= kMostTimed && timed.time_s() < effort.budget_s))
     render(1);
@@ -123,6 +123,20 @@ bool shows_single_frames(const RenderSettings& settings) {
          settings.allocation == AllocationChoice::uniform;
 }
 
+/// Renders the frames before the measured ones, and brings the state after the change. Sessions without a change render
+/// these frames in that state where single frames are shown: cells and reservoirs that began with the measured frames
+/// would differ by more than the change. Where images accumulate, their history starts over at the change, so that of
+/// sessions without one begins with the measured frames.
+void Survey::prepare_change(bool changes, bool single) {
+  bring(!changes);
+  if (!changes && !single) return;
+  for (int i = 0; i < effort.warm_up; ++i) {
+    context.check_stop();
+    session().render_frame();
+  }
+  if (changes) bring(true);
+}
+
 void Survey::measure_change(Running& r) {
   RenderSettings settings = r.settings;
   const bool single = shows_single_frames(settings);
@@ -131,14 +145,7 @@ void Survey::measure_change(Running& r) {
   const PixelMask all = mask_of({"image"}, after.image.width, after.image.height);
   const auto measure = [&](bool changes, Ensemble& ghosts, Image* first) {
     const auto before_frame = [&](Session& s, int frame) {
-      if (frame == 0 && changes) {
-        bring(false);
-        for (int i = 0; i < effort.warm_up; ++i) {
-          context.check_stop();
-          s.render_frame();
-        }
-      }
-      if (frame == 0) bring(true);
+      if (frame == 0) prepare_change(changes, single);
       if (frame != kGhostFrame) return;
       ghosts.add(s.image());
       if (first && ghosts.count() == 1) *first = s.image();
@@ -150,8 +157,7 @@ void Survey::measure_change(Running& r) {
   Ensemble changed;
   Ensemble fresh;
   Settling settling{measure(true, changed, &values.image)};
-  Adaptation from_start = measure(false, fresh, nullptr);
-  if (!single) settling.fresh = std::move(from_start);
+  settling.fresh = measure(false, fresh, nullptr);
   if (const size_t frame = frames_until_settled(settling); frame > 0) values.lag = frame;
   const ErrorSplit a = changed.split(after.image, after.mse);
   const ErrorSplit b = fresh.split(after.image, after.mse);
@@ -162,7 +168,8 @@ void Survey::measure_change(Running& r) {
 
 Reference reference_of(const ExperimentContext& context, const SurveyScene& scene, const SurveyEffort& effort,
                        bool changed) {
-  ExperimentScene seen = plainly_sampled(scene.before);
+  ExperimentScene seen = scene.before;
+  apply_settings(scene.reference, scene.before.name, seen.settings);
   if (changed) {
     seen.camera = scene.camera_after;
     seen.settings.time_s = scene.time_after_s;
@@ -214,6 +221,7 @@ SceneValues measure_survey(const ExperimentContext& context, const SurveyScene& 
     context.report(scene.before.name + ", still images", (repetition + 1.0) / effort.repetitions);
   }
   SceneValues result{.name = scene.before.name, .change = scene.change, .techniques = {}};
+  result.reference_settings = scene.reference;
   for (Running& r : list) {
     if (r.runs()) {
       survey.finish_still(r);

@@ -58,7 +58,7 @@ struct StillValues {
 /// Values after the change of the scene.
 struct ChangeValues {
   std::optional<size_t> lag = {};  ///< first frame whose error has settled (measure/settling.h); empty: none
-  SquaredBias ghost = {};          ///< after kGhostFrame frames, minus that of sessions that began after the change
+  SquaredBias ghost = {};          ///< after kGhostFrame frames, minus that of sessions without the change
   Image image = {};                ///< of the first run, after kGhostFrame frames
 };
 
@@ -76,6 +76,7 @@ struct SceneValues {
   double mean_square = 0;    ///< of the reference, over pixels and channels
   double reference_mse = 0;  ///< its own noise
   int reference_spp = 0;
+  std::string reference_settings = {};
   Image reference = {};
   Image reference_after = {};
   std::vector<TechniqueValues> techniques;

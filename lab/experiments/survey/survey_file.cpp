@@ -82,6 +82,7 @@ Json scene_json(const SceneValues& scene, double seconds) {
                {"mean_square", rounded(scene.mean_square)},
                {"reference_mse", rounded(scene.reference_mse)},
                {"reference_spp", scene.reference_spp},
+               {"reference_settings", scene.reference_settings},
                {"image", image_of(scene.name, "reference")},
                {"image_after", image_of(scene.name, "reference after")},
                {"techniques", Json::array()}};
@@ -130,9 +131,9 @@ std::string image_name(std::string_view name) {
 }
 
 std::string survey_key(const ExperimentContext& context, const std::vector<SurveyTechnique>& techniques,
-                       const SurveyEffort& effort) {
-  std::string text =
-      fmt::format("{} {} {} {}", context.program, context.device, context.quick, setup_json(context, effort).dump());
+                       const SurveyEffort& effort, int threads) {
+  std::string text = fmt::format("{} {} {} {} {} {}", context.program, context.device, threads, context.quick,
+                                 effort.reference_spp, setup_json(context, effort).dump());
   for (const SurveyTechnique& technique : techniques) text += fmt::format(" {}={}", technique.name, technique.settings);
   Fnv1a hash;
   hash.add(text.data(), text.size());

@@ -16,14 +16,15 @@ inline constexpr const char* kSurveyFile = "all.json";
 /// Name of a technique's or scene's image without its extension: lower case, "-" in place of other characters.
 std::string image_name(std::string_view name);
 
-/// Identifies the conditions of a survey: program, device, techniques, effort.
+/// Identifies the conditions of a survey: program, device, greatest number of threads (0: all), techniques, effort.
 std::string survey_key(const ExperimentContext& context, const std::vector<SurveyTechnique>& techniques,
-                       const SurveyEffort& effort);
+                       const SurveyEffort& effort, int threads = 0);
 
 /// all.json in a folder: {"key", "quick", "program", "device", "machine", "setup", "scenes": [{"name", "change",
-/// "seconds", "mean_square", "reference_mse", "reference_spp", "techniques": [{"name", "settings", "slots", "refused"
-/// or "mse", "mse_low", "mse_high", "rel_mse", "flip", "frame_ms", "frames", "time_s", "rays", "memory_bytes", "bias2",
-/// "bias2_error", "variance", "image"; "keeps_state", and if so "lag", "ghost", "ghost_error", "image_after"}]}]}.
+/// "seconds", "mean_square", "reference_mse", "reference_spp", "reference_settings", "image", "image_after",
+/// "techniques": [{"name", "settings", "slots", "refused" or "mse", "mse_low", "mse_high", "rel_mse", "flip",
+/// "frame_ms", "frames", "time_s", "rays", "memory_bytes", "bias2", "bias2_error", "variance", "image"; "keeps_state",
+/// and if so "lag", "ghost", "ghost_error", "image_after"}]}]}.
 /// Images are paths below the folder. A "lag" of null: the error has not settled. Unknown errors are null.
 class SurveyFile {
  public:

@@ -14,7 +14,8 @@ struct SurveyScene {
   ExperimentScene before;  ///< also the still view
   CameraPose camera_after;
   float time_after_s = 0;
-  std::string change;  ///< "the camera turns by 15°"
+  std::string change;                           ///< "the camera turns by 15°"
+  std::string reference = "lights:light-tree";  ///< settings of the references, in the syntax of `relume compare`
 };
 
 /// All built-in scenes, and those in the context's scene folder: Sponza, and NAME.gltf for NAME/NAME.gltf. Throws Error

@@ -44,5 +44,11 @@ TEST(SurveyScenes, ChangeByAnimationOrByTheCamera) {
   EXPECT_EQ(moving.camera_after.to_world, moving.before.camera->to_world);
 }
 
+TEST(SurveyScenes, HaveReferencesThatFindTheirLight) {
+  const ExperimentContext context;
+  EXPECT_EQ(survey_scene(context, "door").reference, "lights:light-tree");
+  EXPECT_NE(survey_scene(context, "cornell-water").reference.find("vcm"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace relume
