@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -52,7 +53,14 @@ ExperimentContext context_of(const SurveyOptions& o) {
   return context;
 }
 
-/// "measured 12 techniques of corridor in 7:31".
+/// The machine with its device, and the number of threads used.
+std::vector<std::pair<std::string, std::string>> machine_of(const SurveyOptions& o) {
+  auto machine = machine_description({o.device});
+  if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
+  return machine;
+}
+
+/// "measured 12 of 14 techniques in corridor, in 7:31".
 std::string done_text(const SceneValues& scene, double seconds) {
   size_t ran = 0;
   for (const TechniqueValues& values : scene.techniques) ran += values.refused.empty() ? 1 : 0;
@@ -70,7 +78,7 @@ int measure(const SurveyOptions& o, const Verbosity& verbosity, ExperimentContex
   if (!o.folder.empty()) roles.reads("--folder", std::filesystem::path(o.folder) / "sponza" / "sponza.gltf");
   roles.writes("-o", folder / kSurveyFile);
   check_output_file(folder / kSurveyFile);
-  SurveyFile file(folder, survey_key(context, techniques, effort));
+  SurveyFile file(folder, survey_key(context, techniques, effort, o.threads));
   if (file.dropped() > 0) {
     log_info(verbosity, fmt::format("{}: {} scenes were measured under other conditions and will be replaced",
                                     (folder / kSurveyFile).string(), file.dropped()));
@@ -90,7 +98,7 @@ int measure(const SurveyOptions& o, const Verbosity& verbosity, ExperimentContex
     }
     try {
       const SceneValues values = measure_survey(context, survey_scene(context, name), techniques, effort);
-      file.add(values, now_s() - begin_s, context, machine_description({o.device}), effort);
+      file.add(values, now_s() - begin_s, context, machine_of(o), effort);
       printer.clear();
       log_info(verbosity, done_text(values, now_s() - begin_s));
     } catch (const ExperimentStopped&) {
