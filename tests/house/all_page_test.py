@@ -34,21 +34,21 @@ SLOTS = ("lights", "cache", "denoise")
 def technique(name, mse=None, **more):
     values = {"name": name, "settings": "", "slots": {**dict.fromkeys(SLOTS, "none"), **more.pop("slots", {})}}
     if mse is not None:
-        values |= {"mse": mse, "mse_low": 0.9 * mse, "mse_high": 1.1 * mse, "flip": 0.1, "frame_ms": 20.0, "rays": 4.0, "memory_bytes": 2_500_000,
+        values |= {"mse": mse, "mse_low": 0.9 * mse, "mse_high": 1.1 * mse, "flip": 0.1, "frame_ms": 20.0, "time_s": 0.51, "rays": 4.0, "memory_bytes": 2_500_000,
                    "bias2": 0.001, "bias2_error": 0.01, "variance": mse, "keeps_state": False, "image": f"images/a/{name}.jpg"}  # fmt: skip
     return values | more
 
 
 def survey():
     scenes = [
-        {"name": "a|b", "change": "the camera turns by 15°", "seconds": 300, "mean_square": 0.5, "reference_mse": 1e-6, "reference_spp": 512,
+        {"name": "a|b", "change": "the camera turns by 15°", "seconds": 300, "mean_square": 0.5, "reference_mse": 1e-6, "reference_spp": 512, "reference_settings": "lights:light-tree",
          "image": "images/a/reference.jpg", "techniques": [
              technique("path", 0.04),
              technique("cache=sharc", 0.02, keeps_state=True, lag=None, ghost=0.01, ghost_error=0.001, bias2=0.005, bias2_error=0.001, slots={"cache": "sharc"}),
              technique("denoise=oidn", refused="needs </script><b> | x", slots={"denoise": "oidn"}),
              technique("lights=vlc", 0.03, keeps_state=True, lag=3, ghost=0.0001, ghost_error=0.001, slots={"lights": "vlc"}),
              technique("strange=new", -0.001)]},
-        {"name": "c", "change": "1 s passes", "seconds": None, "mean_square": 0.5, "reference_mse": 1e-6, "reference_spp": 512,
+        {"name": "c", "change": "1 s passes", "seconds": None, "mean_square": 0.5, "reference_mse": 1e-6, "reference_spp": 512, "reference_settings": "lights:light-tree",
          "techniques": [technique("path", 0.01), technique("cache=sharc", 0.02, slots={"cache": "sharc"})]},
     ]  # fmt: skip
     return {"quick": False, "machine": {"Processor": "P"}, "scenes": scenes,
@@ -70,11 +70,11 @@ class Markdown(unittest.TestCase):
         rows = table_rows(self.text, r"### a\|b")
         self.assertEqual([re.sub(r"\[|\]\(.*?\)", "", row[0]) for row in rows], ["strange=new", "cache=sharc", "lights=vlc", "path", "denoise=oidn"])
         self.assertEqual(set(rows[-1][1:]), {"–"})
-        self.assertEqual({len(row) for row in rows}, {10})
+        self.assertEqual({len(row) for row in rows}, {11})
 
     def test_values(self):
         rows = {row[0].split("]")[0].strip("["): row for row in table_rows(self.text, r"### a\|b")}
-        self.assertEqual(rows["cache=sharc"][1:], ["0.02 (0.018 to 0.022)", "0.5", "0.1", "5.00e-03", "> 16", "2", "4", "20", "2.5"])
+        self.assertEqual(rows["cache=sharc"][1:], ["0.02 (0.018 to 0.022)", "0.5", "0.1", "5.00e-03", "> 16", "2", "4", "20", "0.51", "2.5"])
         self.assertEqual(rows["lights=vlc"][4:7], ["≈ 0", "3", "≈ 0"])
         self.assertEqual(rows["path"][2], "1")
         self.assertEqual(rows["path"][5:7], ["–", "–"])  # has no state
@@ -183,7 +183,7 @@ class Script(unittest.TestCase):
         self.assertEqual(self.evaluate("[undefined, 0, 0.01234, 0.001, 999.9, 12345, -2.5].map(s.format)"), ["–", "0", "0.0123", "1.00e-3", "1000", "1.23e+4", "-2.5"])
         self.assertEqual(self.evaluate("rows.slice(0, 4).map(s.lagText)"), ["–", "> 16", "–", "3"])
         self.assertEqual(self.evaluate("s.columns.map((c) => (c.text ? c.text(rows[1]) : s.format(c.value(rows[1]))))"),
-                         ["a|b", "cache=sharc", "0.02", "0.5", "–", "0.1", "5.00e-3", "0.02", "> 16", "2", "4", "20", "2.5"])  # fmt: skip
+                         ["a|b", "cache=sharc", "0.02", "0.5", "–", "0.1", "5.00e-3", "0.02", "> 16", "2", "4", "20", "0.51", "2.5"])  # fmt: skip
 
 
 if __name__ == "__main__":

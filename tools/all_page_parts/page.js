@@ -18,6 +18,7 @@ survey.columns = [
   { title: "ghosts, %", value: (r) => r.ghosts, text: (r) => survey.withError(r.ghosts, r.ghostsError) },
   { title: "rays", value: (r) => r.technique.rays },
   { title: "ms", value: (r) => r.technique.frame_ms },
+  { title: "s", value: (r) => r.technique.time_s },
   { title: "MB", value: (r) => (survey.isNumber(r.technique.memory_bytes) ? r.technique.memory_bytes / 1e6 : undefined) },
 ];
 
@@ -111,14 +112,15 @@ survey.start = function (document, data) {
     if (image) get("shown").src = image;
     const what = state.reference ? "reference" : row.technique.name;
     const when = state.after ? `, ${data.setup.ghost_frame} frames after the change: ${row.scene.change}` : "";
-    get("caption").textContent = `${row.scene.name}, ${what}${when}`;
+    const refused = !state.reference && row.technique.refused ? `, could not run: ${row.technique.refused}` : "";
+    get("caption").textContent = `${row.scene.name}, ${what}${when}${refused}`;
     get("shown").alt = get("caption").textContent;
     get("reference").setAttribute("aria-pressed", String(state.reference));
     get("after").setAttribute("aria-pressed", String(state.after));
   };
 
   const mark = () => {
-    [...get("table").tBodies[0].rows].forEach((tr, i) => tr.setAttribute("aria-selected", String(state.shown[i] === state.chosen)));
+    [...get("table").tBodies[0].rows].forEach((tr, i) => tr.setAttribute("aria-current", String(state.shown[i] === state.chosen)));
   };
 
   const choose = (row) => {
@@ -148,8 +150,13 @@ survey.start = function (document, data) {
     state.shown = survey.sorted(survey.filtered(all, state.wanted), state.column, state.descending);
     const body = state.shown.map((row) => {
       const tr = document.createElement("tr");
-      for (const column of survey.columns) tr.append(create("td", column.text ? column.text(row) : survey.format(column.value(row))));
-      if (row.technique.refused) tr.title = row.technique.refused;
+      for (const column of survey.columns) {
+        const text = column.text ? column.text(row) : survey.format(column.value(row));
+        const td = create("td", column.title === "technique" ? "" : text);
+        // A button, so that the keyboard reaches every row.
+        if (column.title === "technique") td.append(create("button", text, { type: "button" }));
+        tr.append(td);
+      }
       tr.addEventListener("click", () => choose(row));
       return tr;
     });
@@ -195,9 +202,8 @@ survey.start = function (document, data) {
   get("after").addEventListener("click", () => toggle("after"));
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
-    const actions = { ArrowLeft: () => step(-1), ArrowRight: () => step(1), a: () => toggle("after"), A: () => toggle("after") };
-    if (event.target.tagName !== "BUTTON") actions[" "] = () => toggle("reference");
-    const action = actions[event.key];
+    const actions = { arrowleft: () => step(-1), arrowright: () => step(1), a: () => toggle("after"), r: () => toggle("reference") };
+    const action = actions[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();
     action();
