@@ -242,6 +242,8 @@ std::vector<std::pair<std::string, std::string>> setup(const ExperimentContext& 
                                  o.sessions, o.warm_up, o.frames)},
           {"Intervals", "95 %, from means of sessions for reservoirs and of blocks of frames for the others"},
           {"Accumulated", fmt::format("{} s per contender, alternately, six repetitions", kEqualTime_s)},
+          {"Best techniques",
+           "those with the least mean error in the same repetitions; intervals do not cover that choice"},
           {"Times",
            "contenders take turns frame by frame; MSE times time is the result at equal time if errors fall with one "
            "over time, as those of independent frames"},
