@@ -36,6 +36,7 @@ struct Technique {
 constexpr Technique kTechniques[] = {
     {"path", "estimator:path", true},
     {"bdpt", "estimator:bdpt", true},
+    {"mcpg", "guide:mcpg", true},
     {"vcm", "estimator:vcm"},
     {"bdpt-svgf", "estimator:bdpt,denoise:svgf"},
     {"caustic-layer", "estimator:bdpt,denoise:svgf,bdpt.caustic-layer:true"},

@@ -50,6 +50,7 @@ constexpr Technique kTechniques[] = {
     {"apg", "cache:apg", Origin::seed},
     {"sharc", "cache:sharc", Origin::today},
     {kReuse, "reuse:restir-gi", Origin::today},
+    {"mcpg", "guide:mcpg", Origin::today},
     {"restir-gi-basic", "reuse:restir-gi,restir-gi.correction:basic,restir-gi.reuse-glossy:true"},
 };
 
