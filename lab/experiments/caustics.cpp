@@ -37,6 +37,7 @@ constexpr Technique kTechniques[] = {
     {"path", "estimator:path", true},
     {"bdpt", "estimator:bdpt", true},
     {"mcpg", "guide:mcpg", true},
+    {"restir-pt", "reuse:restir-pt", true},
     {"vcm", "estimator:vcm"},
     {"bdpt-svgf", "estimator:bdpt,denoise:svgf"},
     {"caustic-layer", "estimator:bdpt,denoise:svgf,bdpt.caustic-layer:true"},

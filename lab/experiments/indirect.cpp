@@ -51,6 +51,7 @@ constexpr Technique kTechniques[] = {
     {"sharc", "cache:sharc", Origin::today},
     {kReuse, "reuse:restir-gi", Origin::today},
     {"mcpg", "guide:mcpg", Origin::today},
+    {"restir-pt", "reuse:restir-pt", Origin::today},
     {"restir-gi-basic", "reuse:restir-gi,restir-gi.correction:basic,restir-gi.reuse-glossy:true"},
 };
 

@@ -45,6 +45,7 @@ constexpr Technique kContenders[] = {
     {"restir-gi", R"({"reuse": "restir-gi", "history": "none"})", false, 20, kOurs},
     {"sharc", R"({"cache": "sharc", "history": "none"})", false, 20, kOurs},
     {"mcpg", R"({"guide": "mcpg", "history": "none"})", false, 20, kOurs},
+    {"restir-pt", R"({"reuse": "restir-pt", "history": "none"})", false, 20, kOurs},
     {"svgf", R"({"denoise": "svgf"})", true},
     {"asvgf", R"({"denoise": "asvgf"})", true, 8, kOurs},
 };

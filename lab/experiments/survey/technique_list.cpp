@@ -31,6 +31,7 @@ const SurveyTechnique kPairings[] = {
     {"restir-di + vlc + svgf", "reuse:restir-di,lights:vlc,denoise:svgf"},
     {"restir-gi + light-tree + svgf", "reuse:restir-gi,lights:light-tree,denoise:svgf"},
     {"mcpg + light-tree + svgf", "guide:mcpg,lights:light-tree,denoise:svgf"},
+    {"restir-pt + light-tree + svgf", "reuse:restir-pt,lights:light-tree,denoise:svgf"},
     {"bdpt + bmfr", "estimator:bdpt,denoise:bmfr"},
     {"bdpt + caustic-layer + svgf", "estimator:bdpt,denoise:svgf,bdpt.caustic-layer:true"},
 };
