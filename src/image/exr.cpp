@@ -21,11 +21,17 @@
 #include "files/atomic_file.h"
 #include "image/exr_header.h"
 #include "image/image_complete.h"
+#include "image/openexr/streams.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
 
 namespace relume {
 namespace {
+
+using detail::fail_damaged;
+using detail::fail_write;
+using detail::StreamOutput;
+using detail::string_attributes;
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -48,20 +54,6 @@ class MemoryInput : public Imf::IStream {
   uint64_t position_ = 0;
 };
 
-class StreamOutput : public Imf::OStream {
- public:
-  StreamOutput(std::ostream& stream, const std::string& name) : OStream(name.c_str()), stream_(stream) {}
-
-  void write(const char* source, int count) override {
-    if (!stream_.write(source, count)) throw Error("the disk is full or the file cannot be written");
-  }
-  uint64_t tellp() override { return static_cast<uint64_t>(std::streamoff(stream_.tellp())); }
-  void seekp(uint64_t position) override { stream_.seekp(static_cast<std::streamoff>(position)); }
-
- private:
-  std::ostream& stream_;
-};
-
 /// Lets the library compress and decompress large images on all cores; no effect for small ones.
 void enable_threads(int64_t pixel_count) {
   if (pixel_count < (int64_t{1} << 20)) return;
@@ -70,18 +62,6 @@ void enable_threads(int64_t pixel_count) {
     if (Imf::globalThreadCount() == 0)
       Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   });
-}
-
-/// The library's message, formatted as part of a sentence.
-std::string one_line(const char* message) {
-  std::string text(message);
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
-  return text;
-}
-
-[[noreturn]] void fail_damaged(const std::string& name, const std::exception& e) {
-  throw Error(fmt::format("{}: damaged EXR file ({}); export or copy it again", name, one_line(e.what())));
 }
 
 int64_t pixel_count(const Imath::Box2i& box) {
@@ -163,15 +143,6 @@ Windows read_windows(std::span<const std::byte> bytes, const std::string& name) 
   } catch (const std::exception& e) {
     fail_damaged(name, e);
   }
-}
-
-std::map<std::string, std::string> string_attributes(const Imf::Header& header) {
-  std::map<std::string, std::string> attributes;
-  for (auto a = header.begin(); a != header.end(); ++a) {
-    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
-    if (text != nullptr && std::string_view(a.name()) != "type") attributes[a.name()] = text->value();
-  }
-  return attributes;
 }
 
 void check_writable(const std::string& name, const ExrFile& exr) {
@@ -272,8 +243,7 @@ void write_exr(const std::filesystem::path& file, const ExrFile& exr) {
     output.writePixels(data_window(exr).size().y + 1);
   } catch (const std::exception& e) {
     target.close();  // throws if the file itself failed
-    throw Error(fmt::format("{}: the EXR cannot be written ({}); check its name and attributes", file.string(),
-                            one_line(e.what())));
+    fail_write(file.string(), e);
   }
   target.commit();
 }

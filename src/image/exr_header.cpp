@@ -204,6 +204,10 @@ void check_header(const Header& header, const std::string& name, uint64_t file_b
 }  // namespace
 
 void check_exr_header(std::span<const std::byte> bytes, const std::string& name) {
+  check_exr_header(bytes, name, bytes.size());
+}
+
+void check_exr_header(std::span<const std::byte> bytes, const std::string& name, uint64_t file_bytes) {
   Reader reader(bytes, name);
   if (reader.read<uint32_t>() != 20000630u) throw Error(fmt::format("{}: not an OpenEXR file; check its format", name));
   const auto version = reader.read<uint32_t>();
@@ -220,7 +224,7 @@ void check_exr_header(std::span<const std::byte> bytes, const std::string& name)
       const auto size = reader.read<uint32_t>();
       read_attribute(attribute, type, reader.take(size), header);
     }
-    check_header(header, name, bytes.size());
+    check_header(header, name, file_bytes);
   } while (multi_part);
 }
 

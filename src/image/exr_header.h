@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -13,6 +14,8 @@ namespace relume::detail {
 /// tiles or chunk counts need memory out of proportion to the file. The library allocates that memory before it detects
 /// missing data. All other checks are the library's.
 void check_exr_header(std::span<const std::byte> bytes, const std::string& name);
+/// The same for a file of `file_bytes` bytes that begins with `bytes`, which hold its headers.
+void check_exr_header(std::span<const std::byte> bytes, const std::string& name, uint64_t file_bytes);
 
 /// Size of the display window. Throws Error.
 ImageSize exr_size(std::span<const std::byte> bytes, const std::string& name);
