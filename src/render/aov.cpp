@@ -7,6 +7,7 @@
 
 #include "framebuffer/pixel_moments.h"
 #include "relume/error.h"
+#include "render/summed_layers.h"
 #include "settings/nearest_name.h"
 
 namespace relume {
@@ -72,6 +73,10 @@ std::vector<std::string> names_of(const std::vector<AovLayer>& layers) {
 
 std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames,
                                    uint32_t correlated_frames) {
+  if (has_sums(buffers)) {
+    std::vector<ExrChannel> summed = summed_planes(buffers, name, frames, correlated_frames);
+    if (!summed.empty()) return summed;
+  }
   if (name == "variance") return variance_planes(buffers, correlated_frames);
   const Buffer* buffer = buffers.find(name);
   if (!buffer || buffer->description().display == BufferDisplay::hidden) {

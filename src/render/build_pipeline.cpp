@@ -26,6 +26,7 @@
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
 #include "techniques/temporal/accumulate/accumulate_pass.h"
+#include "techniques/temporal/accumulate/sample_sums_pass.h"
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 #include "techniques/temporal/reprojection/specular_history_pass.h"
@@ -271,6 +272,7 @@ FramePasses build_passes(const RenderSettings& settings, Memory& memory) {
   if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();
   if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
   add_history(builder, settings);
+  if (settings.samples.sums) builder.add<SampleSumsPass>(settings.auxiliary);
   add_allocation(builder, settings);
   if (upscales(settings) && !denoiser_fills(settings)) builder.add<FillUnsampledPass, &RenderSettings::upscaling>();
   if (settings.auxiliary) builder.add<AuxiliaryPass>();

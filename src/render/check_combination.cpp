@@ -1,4 +1,5 @@
 // Checks that the chosen techniques combine.
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 #include "frame/cuda/device_choice.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
+#include "render/sample_parts.h"
 #include "techniques/denoise/oidn/oidn_filter.h"
 
 namespace relume {
@@ -192,6 +194,9 @@ void check_combination(const RenderSettings& settings) {
   if (upscales(settings)) check_upscaling(settings);
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   if (!settings.crop.empty()) check_crop(settings);
+  if (settings.samples.sums) {
+    if (const std::string reason = sums_refusal(settings); !reason.empty()) throw Error(reason);
+  }
   if (settings.estimator != EstimatorChoice::path) check_cache_of_light_paths(settings);
   check_forward_history(settings);
   check_reuse(settings);

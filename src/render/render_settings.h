@@ -1,6 +1,7 @@
 // All settings of a session's rendering, except the scene.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "accel/accel_choice.h"
@@ -52,6 +53,16 @@ enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
 enum class DenoiseChoice : int { none, bmfr, svgf, asvgf, oidn };
 
+/// Which samples of an image a session renders, and how it adds them up. Derived from the command, so not named
+/// settings.
+struct SampleSettings {
+  bool sums = false;   ///< whether the image is the mean of exact sums, which do not depend on the order of samples
+  bool part = false;   ///< whether the image is a part of one with more samples; needs `sums`
+  uint32_t first = 0;  ///< index of the first sample, a multiple of kBlockSamples; needs `sums`
+
+  friend bool operator==(const SampleSettings&, const SampleSettings&) = default;
+};
+
 struct RenderSettings {
   int width = 1280;
   int height = 720;
@@ -82,6 +93,7 @@ struct RenderSettings {
   bool switches_upscaling = false;
   /// Renders only these pixels, bit-identical to that part of the full image. Other pixels stay black.
   PixelWindow crop;
+  SampleSettings samples;
   PathSettings path;
   LightSelectionSettings light_selection;
   OctreeSettings octree;
@@ -114,8 +126,8 @@ struct RenderSettings {
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
-/// All of the above except `auxiliary`, `switches_upscaling` and `crop`. `path.max_bounces` is named "max-bounces",
-/// because it applies to every estimator.
+/// All of the above except `auxiliary`, `switches_upscaling`, `crop` and `samples`. `path.max_bounces` is named
+/// "max-bounces", because it applies to every estimator.
 SettingList describe(RenderSettings& settings);
 
 /// Parts of describe(RenderSettings&), grouped for reference pages and widgets.

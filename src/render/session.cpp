@@ -135,9 +135,7 @@ bool Session::render_frame(std::stop_token stop) {
 void Session::shorten_preparation_on(std::stop_token token) { state_->hurry = std::move(token); }
 bool Session::prepared() const { return state_->passes.pipeline.prepared(); }
 
-uint32_t Session::frames_since_change() const {
-  return state_->changes == Change::none ? state_->counters.since_change : 0;
-}
+uint32_t Session::frames_since_change() const { return state_->changes == Change::none ? state_->own_frames() : 0; }
 
 double Session::kept_samples() const {
   const uint64_t samples = state_->sum(kBetweenFrames, state_->buffers->view(kSamples));
@@ -177,7 +175,7 @@ double Session::estimated_error() const {
 
 const Statistics& Session::statistics() const {
   State& s = *state_;
-  s.statistics.frames = s.counters.frames;
+  s.statistics.frames = s.counters.frames - s.first_frame();
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
   s.statistics.nonfinite_samples = s.sum(kBetweenFrames, s.buffers->view(kNonfinite));
@@ -206,7 +204,7 @@ std::vector<std::string> Session::aov_names(const Settings& settings) {
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
-  return aov_planes(*state_->buffers, name, state_->counters.since_change, state_->passes.pipeline.correlated_frames());
+  return aov_planes(*state_->buffers, name, state_->own_frames(), state_->passes.pipeline.correlated_frames());
 }
 
 bool Session::set_settings(const Settings& wanted) {
@@ -216,7 +214,8 @@ bool Session::set_settings(const Settings& wanted) {
   RenderSettings& current = s.settings;
   if (s.device) settings.accel = AccelChoice::bvh;
   if (settings.texture_filter != current.texture_filter || settings.accel != current.accel ||
-      settings.device != current.device || settings.camera != current.camera || settings.animation != current.animation)
+      settings.device != current.device || settings.camera != current.camera ||
+      settings.animation != current.animation || settings.samples != current.samples)
     return false;
   check_size(settings);
   // Throws for incompatible settings before anything changes.
@@ -267,9 +266,8 @@ void Session::restart(int seed) {
   s.drop_kept_image();
   s.rebuild_pipeline();
   s.scene->end_frame();
-  s.counters = {};
+  s.counters = s.first_counters();
   s.image_begun_s = s.statistics.render_s;
-  s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
   s.changes = Change::none;
   s.edited = false;
 }
@@ -345,6 +343,13 @@ void on_launch(Session& session, std::function<void(const LaunchEvent&)> hook) {
 }
 const RenderSettings& render_settings(const Session& session) { return SessionAccess::state(session).settings; }
 const CompiledScene& compiled_scene(const Session& session) { return *SessionAccess::state(session).scene; }
+RenderedSamples rendered_samples(const Session& session) {
+  const auto& s = SessionAccess::state(session);
+  return {.first = s.settings.samples.first,
+          .count = s.own_frames(),
+          .correlated_frames = s.passes.pipeline.correlated_frames(),
+          .adapt = samples_adapt(s.settings)};
+}
 const BufferTable& buffer_table(const Session& session) { return *SessionAccess::state(session).buffers; }
 std::vector<PassDeclaration> pass_declarations(const Session& session) {
   return SessionAccess::state(session).passes.pipeline.declarations();

@@ -1,6 +1,7 @@
 // Internal access to a session for the library, its program and its tests.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -16,6 +17,14 @@ namespace relume {
 
 const RenderSettings& render_settings(const Session& session);
 const CompiledScene& compiled_scene(const Session& session);
+/// The samples in a session's image.
+struct RenderedSamples {
+  uint32_t first = 0;  ///< SampleSettings::first
+  uint32_t count = 0;  ///< per pixel, since the last change
+  uint32_t correlated_frames = 1;
+  bool adapt = false;  ///< samples_adapt()
+};
+RenderedSamples rendered_samples(const Session& session);
 /// Per-pixel buffers of the session.
 const BufferTable& buffer_table(const Session& session);
 /// Declarations of the passes that fill them.

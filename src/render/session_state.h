@@ -25,6 +25,8 @@
 #include "render/backend_scene_launcher.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
+#include "render/sample_parts.h"
+#include "render/summed_layers.h"
 #include "sampling/blue_noise.h"
 #include "sampling/sample_schedule.h"
 #include "scene/compiled_scene.h"
@@ -97,7 +99,7 @@ struct Session::State {
                          settings.texture_filter, std::move(movable), settings.accel},
           backend->memory(), scene_launcher);
     });
-    counters.time_s = counters.previous_time_s = settings.time_s;
+    counters = first_counters();
     statistics.build_s = now_s() - start_s;
     statistics.accel_s = scene->accel_build_s();
     removed = RemovedParts(scene->source());
@@ -123,6 +125,7 @@ struct Session::State {
     const bool resized = buffers && size(*buffers) != size(*fresh.buffers);
     if (resized) pool->raise_limit(buffers->memory_bytes());
     buffers = std::move(fresh.buffers);
+    summed.clear();
     passes = std::move(fresh.passes);
     if (resized) {
       pool->next_size();
@@ -136,15 +139,29 @@ struct Session::State {
   void apply_changes() {
     if (changes != Change::none) {
       buffers->reset(changes);
-      counters.since_change = 0;
+      counters.since_change = first_frame();
     }
     if (includes(changes, ends_sequences(settings))) {
-      if (edited && counters.sequence_age > 0) ++counters.epoch;
-      counters.sequence_age = 0;
+      if (edited && counters.sequence_age > first_frame()) ++counters.epoch;
+      counters.sequence_age = first_frame();
     }
     edited = false;
-    if (counters.sequence_age == 0) counters.stretch_time_s = counters.time_s;
+    if (counters.sequence_age == first_frame()) counters.stretch_time_s = counters.time_s;
   }
+
+  /// Index of the first frame: that of the first sample, unless the session is a replica, which begins like any other.
+  uint32_t first_frame() const { return samples_adapt(settings) ? 0 : settings.samples.first; }
+  Counters first_counters() const {
+    const uint32_t first = first_frame();
+    return {.frames = first,
+            .since_change = first,
+            .time_s = settings.time_s,
+            .previous_time_s = settings.time_s,
+            .image_frames = first,
+            .sequence_age = first};
+  }
+  /// Frames since the last change, without those of other parts.
+  uint32_t own_frames() const { return counters.since_change - first_frame(); }
 
   /// Rendered pixels; empty: all pixels.
   Tile window() const {
@@ -162,12 +179,18 @@ struct Session::State {
   View<const Rgb> shown() const {
     if (!replacement.empty()) return view_of(replacement);
     if (shows_kept_image) return view_of(kept_image);
-    if (counters.frames == 0) return {};
+    if (counters.frames == first_frame()) return {};
+    if (has_sums(*buffers)) return mean_of_sums();
     for (const BufferKey<Rgb>& key : {kDenoised, kFilled}) {
       const View<const Rgb> image = buffers->read(key);
       if (!image.empty()) return image;
     }
     return buffers->read(kMean);
+  }
+  /// The mean of the exact sums, computed once per frame.
+  View<const Rgb> mean_of_sums() const {
+    if (summed.empty() || in_frame) backend->execute([&] { summed = summed_image(*buffers, own_frames()); });
+    return view_of(summed);
   }
   /// Copies the image. show_kept_image() displays the copy until the next complete frame.
   void keep_image() {
@@ -248,7 +271,8 @@ struct Session::State {
   /// Seed of the sample sequences. It depends on the animation time at which they start and on earlier edits, but not
   /// on the number of earlier frames.
   uint32_t scramble() const {
-    const auto seed = static_cast<uint32_t>(settings.seed);
+    auto seed = static_cast<uint32_t>(settings.seed);
+    if (settings.samples.first > 0 && samples_adapt(settings)) seed = relume::hash(seed, settings.samples.first);
     if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
     return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.stretch_time_s));
   }
@@ -327,6 +351,7 @@ struct Session::State {
     ++counters.since_change;
     ++counters.sequence_age;
     drop_kept_image();
+    summed.clear();
     replacement = std::move(next_replacement);
     changes = Change::none;
     counters.previous_time_s = counters.time_s;
@@ -354,6 +379,7 @@ struct Session::State {
   bool renumbered = false;       ///< whether they were since the pipeline was built
   std::function<void(const std::string&)> pass_hook;
   std::vector<Rgb> kept_image;        ///< copy of the last complete image
+  mutable std::vector<Rgb> summed;    ///< see mean_of_sums(); empty: not computed
   std::vector<Rgb> replacement;       ///< image that is shown in place of the last complete frame's; empty: none
   std::vector<Rgb> next_replacement;  ///< the same for the frame in progress
   bool in_frame = false;              ///< whether render_frame() runs
