@@ -8,6 +8,7 @@
 #include "relume/image.h"
 #include "relume/image_io.h"
 #include "relume/math.h"
+#include "relume/merge.h"
 #include "relume/records.h"
 #include "relume/render.h"
 #include "relume/scene.h"

@@ -39,6 +39,7 @@ MAY_INCLUDE = {
     "frame": "core sampling scene framebuffer",
     "techniques": "core settings sampling lights scene framebuffer frame",
     "render": "core settings sampling materials accel scene files framebuffer frame techniques",
+    "parts": "core settings files image framebuffer render",
     "compare": "core settings scene files metrics report render",
     "interface": "core compare experiments",  # of relume_lab, implemented
     "experiments": "core settings scene builtin_scenes files metrics report techniques render compare",
