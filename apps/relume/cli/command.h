@@ -33,7 +33,8 @@ struct Argument {
   std::string help;
   bool required = true;
   Completion completion = Completion::file;
-  bool repeats = false;  ///< takes all remaining arguments; the values are joined by commas
+  bool repeats = false;                        ///< takes all remaining arguments; the values are joined by commas
+  std::vector<std::string>* values = nullptr;  ///< receives them one by one in place of `value`
 };
 
 struct Option {
@@ -93,6 +94,7 @@ Command scenes_command();
 Command export_command(Verbosity& verbosity);
 Command info_command(Verbosity& verbosity);
 Command metrics_command();
+Command merge_command(Verbosity& verbosity);
 Command compare_command(Verbosity& verbosity);
 Command experiment_command(Verbosity& verbosity);
 Command survey_command(Verbosity& verbosity);

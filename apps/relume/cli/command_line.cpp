@@ -71,8 +71,11 @@ struct Declared {
 
 void take_values(const Command& command, const Declared& declared) {
   for (const auto& [option, argument] : declared.arguments) {
-    if (option->count() > 0) *argument->value = fmt::format("{}", fmt::join(option->results(), ","));
-    if (argument->required && argument->value->empty()) {
+    if (option->count() > 0 && argument->values) *argument->values = option->results();
+    if (option->count() > 0 && argument->value) {
+      *argument->value = fmt::format("{}", fmt::join(option->results(), ","));
+    }
+    if (argument->required && (argument->value ? argument->value->empty() : argument->values->empty())) {
       throw UsageError(fmt::format("{} needs {}; see relume {} --help", command.name, argument->name, command.name));
     }
   }

@@ -15,6 +15,7 @@
 #include "files/extension.h"
 #include "framebuffer/ocio_view.h"
 #include "framebuffer/tone_map.h"
+#include "parts/part_file.h"
 #include "relume/image_io.h"
 #include "render/session.h"
 #include "settings/nearest_name.h"
@@ -33,6 +34,7 @@ void write_layers(const std::filesystem::path& file, const Session& session, con
   for (const std::string& name : aovs) {
     for (ExrChannel& channel : session.aov(name)) exr.channels.push_back(std::move(channel));
   }
+  if (render_settings(session).samples.part) return write_part(file, exr, session);
   write_exr(file, exr);
 }
 

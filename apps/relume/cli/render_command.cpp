@@ -33,6 +33,10 @@ std::vector<Option> declare(RenderOptions& o) {
         "Render these frames of the animation; the frame number replaces #### or %04d in FILE, or is inserted before "
         "its extension"},
        "A-B"},
+      {{"sample-range", &o.sample_range,
+        "Render only these samples of each pixel, both included, from a multiple of 16 on; the EXR holds their exact "
+        "sums for relume merge"},
+       "A-B"},
       {{"fps", &o.fps, "Frames per second of --frames", {.min = 0.001, .max = 100000}}},
       {{"preset", &o.preset, "Named settings; flags override them"}, "NAME", 0, Completion::preset},
       {{"settings", &o.settings_file, "Settings from a JSON file, or from an EXR that relume rendered"},
@@ -68,6 +72,7 @@ Command render_command(Verbosity& verbosity) {
               {"relume render scene.glb -o out.exr --error 0.01 --time 10min",
                "up to an error of 0.01, for ten minutes at most"},
               {"relume render scene.glb -o out.exr --spp 4096 --resume out.ckpt", "can be interrupted and continued"},
+              {"relume render cornell -o part1.exr --sample-range 0-127", "a part of the samples, for relume merge"},
               {"relume render turntable -o frames/####.png --frames 0-47 --fps 24", "two seconds of an animation"},
               {"relume render turntable -o film.mp4 --frames 0-47 --spp 8 --history reproject", "the same as a video"},
               {"relume render scene.gltf -o out.png --camera Door --env sky.hdr --exposure -1",

@@ -13,9 +13,10 @@ struct RenderOptions {
   std::string scene;
   std::string output;
   std::string aov;
-  std::string crop;    ///< "X,Y,W,H"; empty: the whole image
-  std::string ocio;    ///< "CONFIG:VIEW"; empty: the tone map
-  std::string frames;  ///< empty: a single image
+  std::string crop;          ///< "X,Y,W,H"; empty: the whole image
+  std::string ocio;          ///< "CONFIG:VIEW"; empty: the tone map
+  std::string frames;        ///< empty: a single image
+  std::string sample_range;  ///< "A-B"; empty: all samples
   float fps = 24;
   std::string preset;
   std::string settings_file;

@@ -12,8 +12,10 @@
 #include "cli/ocio_option.h"
 #include "cli/video.h"
 #include "files/extension.h"
+#include "framebuffer/pixel_sums.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
+#include "render/sample_parts.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"
 #include "settings/text_list.h"
@@ -76,6 +78,26 @@ void check_ocio_output(const RenderOptions& options) {
                                options.output, extension));
 }
 
+/// The range of --sample-range. Throws UsageError if it is malformed or conflicts with other options.
+std::optional<SampleRange> samples_of(const RenderOptions& options) {
+  if (options.sample_range.empty()) return std::nullopt;
+  const std::optional<SampleRange> range = parse_sample_range(options.sample_range);
+  if (!range) {
+    throw UsageError(
+        fmt::format("--sample-range is '{}', but must be two numbers up to {} such as 0-127 or 128-255, the first a "
+                    "multiple of {}",
+                    options.sample_range, kLastSample, kBlockSamples));
+  }
+  if (!options.frames.empty())
+    throw UsageError("--sample-range is for still images; render the frames of a sequence in parts with --frames");
+  if (std::any_of(options.flags.begin(), options.flags.end(), [](const auto& flag) { return flag.first == "spp"; }))
+    throw UsageError("--sample-range sets the number of samples; remove --spp");
+  if (lower_extension(options.output) != ".exr")
+    throw UsageError(
+        fmt::format("{}: only .exr files can store the sums of --sample-range; write an .exr file", options.output));
+  return range;
+}
+
 }  // namespace
 
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
@@ -93,6 +115,7 @@ RenderPlan make_plan(const RenderOptions& options) {
   }
   plan.roles = roles_of(options, plan.files);
   plan.crop = parse_window(options.crop, "--crop");
+  plan.samples = samples_of(options);
   check_ocio_output(options);
   plan.ocio = make_ocio_view(options.ocio, options.flags);
   if (plan.ocio) plan.roles.reads("--ocio", plan.ocio->files());
@@ -109,6 +132,17 @@ RenderPlan make_plan(const RenderOptions& options) {
     check_image_file(options.output, layers);
   }
   return plan;
+}
+
+void plan_samples(const RenderPlan& plan, bool still, AllSettings& settings) {
+  settings.render.auxiliary = !plan.aovs.empty();
+  const std::string refused = sums_refusal(settings.render);
+  settings.render.samples.sums = still && refused.empty();
+  if (!plan.samples) return;
+  if (!refused.empty()) throw UsageError(fmt::format("--sample-range cannot render a part: {}", refused));
+  settings.render.samples.part = true;
+  settings.render.samples.first = plan.samples->first;
+  settings.stop.spp = static_cast<int>(plan.samples->count());
 }
 
 void check_stop_settings(const AllSettings& settings) {

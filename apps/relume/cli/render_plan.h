@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "cli/frame_sequence.h"
 #include "cli/render_job.h"
 #include "framebuffer/ocio_view.h"
+#include "parts/sample_ranges.h"
 #include "render/settings.h"
 
 namespace relume::cli {
@@ -24,6 +26,7 @@ struct RenderPlan {
   FileRoles roles;
   PixelWindow crop;                      ///< of --crop; empty: that of the scene's file, or the whole image
   std::shared_ptr<const OcioView> ocio;  ///< nullptr: the tone map
+  std::optional<SampleRange> samples;    ///< of --sample-range; std::nullopt: all samples
   int threads = 0;
 };
 
@@ -32,6 +35,10 @@ RenderPlan make_plan(const RenderOptions& options);
 
 /// Names of the requested layers. Throws UsageError for an unknown layer, and Error for techniques that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
+
+/// Sets what follows from the plan of an image: the layers, and the samples and their sums. `still`: not of a sequence.
+/// Throws UsageError if the techniques do not allow the plan's range of samples.
+void plan_samples(const RenderPlan& plan, bool still, AllSettings& settings);
 
 /// Throws UsageError for stop settings that never end (an error that stays unknown) or yield no image (a pilot alone).
 void check_stop_settings(const AllSettings& settings);

@@ -6,7 +6,7 @@ import images
 from damage import EXTREME_NUMBERS, ODD_STRINGS
 from trial_case import SMALL, Case
 
-COMMANDS = ["render", "export", "info", "metrics", "compare", "experiment", "settings", "devices", "man", "completion", "scenes"]
+COMMANDS = ["render", "export", "info", "metrics", "merge", "compare", "experiment", "settings", "devices", "man", "completion", "scenes"]
 OPTION = re.compile(r"^  (?:-\w, )?--(\[no-\])?([\w.-]+)(?: (\S+))?", re.MULTILINE)
 
 # Commands that write the checkpoints to damage.
@@ -29,7 +29,7 @@ CAREFUL = {
 }
 TEXTS = ["cornell", "furnace", "a.exr", "few.json", "albedo", "albedo,normal", "albdo", "default", "psf", "default,psf", "a=lights:uniform,b=cache:psf", "x=a.exr", "=", ",", ",,", ":", "lights:uniform", "lights:", "1,2,3", "1,2",
          "none", "preview", "reference", "interactive", "paper-002", "--", "-", "-1", "true", "false", "0.5", "1", "2", "10", "100"]
-POSITIONAL = {"render": 1, "export": 1, "info": 1, "metrics": 2, "compare": 1, "man": 1, "completion": 1}
+POSITIONAL = {"render": 1, "export": 1, "info": 1, "metrics": 2, "merge": 2, "compare": 1, "man": 1, "completion": 1}
 
 
 def odd_text(rng):
