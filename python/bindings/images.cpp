@@ -1,7 +1,7 @@
 #include "images.h"
 
-
 #include "relume/image_io.h"
+#include "relume/merge.h"
 #include "relume/tone_map.h"
 
 namespace relume::python {
@@ -49,6 +49,11 @@ void write_exr_channels(const std::filesystem::path& file, const py::dict& chann
   write_exr(file, exr);
 }
 
+uint32_t merge(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& output, bool keep_sums) {
+  const py::gil_scoped_release released;
+  return merge_images(parts, output, keep_sums).samples;
+}
+
 }  // namespace
 
 Image image_from(const py::object& object, const char* what) {
@@ -90,9 +95,7 @@ py::array plane_array(std::vector<float>&& values, int width, int height) {
 void define_images(py::module_& module) {
   module.def(
       "read_image",
-      [](const std::filesystem::path& file) {
-        return image_array(without_gil([&] { return read_image(file); }));
-      },
+      [](const std::filesystem::path& file) { return image_array(without_gil([&] { return read_image(file); })); },
       py::arg("file"));
   module.def(
       "write_image",
@@ -103,12 +106,14 @@ void define_images(py::module_& module) {
       },
       py::arg("file"), py::arg("image"));
   module.def(
-      "read_exr_channels", [](const std::filesystem::path& file) { return exr_to_python(without_gil([&] { return read_exr(file); })); },
+      "read_exr_channels",
+      [](const std::filesystem::path& file) { return exr_to_python(without_gil([&] { return read_exr(file); })); },
       py::arg("file"));
   module.def(
       "read_exr_attributes",
       [](const std::filesystem::path& file) { return without_gil([&] { return read_exr(file).attributes; }); },
       py::arg("file"));
+  module.def("merge", &merge, py::arg("parts"), py::arg("output"), py::arg("keep_sums"));
   module.def("write_exr_channels", &write_exr_channels, py::arg("file"), py::arg("channels"), py::arg("attributes"));
   module.def(
       "tone_map",

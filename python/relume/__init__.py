@@ -14,7 +14,7 @@ from . import metrics
 from ._comparison import Comparison, ExperimentReport, compare, experiment, experiments
 from ._core import LightHandle, MaterialHandle, MeshHandle, NodeHandle, __version__
 from ._errors import Error
-from ._image import Image, read_exr, read_exr_attributes, read_image, to_png, tone_map, write_exr, write_image
+from ._image import Image, merge, read_exr, read_exr_attributes, read_image, to_png, tone_map, write_exr, write_image
 from ._live import LiveView, live
 from ._parts import make_values
 from ._scene import (AnimationChannel, Camera, CameraPose, Environment, Light, Material, Mesh, MorphTarget, Node,
@@ -28,7 +28,7 @@ __all__ = [
     "LightHandle", "LiveView", "Material", "MaterialHandle", "Mesh", "MeshHandle", "MorphTarget", "Node", "NodeHandle", "ParameterChannel",
     "Scene", "Session", "SettingInfo", "Settings", "Skin", "SunSky", "Texture", "TextureRef", "Transform", "__version__",
     "builtin", "builtin_scenes", "camera_pose", "compare", "experiment", "experiments", "live", "load", "load_environment",
-    "look_at", "metrics", "presets", "read_exr", "read_exr_attributes", "read_image", "settings", "to_png", "tone_map", "write_exr", "write_image",
+    "look_at", "merge", "metrics", "presets", "read_exr", "read_exr_attributes", "read_image", "settings", "to_png", "tone_map", "write_exr", "write_image",
 ]
 
 make_values()

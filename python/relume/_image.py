@@ -1,7 +1,7 @@
 """Images: NumPy arrays that show themselves in notebooks."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Union
 
 import numpy as np
@@ -76,6 +76,15 @@ def read_exr(file: Path) -> dict[str, NDArray[Any]]:
 def read_exr_attributes(file: Path) -> dict[str, str]:
     """The texts in the header of an EXR file, among them the settings of an image that relume wrote."""
     return _core.read_exr_attributes(os.fspath(file))
+
+
+def merge(parts: Iterable[Path], output: Path, keep_sums: bool = False) -> int:
+    """Merges parts of an image that `relume render --sample-range` wrote, in any order, into the EXR file `output`.
+
+    Returns the number of samples per pixel. `keep_sums` writes a part, which can be merged again. Raises Error for
+    parts that do not belong together.
+    """
+    return _core.merge([os.fspath(part) for part in parts], os.fspath(output), keep_sums)
 
 
 def write_exr(file: Path, channels: Any, attributes: Union[Mapping[str, str], None] = None) -> None:

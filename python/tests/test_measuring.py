@@ -43,6 +43,15 @@ def test_image_files(tmp_path):
         relume.write_exr(tmp_path / "c.exr", {"Z": image})
 
 
+def test_merging_needs_parts(tmp_path):
+    relume.write_exr(tmp_path / "a.exr", np.zeros((4, 4, 3), np.float32))
+    with pytest.raises(relume.Error, match="no image that relume rendered"):
+        relume.merge([tmp_path / "a.exr"], tmp_path / "out.exr")
+    with pytest.raises(relume.Error, match="no part to merge"):
+        relume.merge([], tmp_path / "out.exr")
+    assert not (tmp_path / "out.exr").exists()
+
+
 def test_tone_maps():
     image = np.full((2, 2, 3), 0.5, np.float32)
     np.testing.assert_allclose(relume.tone_map(image, "reinhard"), 1 / 3, rtol=1e-5)
