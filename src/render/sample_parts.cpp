@@ -8,7 +8,15 @@
 namespace relume {
 
 bool samples_adapt(const RenderSettings& settings) {
-  return learns(settings) || settings.reuse == ReuseChoice::restir_di || settings.reuse == ReuseChoice::restir_gi;
+  if (learns(settings)) return true;
+  // Without a default, so that a new kind of reuse must be listed.
+  switch (settings.reuse) {
+    case ReuseChoice::none:
+    case ReuseChoice::ris: return false;
+    case ReuseChoice::restir_di:
+    case ReuseChoice::restir_gi: return true;
+  }
+  return true;
 }
 
 std::string sums_refusal(const RenderSettings& s) {
