@@ -36,12 +36,12 @@ struct SampleBlock {
   }
 };
 
-/// Sums of radiance. Those of a block are limited to ±2^44 per channel.
+/// Sums of radiance. Those of a block are limited to ±2^44 per channel, and to 2^88, its square, for squares.
 struct RadianceSums {
   FixedSum<2, 60> r;
   FixedSum<2, 60> g;
   FixedSum<2, 60> b;
-  FixedSum<3, 84> square;  ///< of the samples' luminance
+  FixedSum<3, 80> square;  ///< of the samples' luminance
 
   RELUME_HD void add(const SampleBlock& block) {
     r.add(block.r);

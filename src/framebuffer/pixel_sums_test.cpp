@@ -77,6 +77,16 @@ TEST(PixelSums, KeepASmallVarianceOfBrightSamples) {
   EXPECT_NEAR(sums_of(samples, 0, 64).variance(64, 1), expected, 1e-3 * expected);
 }
 
+TEST(PixelSums, LimitSquaresWithTheirValues) {
+  std::vector<Rgb> samples(32, Rgb(0));
+  samples[3] = Rgb(std::numeric_limits<float>::max());
+  const RadianceSums sums = sums_of(samples, 0, 32);
+  EXPECT_EQ(sums.mean(32), Rgb(0x1p39f));
+  // One sample of 2^44: Σ Y² = 2^88, (Σ Y)² / n = 2^83.
+  const double expected = 0x1p88 * (1 - 1.0 / 32) / (32.0 * 31.0);
+  EXPECT_NEAR(sums.variance(32, 1), expected, 1e-6 * expected);
+}
+
 TEST(PixelSums, OfNoSamplesAreBlack) {
   EXPECT_EQ(RadianceSums().mean(0), Rgb(0));
   EXPECT_EQ(RadianceSums().variance(1, 1), 0.0f);
