@@ -88,6 +88,7 @@ class Merge(ProgramTest):
         part("radiance cache", "--sample-range", "0-15", "--cache", "psf")
         part("adaptive sampling", "--sample-range", "0-15", "--allocation", "adaptive")
         part("history 'reproject'", "--sample-range", "0-15", "--history", "reproject")
+        part("remove --error", "--sample-range", "0-15", "--error", "0.1")
 
     def test_a_part_can_be_interrupted_and_resumed(self):
         look = ["render", *LOOK, "--sample-range", "16-47"]

@@ -140,7 +140,7 @@ void RenderJob::load() {
   scene_time_s_ = settings_.render.time_s;
   settings_.render.time_s = time_of(0);
   time_of(plan_.files.size() - 1);  // fails before rendering
-  plan_samples(plan_, is_still(), settings_);
+  plan_samples(plan_, settings_);
   settings_.render.crop = choose_window(scene);
   build(std::move(scene));
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);

@@ -134,12 +134,16 @@ RenderPlan make_plan(const RenderOptions& options) {
   return plan;
 }
 
-void plan_samples(const RenderPlan& plan, bool still, AllSettings& settings) {
+void plan_samples(const RenderPlan& plan, AllSettings& settings) {
   settings.render.auxiliary = !plan.aovs.empty();
   const std::string refused = sums_refusal(settings.render);
-  settings.render.samples.sums = still && refused.empty();
+  settings.render.samples.sums = refused.empty();
   if (!plan.samples) return;
   if (!refused.empty()) throw UsageError(fmt::format("--sample-range cannot render a part: {}", refused));
+  if (settings.stop.error > 0)
+    throw UsageError(
+        "--sample-range cannot render a part: its number of samples would depend on their values through --error, so "
+        "merges would have biased weights; remove --error");
   settings.render.samples.part = true;
   settings.render.samples.first = plan.samples->first;
   settings.stop.spp = static_cast<int>(plan.samples->count());

@@ -36,9 +36,10 @@ RenderPlan make_plan(const RenderOptions& options);
 /// Names of the requested layers. Throws UsageError for an unknown layer, and Error for techniques that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
 
-/// Sets what follows from the plan of an image: the layers, and the samples and their sums. `still`: not of a sequence.
-/// Throws UsageError if the techniques do not allow the plan's range of samples.
-void plan_samples(const RenderPlan& plan, bool still, AllSettings& settings);
+/// Sets what follows from the plan: the layers, the range of samples, and whether images come from exact sums, which they
+/// do wherever the techniques allow it, so that an image of a sequence equals a still image of its time. Throws UsageError
+/// if the settings do not allow the plan's range of samples.
+void plan_samples(const RenderPlan& plan, AllSettings& settings);
 
 /// Throws UsageError for stop settings that never end (an error that stays unknown) or yield no image (a pilot alone).
 void check_stop_settings(const AllSettings& settings);
