@@ -143,7 +143,7 @@ TEST(Merge, OfAdaptingTechniquesIsTheMeanOfIndependentRenders) {
   }());
 }
 
-TEST(Merge, VarianceAgreesWithTheScatterOfParts) {
+TEST(Merge, VarianceFallsWithTheNumberOfSamples) {
   const TempFolder folder;
   const PartRenderer renderer = cornell(small_settings(), {"variance"});
   const Files parts = write_parts(renderer, folder, 8);

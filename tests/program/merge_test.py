@@ -111,6 +111,7 @@ class Merge(ProgramTest):
 
 
 @unittest.skipUnless(pathlib.Path("/proc/self/status").exists(), "needs the peak memory of a process")
+@unittest.skipIf("RELUME_SANITIZED" in os.environ, "sanitizers keep freed memory")
 class Memory(ProgramTest):
     def test_it_does_not_grow_with_the_image(self):
         for name, width, height in (("small", 64, 64), ("large", 64, 4096)):

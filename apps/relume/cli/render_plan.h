@@ -36,9 +36,9 @@ RenderPlan make_plan(const RenderOptions& options);
 /// Names of the requested layers. Throws UsageError for an unknown layer, and Error for techniques that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
 
-/// Sets what follows from the plan: the layers, the range of samples, and whether images come from exact sums, which they
-/// do wherever the techniques allow it, so that an image of a sequence equals a still image of its time. Throws UsageError
-/// if the settings do not allow the plan's range of samples.
+/// Sets what follows from the plan: the layers and the range of samples. Images come from exact sums wherever the
+/// techniques allow it, so that an image of a sequence equals the still image of its time. Throws UsageError if the
+/// settings do not allow the plan's range of samples.
 void plan_samples(const RenderPlan& plan, AllSettings& settings);
 
 /// Throws UsageError for stop settings that never end (an error that stays unknown) or yield no image (a pilot alone).
