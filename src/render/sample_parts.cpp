@@ -14,7 +14,8 @@ bool samples_adapt(const RenderSettings& settings) {
     case ReuseChoice::none:
     case ReuseChoice::ris: return false;
     case ReuseChoice::restir_di:
-    case ReuseChoice::restir_gi: return true;
+    case ReuseChoice::restir_gi:
+    case ReuseChoice::restir_pt: return true;
   }
   return true;
 }
