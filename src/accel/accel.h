@@ -40,7 +40,8 @@ bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id)
 /// Capacity of a host packet, rays.
 inline constexpr int kPacketSize = 16;
 
-/// intersect() for up to kPacketSize rays at once, with the same results.
+/// intersect() for up to kPacketSize rays at once, with the same results. While a shutter is open, Embree may round the
+/// transforms of a packet in another way than those of a single ray, so that hits at edges may differ.
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count);
 
 /// intersect_from_camera() for up to kPacketSize rays of neighbouring pixels at once, with the same results.

@@ -10,6 +10,7 @@
 #include "accel/accel_choice.h"
 #include "accel/triangle.h"
 #include "core/array.h"
+#include "core/key_time.h"
 #include "core/vec.h"
 
 namespace relume {
@@ -28,6 +29,8 @@ struct AccelInstance {
   bool moves = false;          ///< whether update() may move or hide it
   bool visible = true;         ///< false: rays pass through
   bool mirrored = false;       ///< only in world space: whether its skin mirrors it, which swaps front and back faces
+  const Mat4* keys = nullptr;  ///< transforms at the keys of the shutter, none of them singular; nullptr: rests
+  uint32_t key_count = 0;      ///< 0 without keys, else at least 2
 };
 
 struct AccelMesh {
@@ -37,9 +40,22 @@ struct AccelMesh {
   const uint32_t* indices = nullptr;  ///< three per triangle, into the whole array
   size_t triangle_count = 0;
   bool needs_opacity = false;
-  bool culls_back_faces = false;  ///< for camera rays
-  bool deforms = false;           ///< whether update() may change its vertices
-  bool mirrored = false;          ///< follows AccelInstance::mirrored
+  bool culls_back_faces = false;         ///< for camera rays
+  bool deforms = false;                  ///< whether update() may change its vertices
+  bool mirrored = false;                 ///< follows AccelInstance::mirrored
+  const float* key_positions = nullptr;  ///< `positions` at the first key of the shutter; nullptr: the shape rests
+  size_t key_stride = 0;                 ///< bytes from the vertices of one key to those of the next
+  size_t key_vertex_count = 0;           ///< vertices from `key_positions` on, up to the last one of the mesh
+  uint32_t key_count = 0;                ///< 0 without keys, else at least 2
+};
+
+/// New `key_...` members of a deforming mesh.
+struct AccelMeshKeys {
+  uint32_t mesh = 0;
+  const float* positions = nullptr;
+  size_t stride = 0;
+  size_t vertex_count = 0;
+  uint32_t count = 0;
 };
 
 /// Whether the instance is part of the static geometry, which is built once.
@@ -66,6 +82,30 @@ inline TriangleCorners corners_of(const AccelMesh& mesh, uint32_t primitive) {
   return {vertex_position(mesh, index[0]), vertex_position(mesh, index[1]), vertex_position(mesh, index[2])};
 }
 
+/// The same at a key of the shutter; the mesh has keys.
+inline TriangleCorners corners_at_key(const AccelMesh& mesh, uint32_t primitive, uint32_t key) {
+  AccelMesh posed = mesh;
+  posed.positions =
+      reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(mesh.key_positions) + key * mesh.key_stride);
+  return corners_of(posed, primitive);
+}
+
+/// The same at a time within the shutter.
+inline TriangleCorners corners_at(const AccelMesh& mesh, uint32_t primitive, float time) {
+  if (mesh.key_count == 0) return corners_of(mesh, primitive);
+  const KeyTime at(time, mesh.key_count);
+  const TriangleCorners a = corners_at_key(mesh, primitive, at.first);
+  const TriangleCorners b = corners_at_key(mesh, primitive, at.first + 1);
+  return {at.mix(a.p0, b.p0), at.mix(a.p1, b.p1), at.mix(a.p2, b.p2)};
+}
+
+/// Transform of an instance at a time within the shutter.
+inline Mat4 to_world_at(const AccelInstance& instance, float time) {
+  if (instance.key_count == 0) return instance.to_world;
+  const KeyTime at(time, instance.key_count);
+  return at.mix(instance.keys[at.first], instance.keys[at.first + 1]);
+}
+
 /// Owns an acceleration structure. The vertex, index and opacity arrays must outlive it.
 class AccelStructure {
  public:
@@ -73,6 +113,10 @@ class AccelStructure {
   virtual ~AccelStructure() = default;
   AccelStructure(const AccelStructure&) = delete;
   AccelStructure& operator=(const AccelStructure&) = delete;
+
+  /// Sets the keys of deforming meshes within the shutter; those of all other meshes rest. Their arrays must stay until
+  /// the next call. update() must follow, with these meshes and those that had keys before.
+  virtual void set_keys(std::span<const AccelMeshKeys> keys) = 0;
 
   /// Updates transform and visibility of the instances that are not in world space, and the `deformed` meshes (indices)
   /// to their current vertices. `instances`: all, in the order of make_accel(). Throws Error if that fails.
@@ -92,6 +136,20 @@ class AccelStructure {
   /// Bytes allocated for the structure.
   virtual size_t memory_bytes() const = 0;
 };
+
+/// Copies the keys to the meshes.
+inline void assign_keys(std::span<AccelMesh> meshes, std::span<const AccelMeshKeys> keys) {
+  for (AccelMesh& mesh : meshes) {
+    mesh.key_positions = nullptr;
+    mesh.key_count = 0;
+  }
+  for (const AccelMeshKeys& k : keys) {
+    meshes[k.mesh].key_positions = k.positions;
+    meshes[k.mesh].key_stride = k.stride;
+    meshes[k.mesh].key_vertex_count = k.vertex_count;
+    meshes[k.mesh].key_count = k.count;
+  }
+}
 
 /// Builds the chosen structure. `opacity` may be empty if no mesh needs it. `memory`: for relume's own BVH; it must
 /// outlive the structure. Throws Error if memory is short, or if the scene is too large for the structure.

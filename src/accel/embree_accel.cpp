@@ -26,15 +26,34 @@ bool has_inverse(const Mat4& to_world) {
   return true;
 }
 
-/// Moves an instance's node; the scene must be committed afterwards.
-void place(RTCGeometry node, const Mat4& to_world, bool visible = true) {
-  if (visible && has_inverse(to_world)) {
-    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world);
+/// Moves a node by one matrix, or by those at `count` keys of the shutter, which Embree interpolates linearly. The
+/// scene must be committed afterwards.
+void place(RTCGeometry node, const Mat4* to_world, uint32_t count, bool visible) {
+  if (visible && std::all_of(to_world, to_world + count, has_inverse)) {
+    rtcSetGeometryTimeStepCount(node, count);
+    for (uint32_t k = 0; k < count; ++k)
+      rtcSetGeometryTransform(node, k, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[k]);
     rtcEnableGeometry(node);
   } else {
     rtcDisableGeometry(node);
   }
   rtcCommitGeometry(node);
+}
+void place(RTCGeometry node, const AccelInstance& instance) {
+  const bool moves = instance.key_count > 0;
+  place(node, moves ? instance.keys : &instance.to_world, moves ? instance.key_count : 1, instance.visible);
+}
+
+/// Sets the vertices of a geometry, at all keys of the shutter if there are any. It must be committed afterwards.
+void set_vertices(RTCGeometry geometry, const AccelMesh& mesh) {
+  const auto set = [&](uint32_t slot, const void* positions, size_t count) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, slot, RTC_FORMAT_FLOAT3, positions, 0,
+                               mesh.position_stride, count);
+  };
+  rtcSetGeometryTimeStepCount(geometry, std::max(mesh.key_count, 1u));
+  if (mesh.key_count == 0) set(0, mesh.positions, mesh.vertex_count);
+  for (uint32_t k = 0; k < mesh.key_count; ++k)
+    set(k, reinterpret_cast<const std::byte*>(mesh.key_positions) + k * mesh.key_stride, mesh.key_vertex_count);
 }
 
 }  // namespace
@@ -50,6 +69,7 @@ struct EmbreeAccel::State {
   std::vector<GeometryContext> contexts;                         ///< one per instance
   std::vector<AccelMesh> meshes;
   std::vector<RefitCost> refit_costs;  ///< by mesh
+  std::vector<uint8_t> keyed;          ///< by mesh: whether its geometry has the vertices of keys
   std::vector<AccelInstance> instances;
   OpacityFunction opacity;
   HostAccelData host;
@@ -120,6 +140,7 @@ struct EmbreeAccel::State {
     const RTCScene owner = mesh_scenes[mesh];
     if (!owner) return;  // no triangles
     const RTCGeometry geometry = rtcGetGeometry(owner, 0);
+    if (meshes[mesh].key_count > 0 || keyed[mesh] != 0) return rebuild_with_keys(mesh, owner, geometry);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     if (refit_costs[mesh].has_grown(meshes[mesh])) {
       rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);  // changed indices make Embree rebuild
@@ -127,6 +148,16 @@ struct EmbreeAccel::State {
     }
     rtcCommitGeometry(geometry);
     rtcCommitScene(owner);
+  }
+
+  /// Rebuilds the BVH for the keys of the shutter, or after their end: Embree does not refit it over time.
+  void rebuild_with_keys(uint32_t mesh, RTCScene owner, RTCGeometry geometry) {
+    keyed[mesh] = meshes[mesh].key_count > 0 ? 1 : 0;
+    set_vertices(geometry, meshes[mesh]);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(owner);
+    refit_costs[mesh].reset(meshes[mesh]);
   }
 
   /// Takes new transforms and visibility.
@@ -148,7 +179,7 @@ struct EmbreeAccel::State {
     rtcCommitScene(still);
     RTCGeometry node = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, still);
-    place(node, Mat4(1));
+    place(node, AccelInstance{});
     rtcAttachGeometryByID(scene, node, kStillNode);
     rtcReleaseGeometry(node);
   }
@@ -156,7 +187,7 @@ struct EmbreeAccel::State {
   void add_instance(uint32_t index, const AccelInstance& instance) {
     RTCGeometry node = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
-    place(node, instance.to_world, instance.visible);
+    place(node, instance);
     rtcAttachGeometryByID(scene, node, id_of(index));
     rtcReleaseGeometry(node);
     instance_nodes.emplace_back(index, node);
@@ -170,6 +201,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   s.opacity = opacity;
   s.robust = robust;
   s.meshes.assign(meshes.begin(), meshes.end());
+  s.keyed.assign(meshes.size(), 0);
   for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
   const Activity activity("building the acceleration structure");
   s.culls = std::any_of(meshes.begin(), meshes.end(), [](const AccelMesh& mesh) { return mesh.culls_back_faces; });
@@ -203,11 +235,12 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
 
 EmbreeAccel::~EmbreeAccel() = default;
 
+void EmbreeAccel::set_keys(std::span<const AccelMeshKeys> keys) { assign_keys(state_->meshes, keys); }
+
 void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
   state_->assign(instances);
   parallel_tasks(deformed.size(), [&](size_t i) { state_->refit(deformed[i]); });
-  for (const auto& [index, node] : state_->instance_nodes)
-    place(node, instances[index].to_world, instances[index].visible);
+  for (const auto& [index, node] : state_->instance_nodes) place(node, instances[index]);
   rtcCommitScene(state_->scene);
   state_->device.check();
 }

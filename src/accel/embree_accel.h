@@ -16,6 +16,7 @@ class EmbreeAccel final : public AccelStructure {
               bool robust = false);
   ~EmbreeAccel() override;
 
+  void set_keys(std::span<const AccelMeshKeys> keys) override;
   /// Static geometry costs nothing if any instance was declared as moving, because it then has a BVH of its own.
   void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) override;
   void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,

@@ -14,10 +14,10 @@ namespace {
 /// Computes the hit on the triangle that the traversal found.
 Hit hit_on(const HostAccelData& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
   const AccelInstance& instance = accel.instances[instance_index];
-  TriangleCorners c = corners_of(accel.meshes[instance.mesh], primitive);
+  TriangleCorners c = corners_at(accel.meshes[instance.mesh], primitive, ray.time);
   if (!instance.in_world_space) {
-    c = {transform_point(instance.to_world, c.p0), transform_point(instance.to_world, c.p1),
-         transform_point(instance.to_world, c.p2)};
+    const Mat4& to_world = instance.key_count == 0 ? instance.to_world : to_world_at(instance, ray.time);
+    c = {transform_point(to_world, c.p0), transform_point(to_world, c.p1), transform_point(to_world, c.p2)};
   }
   const TriangleHit hit = intersect_triangle(ray.origin, ray.direction, c.p0, c.p1, c.p2);
   return {instance_index, primitive, hit.u, hit.v, hit.t};
@@ -61,7 +61,7 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   r.dir_x = ray.direction.x;
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
-  r.time = 0.0f;
+  r.time = ray.time;
   r.tfar = ray.t_max;
   r.mask = 0xffffffffu;
   r.id = ray_id;
@@ -115,7 +115,7 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigne
   packet.dir_x[i] = ray.direction.x;
   packet.dir_y[i] = ray.direction.y;
   packet.dir_z[i] = ray.direction.z;
-  packet.time[i] = 0.0f;
+  packet.time[i] = ray.time;
   packet.tfar[i] = ray.t_max;
   packet.mask[i] = 0xffffffffu;
   packet.id[i] = ray_id;

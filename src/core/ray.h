@@ -1,14 +1,16 @@
 // Rays, hits, and ray origins that avoid self-intersection.
 #pragma once
 
+#include "core/key_time.h"
 #include "core/vec.h"
 
 namespace relume {
 
 struct Ray {
   Vec3 origin{0};
-  Vec3 direction{0, 0, 1};  ///< unit length
-  float t_max = kInfinity;  ///< metres
+  Vec3 direction{0, 0, 1};      ///< unit length
+  float t_max = kInfinity;      ///< metres
+  float time = kShutterMiddle;  ///< within the shutter, in [0, 1]; all rays of a path have the same
 };
 
 /// Marks a ray that left the scene.

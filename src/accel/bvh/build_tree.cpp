@@ -127,6 +127,18 @@ Box box_with_margin(const BvhTriangle& triangle) {
   return grown(box_of(c), kBoxMargin * largest_coordinate(c));
 }
 
+Box box_at_all_times(const AccelMesh& mesh, const BvhTriangle& triangle) {
+  if (mesh.key_count == 0) return box_with_margin(triangle);
+  Box box;
+  float largest = 0;
+  for (uint32_t k = 0; k < mesh.key_count; ++k) {
+    const TriangleCorners c = corners_at_key(mesh, triangle.primitive, k);
+    for (const Vec3& p : {c.p0, c.p1, c.p2}) box.add(p);
+    largest = std::max(largest, largest_coordinate(c));
+  }
+  return grown(box, 2.0f * kBoxMargin * largest);
+}
+
 BvhTree build_tree(embree::Device& device, std::span<const TreePart> parts, bool deforms) {
   BvhTree tree;
   const auto list = [&] { return list_primitives(parts); };
@@ -188,7 +200,7 @@ Box refit(const AccelMesh& mesh, std::span<BvhNode> nodes, std::span<BvhTriangle
       if (!leaf.is_triangles()) continue;
       Box box;
       for (uint32_t t = 0; t < leaf.count(); ++t)
-        box.add(box_with_margin(triangles[leaf.index() - first_triangle + t]));
+        box.add(box_at_all_times(mesh, triangles[leaf.index() - first_triangle + t]));
       set_child(nodes[i], k, box, leaf);
     }
   });
@@ -200,7 +212,7 @@ Box refit(const AccelMesh& mesh, std::span<BvhNode> nodes, std::span<BvhTriangle
   }
   if (!nodes.empty()) return bounds_of(nodes[0]);
   Box all;
-  for (const BvhTriangle& triangle : triangles) all.add(box_with_margin(triangle));
+  for (const BvhTriangle& triangle : triangles) all.add(box_at_all_times(mesh, triangle));
   return all;
 }
 

@@ -36,8 +36,13 @@ BvhTree build_top_tree(embree::Device& device, std::span<const Box> boxes, std::
 /// Box of a triangle with the margin that BoxRay needs.
 Box box_with_margin(const BvhTriangle& triangle);
 
-/// Adapts a tree without split triangles to the current vertices of its mesh. `nodes`, `triangles`: those of the tree
-/// only. `first_node`, `first_triangle`: their offsets in the arrays of the BVH. Returns the tree's bounds.
+/// The same for all times of an open shutter, if the mesh has keys. Between two keys, corners move along straight
+/// lines. The margin is then doubled, because interpolated corners are rounded.
+Box box_at_all_times(const AccelMesh& mesh, const BvhTriangle& triangle);
+
+/// Adapts a tree without split triangles to the current vertices of its mesh, and its boxes to those of all keys.
+/// `nodes`, `triangles`: those of the tree only. `first_node`, `first_triangle`: their offsets in the arrays of the
+/// BVH. Returns the tree's bounds.
 Box refit(const AccelMesh& mesh, std::span<BvhNode> nodes, std::span<BvhTriangle> triangles, uint32_t first_node,
           uint32_t first_triangle);
 

@@ -30,7 +30,8 @@ struct PlacedTree {
 }  // namespace
 
 struct BvhAccel::State {
-  explicit State(Memory& memory) : nodes(memory), triangles(memory), placed(memory), filters(memory) {}
+  explicit State(Memory& memory)
+      : nodes(memory), triangles(memory), placed(memory), filters(memory), keys(memory), corner_keys(memory) {}
 
   embree::Device device;  ///< only for its builder
   std::vector<AccelMesh> meshes;
@@ -45,6 +46,8 @@ struct BvhAccel::State {
   Array<BvhTriangle> triangles;
   Array<BvhInstance> placed;
   Array<uint32_t> filters;
+  Array<BvhKey> keys;
+  Array<Vec3> corner_keys;
   BvhView view;
 
   std::span<BvhNode> nodes_of(const PlacedTree& tree) {
@@ -89,6 +92,7 @@ struct BvhAccel::State {
   void build_mesh(uint32_t mesh) {
     const TreePart part{&meshes[mesh]};
     place(build_tree(device, {&part, 1}, meshes[mesh].deforms), mesh_trees[mesh]);
+    if (meshes[mesh].key_count > 0 && !mesh_trees[mesh].root.is_none()) refit_mesh(mesh);  // to the boxes of all keys
   }
 
   void refit_mesh(uint32_t mesh) {
@@ -122,8 +126,49 @@ struct BvhAccel::State {
     }
   }
 
+  /// Copies the corners of each mesh with keys. Returns their offsets by mesh.
+  std::vector<uint32_t> copy_corner_keys() {
+    std::vector<uint32_t> first(meshes.size(), kNoKeys);
+    corner_keys.clear();
+    for (uint32_t m = 0; m < meshes.size(); ++m) {
+      const AccelMesh& mesh = meshes[m];
+      if (mesh.key_count == 0 || mesh_trees[m].root.is_none()) continue;
+      first[m] = static_cast<uint32_t>(corner_keys.size());
+      view.key_count = mesh.key_count;
+      const size_t count = size_t{3} * mesh.key_count;
+      corner_keys.resize(first[m] + mesh_trees[m].triangle_count * count);
+      Vec3* const corners = corner_keys.write().data() + first[m];
+      const std::span<const BvhTriangle> own =
+          triangles.read().subspan(mesh_trees[m].first_triangle, mesh_trees[m].triangle_count);
+      parallel_for(own.size(), [&](size_t i) {
+        for (uint32_t k = 0; k < mesh.key_count; ++k) {
+          const TriangleCorners c = corners_at_key(mesh, own[i].primitive, k);
+          const Vec3 in_order[] = {c.p0, c.p1, c.p2};
+          std::copy(std::begin(in_order), std::end(in_order), corners + i * count + size_t{3} * k);
+        }
+      });
+    }
+    return first;
+  }
+
+  /// Adds the keys of an instance, and returns its bounds at all times.
+  Box add_keys(const AccelInstance& instance, const Box& bounds, BvhInstance& node) {
+    std::vector<BvhKey> own;
+    for (uint32_t k = 0; k < instance.key_count; ++k) {
+      own.push_back(bvh_key(instance.keys[k]));
+      node.reach = std::max(node.reach, reach_at(own.back(), bounds));
+    }
+    node.first_key = static_cast<uint32_t>(keys.size());
+    view.key_count = instance.key_count;
+    keys.append(own);
+    return swept_box(own, node.reach, bounds);
+  }
+
   void build_top(std::span<const AccelInstance> instances) {
     placed.clear();
+    keys.clear();
+    view.key_count = 0;
+    const std::vector<uint32_t> first_corners = copy_corner_keys();
     std::vector<Box> boxes;
     std::vector<BvhChild> children;
     if (!still.root.is_none()) {
@@ -134,9 +179,11 @@ struct BvhAccel::State {
       const AccelInstance& instance = instances[i];
       const PlacedTree& tree = mesh_trees[instance.mesh];
       if (!instance.visible || tree.root.is_none() || stands_still(instance, meshes[instance.mesh])) continue;
-      const std::optional<BvhInstance> node = place_instance(instance, i, tree.root, tree.bounds);
+      std::optional<BvhInstance> node = place_instance(instance, i, tree.root, tree.bounds);
       if (!node) continue;
-      boxes.push_back(placed_box(*node, tree.bounds));
+      node->first_corner = first_corners[instance.mesh];
+      node->first_triangle = tree.first_triangle;
+      boxes.push_back(instance.key_count > 0 ? add_keys(instance, tree.bounds, *node) : placed_box(*node, tree.bounds));
       children.push_back(BvhChild::instance(static_cast<uint32_t>(placed.size())));
       placed.push_back(*node);
     }
@@ -151,6 +198,8 @@ struct BvhAccel::State {
     view.triangles = triangles.view();
     view.instances = placed.view();
     view.filters = filters.view();
+    view.keys = keys.view();
+    view.corner_keys = corner_keys.view();
   }
 };
 
@@ -184,6 +233,8 @@ BvhAccel::BvhAccel(std::span<const AccelMesh> meshes, std::span<const AccelInsta
 
 BvhAccel::~BvhAccel() = default;
 
+void BvhAccel::set_keys(std::span<const AccelMeshKeys> keys) { assign_keys(state_->meshes, keys); }
+
 void BvhAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
   State& s = *state_;
   s.view.root = BvhChild::none();  // the arrays may move: if this fails, no ray may read them
@@ -207,12 +258,15 @@ void BvhAccel::open_for_host() const {
   state_->triangles.permit_reading();
   state_->placed.permit_reading();
   state_->filters.permit_reading();
+  state_->keys.permit_reading();
+  state_->corner_keys.permit_reading();
 }
 
 size_t BvhAccel::memory_bytes() const {
   const State& s = *state_;
   return s.nodes.memory_bytes() + s.triangles.memory_bytes() + s.placed.memory_bytes() + s.filters.memory_bytes() +
-         s.refit_costs.capacity() * sizeof(RefitCost) + s.device.memory_bytes();
+         s.keys.memory_bytes() + s.corner_keys.memory_bytes() + s.refit_costs.capacity() * sizeof(RefitCost) +
+         s.device.memory_bytes();
 }
 
 }  // namespace relume

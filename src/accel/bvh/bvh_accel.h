@@ -13,6 +13,7 @@ class BvhAccel final : public AccelStructure {
            Memory& memory = host_memory());
   ~BvhAccel() override;
 
+  void set_keys(std::span<const AccelMeshKeys> keys) override;
   /// Refits the trees of deformed meshes, rebuilds those with a grown RefitCost, and rebuilds the top tree. If it
   /// throws, rays hit nothing until an update succeeds.
   void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) override;

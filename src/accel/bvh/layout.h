@@ -7,6 +7,7 @@
 
 #include <type_traits>
 
+#include "core/key_time.h"
 #include "core/vec.h"
 #include "core/view.h"
 
@@ -70,7 +71,17 @@ struct BvhInstance {
   Vec3 margin;    ///< by axis of mesh space: growth of boxes per metre of `reach` and of the ray's origin (box_ray.h)
   float reach;    ///< bound of the world coordinates of the mesh, metres
   BvhChild root;  ///< of the mesh's tree
-  uint32_t instance;  ///< index in the scene
+  uint32_t instance;                ///< index in the scene
+  uint32_t first_key = kNoKeys;     ///< in BvhView::keys; kNoKeys: rests, else `to_mesh` and `margin` are unused
+  uint32_t first_corner = kNoKeys;  ///< in BvhView::corner_keys; kNoKeys: the shape rests
+  uint32_t first_triangle = 0;      ///< of the mesh's tree, for `first_corner`
+
+  RELUME_HD bool is_timed() const { return first_key != kNoKeys || first_corner != kNoKeys; }
+};
+
+/// Columns of an instance's affine matrix at one key of the shutter.
+struct BvhKey {
+  Vec3 to_world[4];
 };
 
 // Flags of an instance.
@@ -84,10 +95,14 @@ struct BvhView {
   View<const BvhTriangle> triangles;
   View<const BvhInstance> instances;
   View<const uint32_t> filters;  ///< by instance of the scene: the flags above
+  View<const BvhKey> keys;       ///< of the instances that move while the shutter is open, `key_count` each
+  View<const Vec3> corner_keys;  ///< of their triangles that deform: three corners by key and triangle
+  uint32_t key_count = 0;        ///< 0: nothing moves
   BvhChild root = BvhChild::none();
 };
 
 static_assert(std::is_trivially_copyable_v<BvhNode> && std::is_trivially_copyable_v<BvhTriangle> &&
-              std::is_trivially_copyable_v<BvhInstance> && std::is_trivially_copyable_v<BvhView>);
+              std::is_trivially_copyable_v<BvhInstance> && std::is_trivially_copyable_v<BvhKey> &&
+              std::is_trivially_copyable_v<BvhView>);
 
 }  // namespace relume

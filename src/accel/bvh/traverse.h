@@ -7,14 +7,18 @@
 #include "accel/bvh/box_ray.h"
 #include "accel/bvh/layout.h"
 #include "accel/bvh/sheared_ray.h"
+#include "accel/bvh/timed_instance.h"
 #include "accel/query.h"
 #include "accel/triangle.h"
 
 namespace relume {
 
-/// TriangleCorners in world space, by the same operations as transform_point().
-RELUME_HD_INLINE TriangleCorners placed_corners(const BvhTriangle& triangle, const BvhInstance* instance) {
+/// TriangleCorners in world space at a time within the shutter, by the same operations as transform_point().
+RELUME_HD_INLINE TriangleCorners placed_corners(const BvhView& bvh, uint32_t index, const BvhInstance* instance,
+                                                float time) {
+  const BvhTriangle& triangle = bvh.triangles[index];
   if (!instance) return {triangle.p0, triangle.p1, triangle.p2};
+  if (instance->is_timed()) return corners_at(bvh, index, *instance, time);
   const auto place = [&](const Vec3& p) {
     const Vec3* m = instance->to_world;
     return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
@@ -63,7 +67,7 @@ class BvhTraversal {
 
   RELUME_HD_INLINE Hit hit() const {
     if (!found()) return {};
-    const TriangleCorners c = placed_corners(bvh_.triangles[triangle_], hit_node_);
+    const TriangleCorners c = placed_corners(bvh_, triangle_, hit_node_, ray_.time);
     const TriangleHit on = intersect_triangle(ray_.origin, ray_.direction, c.p0, c.p1, c.p2);
     return {instance_, primitive_, on.u, on.v, on.t};
   }
@@ -81,14 +85,26 @@ class BvhTraversal {
 
   /// Continues in the tree of an instance until the stack is at its present size again.
   RELUME_HD_INLINE BvhChild enter(const BvhInstance& instance) {
-    const Vec3* m = instance.to_mesh;
-    const auto to_mesh = [m](const Vec3& v) { return m[0] * v.x + m[1] * v.y + m[2] * v.z; };
     world_boxes_ = boxes_;
-    boxes_ = BoxRay(to_mesh(ray_.origin - instance.to_world[3]), to_mesh(ray_.direction), instance.margin,
-                    instance.reach + max_component(abs(ray_.origin)), max_component(abs(ray_.direction)));
+    if (instance.first_key == kNoKeys) {
+      enter_mesh(instance, instance.to_mesh, instance.to_world[3], instance.margin);
+    } else {
+      Vec3 to_world[4];
+      matrix_at(bvh_, instance, ray_.time, to_world);
+      const MeshSpace space(to_world);
+      enter_mesh(instance, space.to_mesh, to_world[3], space.margin);
+    }
     node_ = &instance;
     node_floor_ = size_;
     return instance.root;
+  }
+
+  /// Transforms the ray by the columns `m` of an inverse matrix.
+  RELUME_HD_INLINE void enter_mesh(const BvhInstance& instance, const Vec3* m, const Vec3& translation,
+                                   const Vec3& margin) {
+    const auto to_mesh = [m](const Vec3& v) { return m[0] * v.x + m[1] * v.y + m[2] * v.z; };
+    boxes_ = BoxRay(to_mesh(ray_.origin - translation), to_mesh(ray_.direction), margin,
+                    instance.reach + max_component(abs(ray_.origin)), max_component(abs(ray_.direction)));
   }
 
   RELUME_HD_INLINE void leave() {
@@ -100,7 +116,7 @@ class BvhTraversal {
     const uint32_t end = leaf.index() + leaf.count();
     for (uint32_t i = leaf.index(); i < end; ++i) {
       const BvhTriangle& triangle = bvh_.triangles[i];
-      const TriangleCorners c = placed_corners(triangle, node_);
+      const TriangleCorners c = placed_corners(bvh_, i, node_, ray_.time);
       Crossing crossing;
       if (!sheared_.crosses(c.p0, c.p1, c.p2, t_, crossing)) continue;
       const uint32_t instance = node_ ? node_->instance : triangle.instance;

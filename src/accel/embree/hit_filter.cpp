@@ -14,6 +14,11 @@ Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
   return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
 }
 
+/// Corners of the triangle of a hit at the time of its ray, in mesh space.
+TriangleCorners corners_of_hit(const RTCFilterFunctionNArguments& args, const AccelMesh& mesh, unsigned i) {
+  return corners_at(mesh, RTCHitN_primID(args.hit, args.N, i), RTCRayN_time(args.ray, args.N, i));
+}
+
 /// Whether a triangle turns its back to the camera at one end of the ray. A mirroring instance mirrors both.
 bool is_behind(unsigned flags, const Vec3& direction, const TriangleCorners& c, bool mirrored) {
   const float front = mirrored ? -1.0f : 1.0f;
@@ -27,7 +32,7 @@ void opacity_filter(const RTCFilterFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
-    const TriangleCorners c = corners_of(*geometry.mesh, primitive);
+    const TriangleCorners c = corners_of_hit(*args, *geometry.mesh, i);
     const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
     const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
@@ -43,7 +48,7 @@ void culling_filter(const RTCFilterFunctionNArguments* args) {
   if (!mesh.culls_back_faces) return;
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const TriangleCorners c = corners_of(mesh, RTCHitN_primID(args->hit, args->N, i));
+    const TriangleCorners c = corners_of_hit(*args, mesh, i);
     if (is_behind(RTCRayN_flags(args->ray, args->N, i), direction_of(*args, i), c, mesh.mirrored)) args->valid[i] = 0;
   }
 }
