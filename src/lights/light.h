@@ -104,12 +104,45 @@ struct LightsView {
   TexturedEmission textured;
   EnvironmentView environment;
   SceneBounds bounds;
+  View<const LightKey> keys;        ///< corners of emissive triangles that move while the shutter is open
+  View<const uint32_t> first_keys;  ///< offset in `keys` by light, or kNoKeys; empty: all rest
+  uint32_t key_count = 0;           ///< of each of these
   float wide_triangle =
       kWideTriangle;  ///< relative width above which triangles are sampled by solid angle; infinity: never
 };
 
-/// Samples light that reaches `p` from one direction.
-RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
+/// Whether the light moves while the shutter is open. Only emissive triangles do: other lights keep their place of the
+/// middle. A hit on a moving triangle, or a sample of one, is at the time of its path.
+RELUME_HD inline bool moves(const LightsView& view, LightId id) {
+  return !view.first_keys.empty() && view.first_keys[id] != kNoKeys;
+}
+RELUME_HD inline TriangleLight moved_light(const LightsView& view, LightId id, float time) {
+  return moved(view.lights[id].triangle, view.keys.data + view.first_keys[id], view.key_count, time);
+}
+
+// The functions below for moving lights. They are not inlined, and take values, so that lights at rest cost no
+// registers or memory.
+
+RELUME_HD_NOINLINE inline LightSample sample_li_moved(const LightsView& view, LightId id, Vec3 p, Vec2 u, float time) {
+  return sample_li(moved_light(view, id, time), view.textured, p, u, view.wide_triangle);
+}
+RELUME_HD_NOINLINE inline float pdf_li_moved(const LightsView& view, LightId id, Vec3 p, Vec3 wi,
+                                             EmitterPoint on_light) {
+  return pdf_li(moved_light(view, id, on_light.time), view.textured, p, wi, on_light, view.wide_triangle);
+}
+RELUME_HD_NOINLINE inline EmissionSample sample_le_moved(const LightsView& view, LightId id, Vec2 u_position,
+                                                         Vec2 u_direction, float time) {
+  return sample_le(moved_light(view, id, time), view.textured, u_position, u_direction);
+}
+RELUME_HD_NOINLINE inline EmissionPdf pdf_le_moved(const LightsView& view, LightId id, EmitterPoint on_light,
+                                                   Vec3 direction) {
+  return pdf_le(moved_light(view, id, on_light.time), view.textured, on_light, direction);
+}
+
+/// Samples light that reaches `p` from one direction, at a time within the shutter.
+RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const Vec3& p, const Vec2& u,
+                                       float time = kShutterMiddle) {
+  if (moves(view, id)) return sample_li_moved(view, id, p, u, time);
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return sample_li(light.triangle, view.textured, p, u, view.wide_triangle);
@@ -125,13 +158,15 @@ RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const
 RELUME_HD inline LightSample sample_li_before(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
   LightsView before = view;
   before.lights = view.previous;
+  before.first_keys = {};
   return sample_li(before, id, p, u);
 }
 
 /// pdf_w with which sample_li(id, p) samples direction `wi`; 0 for delta lights. For triangles, `on_light` is the point
-/// hit along wi (others ignore it).
+/// hit along wi, with its time (others ignore it).
 RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi,
                               const EmitterPoint& on_light) {
+  if (moves(view, id)) return pdf_li_moved(view, id, p, wi, on_light);
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return pdf_li(light.triangle, view.textured, p, wi, on_light, view.wide_triangle);
@@ -149,9 +184,10 @@ RELUME_HD inline Rgb radiance_from_infinity(const LightsView& view, LightId id, 
   return light.kind == LightKind::directional ? radiance_from(light.directional, wi) : view.environment.radiance(wi);
 }
 
-/// Samples a ray that leaves the light, with the densities of its origin and direction.
+/// Samples a ray that leaves the light at a time within the shutter, with the densities of its origin and direction.
 RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position,
-                                          const Vec2& u_direction) {
+                                          const Vec2& u_direction, float time = kShutterMiddle) {
+  if (moves(view, id)) return sample_le_moved(view, id, u_position, u_direction, time);
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return sample_le(light.triangle, view.textured, u_position, u_direction);
@@ -167,6 +203,7 @@ RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, co
 /// Densities with which sample_le emits along `direction` (away from the light) from `on_light`.
 RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const EmitterPoint& on_light,
                                     const Vec3& direction) {
+  if (moves(view, id)) return pdf_le_moved(view, id, on_light, direction);
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return pdf_le(light.triangle, view.textured, on_light, direction);

@@ -3,6 +3,7 @@
 
 #include "core/box.h"
 #include "core/frame.h"
+#include "core/key_time.h"
 #include "core/vec.h"
 #include "sampling/warp.h"
 
@@ -18,6 +19,7 @@ struct SceneBounds {
 struct EmitterPoint {
   Vec3 position{0};
   Vec2 barycentric{0};  ///< weights of vertices 1 and 2
+  float time = kShutterMiddle;
 };
 
 /// Upper limit of selection weights. Powers may overflow, and a sum that is not finite would invalidate all

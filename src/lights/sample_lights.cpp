@@ -61,7 +61,7 @@ void sample_lights(const LightsView& view, View<const LightRequest> requests, Li
   for (uint32_t i = 0; i < requests.size; ++i) {
     const LightRequest& r = requests[i];
     const Light& light = view.lights[r.light];
-    if (light.kind == LightKind::triangle) {
+    if (light.kind == LightKind::triangle && !moves(view, r.light)) {
       const TriangleLight& t = light.triangle;
       const Vec3 corner = t.v0 - r.position;
       if (t.emission_cosine(-corner) > 0.0f && is_wide(t, corner, view.wide_triangle)) {
@@ -69,7 +69,7 @@ void sample_lights(const LightsView& view, View<const LightRequest> requests, Li
         continue;
       }
     }
-    samples[i] = sample_li(view, r.light, r.position, r.u);
+    samples[i] = sample_li(view, r.light, r.position, r.u, r.time);
   }
   triangles.sample();
   parallelograms.sample();

@@ -10,6 +10,7 @@ struct LightRequest {
   LightId light = kNoLight;
   Vec3 position{0};
   Vec2 u{0};
+  float time = kShutterMiddle;
 };
 
 /// Sets samples[i] to sample_li() of requests[i], with the same bits. Eight lights of one shape are sampled side by

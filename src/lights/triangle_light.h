@@ -37,6 +37,44 @@ struct TriangleLight {
   }
 };
 
+/// TriangleLight::width2.
+RELUME_HD inline float width_squared(const TriangleLight& light) {
+  const float sides = relume::max(length_squared(light.e1), length_squared(light.e2));
+  const float diagonal = length_squared(light.e1 - light.e2);
+  return relume::max(sides,
+                     light.is_parallelogram ? relume::max(diagonal, length_squared(light.e1 + light.e2)) : diagonal);
+}
+
+/// Corners of an emissive triangle at one key of the shutter.
+struct LightKey {
+  Vec3 v0;
+  Vec3 e1;
+  Vec3 e2;
+};
+
+/// Sets v0, e1 and e2, and what depends on them. `orientation`: −1 if the instance mirrors.
+RELUME_HD inline void set_corners(TriangleLight& light, const LightKey& key, float orientation) {
+  light.v0 = key.v0;
+  light.e1 = key.e1;
+  light.e2 = key.e2;
+  const Vec3 cross = glm::cross(light.e1, light.e2) * orientation;
+  const float length = glm::length(cross);
+  light.normal = length > 0.0f ? cross / length : Vec3(0);
+  light.area = light.is_parallelogram ? length : 0.5f * length;
+  light.width2 = width_squared(light);
+}
+
+/// A light between two keys of the shutter. Its corners move along straight lines, as those of its surface.
+RELUME_HD inline TriangleLight moved(const TriangleLight& light, const LightKey* keys, uint32_t count, float time) {
+  const KeyTime at(time, count);
+  const LightKey& a = keys[at.first];
+  const LightKey& b = keys[at.first + 1];
+  TriangleLight result = light;
+  const bool mirrored = glm::dot(glm::cross(light.e1, light.e2), light.normal) < 0.0f;
+  set_corners(result, {at.mix(a.v0, b.v0), at.mix(a.e1, b.e1), at.mix(a.e2, b.e2)}, mirrored ? -1.0f : 1.0f);
+  return result;
+}
+
 /// The textures on one emissive triangle, and a table over its subdivision into grid² equal triangles weighted by mean
 /// luminance.
 struct TexturedTriangle {

@@ -4,10 +4,17 @@
 
 #include "core/math.h"
 #include "core/ray.h"
+#include "core/view.h"
 #include "sampling/warp.h"
 #include "scene/scene.h"
 
 namespace relume {
+
+/// Pose of the camera at one key of the shutter.
+struct CameraShutterKey {
+  Vec3 position{0};
+  Frame axes;
+};
 
 struct CameraView {
   Projection projection = Projection::perspective;
@@ -17,6 +24,9 @@ struct CameraView {
   float lens_radius = 0;  ///< metres
   float focus_distance = 1;
   Vec2 resolution{1};
+  bool shutter_open = false;               ///< whether paths have times of their own within the shutter
+  float frame_time = -1;                   ///< time of all paths of the frame; negative: each path has its own
+  View<const CameraShutterKey> keys = {};  ///< poses at the keys of the shutter; empty: the camera rests
 
   RELUME_HD float lens_area() const { return kPi * sqr(lens_radius); }
   /// Area of the image at distance 1 (perspective) or of the sensor (orthographic).
@@ -36,6 +46,21 @@ struct CameraView {
 RELUME_HD inline bool same_view(const CameraView& a, const CameraView& b) {
   return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
          a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
+}
+
+/// The camera at a time within the shutter. Axes are interpolated linearly and orthonormalised.
+RELUME_HD inline CameraView camera_at(const CameraView& c, float time) {
+  if (c.keys.empty()) return c;
+  const KeyTime at(time, c.keys.size);
+  const CameraShutterKey& a = c.keys[at.first];
+  const CameraShutterKey& b = c.keys[at.first + 1];
+  CameraView placed = c;
+  placed.position = at.mix(a.position, b.position);
+  placed.axes.n = glm::normalize(at.mix(a.axes.n, b.axes.n));
+  const Vec3 up = at.mix(a.axes.b, b.axes.b);
+  placed.axes.t = glm::normalize(glm::cross(up, placed.axes.n));
+  placed.axes.b = glm::cross(placed.axes.n, placed.axes.t);
+  return placed;
 }
 
 namespace camera_detail {

@@ -40,6 +40,9 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
       deforming_(memory),
       deforming_vertices_(memory),
       previous_positions_(memory),
+      instance_keys_(memory),
+      vertex_keys_(memory),
+      camera_keys_(memory),
       accel_choice_(options.accel),
       vertices_(memory),
       triangles_(memory),
@@ -83,6 +86,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options, Memory&
   use_environment();
   note_lighting();
   if (options.time_s != 0) set_time(options.time_s);
+  set_shutter(options.shutter);
   was_moved_ = true;
   end_frame();
 }
@@ -93,6 +97,9 @@ void CompiledScene::open_for_host() const {
   uv1_.permit_reading();
   colors_.permit_reading();
   previous_positions_.permit_reading();
+  instance_keys_.permit_reading();
+  vertex_keys_.permit_reading();
+  camera_keys_.permit_reading();
   meshes_.permit_reading();
   instances_.permit_reading();
   materials_.permit_reading();
@@ -375,6 +382,7 @@ size_t CompiledScene::memory_bytes() const {
   return vertices_.memory_bytes() + triangles_.memory_bytes() + uv1_.memory_bytes() + colors_.memory_bytes() +
          meshes_.memory_bytes() + instances_.memory_bytes() + materials_.memory_bytes() + layers_.memory_bytes() +
          energy_tables_.memory_bytes() + textures_.memory_bytes() + previous_positions_.memory_bytes() +
+         instance_keys_.memory_bytes() + vertex_keys_.memory_bytes() + camera_keys_.memory_bytes() +
          deforming_vertices_.memory_bytes() + deforming_.memory_bytes() + lights_.memory_bytes() +
          accel_->memory_bytes();
 }

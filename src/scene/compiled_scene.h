@@ -14,6 +14,7 @@
 #include "scene/deforming_meshes.h"
 #include "scene/light_builder.h"
 #include "scene/scene_view.h"
+#include "scene/shutter.h"
 #include "scene/texture_store.h"
 
 namespace relume {
@@ -28,6 +29,7 @@ struct CompileOptions {
   TextureFilter texture_filter = TextureFilter::linear;
   std::vector<Index> movable = {};  ///< nodes for set_transform(), in addition to animated ones
   AccelChoice accel = AccelChoice::embree;
+  Shutter shutter = {};
 };
 
 /// Finds the node of the camera with that name or number. With an empty name: the first camera, or kNone without
@@ -57,7 +59,11 @@ class CompiledScene {
   /// next of them succeeds. The time, the environment and the image size then keep their values; other changes take
   /// effect with the next.
   Change set_time(float time_s);
-  /// Uses another camera; std::nullopt restores that of the scene.
+  /// Opens or closes the shutter.
+  Change set_shutter(const Shutter& shutter);
+  /// Sets the time of all paths of the next frame within the shutter; negative: each path has a time of its own.
+  void share_time(float time);
+  /// Uses another camera, which rests while the shutter is open; std::nullopt restores that of the scene.
   Change set_camera(const std::optional<CameraPose>& camera);
   /// Sets the transform of a node and ends its animation. The node or an ancestor must be movable.
   Change set_transform(Index node, const Transform& transform);
@@ -140,6 +146,21 @@ class CompiledScene {
   /// Updates vertices from the current joints and weights. Returns the changed meshes of the view. Launches
   /// kernels, which invalidates spans from read() and write().
   std::vector<uint32_t> deform_meshes();
+  // Poses within an open shutter (compiled_scene_shutter.cpp).
+
+  /// Times of the keys, seconds of the animation; empty if the shutter is closed.
+  std::vector<float> key_times() const;
+  /// Transforms of the nodes at these times.
+  std::vector<std::vector<Mat4>> key_worlds() const;
+  /// Poses everything that the animation moves at the keys of the shutter, around the present time. Returns whether
+  /// keys may have changed. Launches kernels, which invalidates spans from read() and write().
+  bool pose_shutter();
+  /// Steps of pose_shutter(). `worlds`: transforms of the nodes, by key.
+  bool pose_instances(const std::vector<std::vector<Mat4>>& worlds);
+  void pose_camera(const std::vector<std::vector<Mat4>>& worlds);
+  bool pose_deforming(const std::vector<std::vector<Mat4>>& worlds);
+  /// Sets the keys of deforming meshes in the acceleration structure. Returns the meshes that gained or lost keys.
+  std::vector<uint32_t> give_keys_to_accel();
   /// Copies the vertices of deforming meshes to the previous positions, or changes nothing if it throws. Launches a
   /// kernel, which invalidates spans from read() and write().
   void keep_previous_positions();
@@ -161,7 +182,7 @@ class CompiledScene {
   Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();
-  /// Adapts the acceleration structure to the instances and the `deformed` meshes.
+  /// Adapts the acceleration structure to the instances, the keys of the shutter, and the `deformed` meshes.
   void update_accel(std::span<const uint32_t> deformed);
   void note_collapsed_lights();
   /// Whether a light of the scene itself emits, now or at another time. `emissive_surfaces`: include them.
@@ -221,6 +242,13 @@ class CompiledScene {
   std::vector<bool> visible_;            ///< per node
   std::vector<bool> world_space_;        ///< per mesh instance
   std::vector<uint32_t> shared_meshes_;  ///< per mesh of the source: its mesh-space copy; kNoHit: none
+  Shutter shutter_;
+  float frame_time_ = -1;          ///< CameraView::frame_time
+  std::vector<Mat4> matrix_keys_;  ///< of all moving instances, for the acceleration structure
+  Array<Affine> instance_keys_;    ///< the same for kernels
+  Array<Vertex> vertex_keys_;      ///< of deforming meshes
+  Array<CameraShutterKey> camera_keys_;
+  std::vector<uint32_t> keyed_meshes_;  ///< those with keys in the acceleration structure
   AccelChoice accel_choice_;
   bool in_studio_ = false;
   float studio_rotation_rad_ = 0;

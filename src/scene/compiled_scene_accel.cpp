@@ -1,4 +1,6 @@
 // The acceleration structure of a compiled scene.
+#include <algorithm>
+
 #include "core/clock.h"
 #include "scene/compiled_scene.h"
 #include "scene/surface_point.h"
@@ -19,8 +21,15 @@ std::vector<AccelInstance> CompiledScene::accel_instances() const {
     const Instance& i = instances[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible,
-                      i.in_world_space && i.orientation < 0});
+    const bool keyed = i.first_key != kNoKeys;
+    result.push_back({.mesh = i.mesh,
+                      .to_world = m,
+                      .in_world_space = i.in_world_space,
+                      .moves = moves_[mesh_instances_[k].node],
+                      .visible = i.visible,
+                      .mirrored = i.in_world_space && i.orientation < 0,
+                      .keys = keyed ? &matrix_keys_[i.first_key] : nullptr,
+                      .key_count = keyed ? shutter_.key_count() : 0});
   }
   return result;
 }
@@ -46,13 +55,20 @@ void CompiledScene::build_accel() {
   const double start_s = now_s();
   accel_ =
       make_accel(accel_choice_, meshes, accel_instances(), OpacityFunction{accel_opacity, &view_}, vertices_.memory());
+  keyed_meshes_.clear();
+  if (const std::vector<uint32_t> keyed = give_keys_to_accel(); !keyed.empty())
+    accel_->update(accel_instances(), keyed);
   accel_build_s_ = now_s() - start_s;
   view_.accel = accel_->view();
 }
 
 void CompiledScene::update_accel(std::span<const uint32_t> deformed) {
   view_.accel = {};  // update() may move the arrays; if it throws, rays must not read the old ones
-  accel_->update(accel_instances(), deformed);
+  std::vector<uint32_t> meshes(deformed.begin(), deformed.end());
+  for (const uint32_t mesh : give_keys_to_accel()) {
+    if (std::find(meshes.begin(), meshes.end(), mesh) == meshes.end()) meshes.push_back(mesh);
+  }
+  accel_->update(accel_instances(), meshes);
   view_.accel = accel_->view();
 }
 

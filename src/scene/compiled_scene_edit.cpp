@@ -226,6 +226,7 @@ Change CompiledScene::commit_edits() {
       place_everything();
     } else {
       place_instances();
+      pose_shutter();
       build_accel();
       lights_.discard_texture_tables();
       collect_lights();

@@ -63,9 +63,12 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
     camera_pose_ = camera;
     if (is_stale_) return place_everything();
     const CameraView before = std::exchange(camera_view_, now);
+    const bool moved_in_shutter = !camera_keys_.empty();
+    if (shutter_.is_open()) pose_camera(camera ? std::vector<std::vector<Mat4>>() : key_worlds());
     point_view();
     find_camera_medium();
-    if (same_view(before, camera_view_)) return Change::none;
+    const bool same_motion = moved_in_shutter == !camera_keys_.empty();
+    if (same_view(before, camera_view_) && same_motion) return Change::none;
     was_moved_ = true;
     return Change::camera;
   });
@@ -226,7 +229,8 @@ Change CompiledScene::place_everything() {
   const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
   if (!same_view(camera_before, camera_view_)) change |= Change::camera;
   const std::vector<uint32_t> deformed = deform_meshes();
-  const bool moved = place_instances() || !deformed.empty();
+  bool moved = place_instances() || !deformed.empty();
+  moved = pose_shutter() || moved;
   if (moved) change |= Change::geometry;
   if (was_stale) {
     build_accel();
@@ -329,7 +333,12 @@ void CompiledScene::point_view() {
   view_.textures = textures_.view();
   view_.energy_tables = energy_tables_.view();
   view_.lights = lights_.view();
+  const bool moves_in_shutter = !instance_keys_.empty() || !vertex_keys_.empty();
+  view_.motion = {instance_keys_.view(), vertex_keys_.view(), moves_in_shutter ? shutter_.key_count() : 0};
   view_.camera = camera_view_;
+  view_.camera.shutter_open = shutter_.is_open();
+  view_.camera.frame_time = frame_time_;
+  view_.camera.keys = camera_keys_.view();
   view_.previous_camera = previous_camera_view_;
 }
 

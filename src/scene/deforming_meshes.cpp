@@ -298,6 +298,24 @@ std::vector<uint32_t> DeformingMeshes::update(const Scene& scene, const JointMat
   return moved;
 }
 
+bool DeformingMeshes::pose_keys(uint32_t number, const Scene& scene, std::span<const ShutterPose> poses,
+                                View<Vertex> vertices, SceneLauncher& launcher) {
+  Deforming& mesh = meshes_[number];
+  if (!mesh.used) return false;
+  const uint32_t count = mesh.source.vertex_count;
+  bool moves = false;
+  for (size_t k = 0; k < poses.size(); ++k) {
+    mesh.posed = true;  // compares with the previous key; until the end, it is false whenever this throws
+    const bool differs = update_pose(scene, poses[k].joints, poses[k].time_s, mesh);
+    moves = moves || (k > 0 && differs);
+    launcher.run(DeformVerticesKernel{mesh.view(), {vertices.data + k * count, count}}, count);
+  }
+  const ShutterPose& middle = poses[poses.size() / 2];
+  update_pose(scene, middle.joints, middle.time_s, mesh);
+  mesh.posed = true;
+  return moves;
+}
+
 size_t DeformingMeshes::memory_bytes() const {
   size_t sum = 0;
   std::vector<const RestPose*> counted;

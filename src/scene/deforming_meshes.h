@@ -39,6 +39,12 @@ Mesh deformed_mesh(const Scene& scene, Index node, const Mesh& mesh, const Joint
 /// Bounds of deformed_mesh().
 Box deformed_box(const Scene& scene, Index node, const Mesh& mesh, const JointMatrices& joints, float time_s);
 
+/// Joints and time at one key of an open shutter.
+struct ShutterPose {
+  JointMatrices joints;
+  float time_s = 0;
+};
+
 class DeformingMeshes {
  public:
   /// `memory`: for the data of kernels; it must outlive this.
@@ -69,6 +75,11 @@ class DeformingMeshes {
   /// `vertices`: of the compiled scene.
   std::vector<uint32_t> update(const Scene& scene, const JointMatrices& joints, float time_s, View<Vertex> vertices,
                                SceneLauncher& launcher);
+
+  /// Writes the vertices of a mesh at the keys of an open shutter, one key after the other. The middle key is the
+  /// present pose, which stays. Returns whether the keys differ. `vertices`: vertex_count for each pose.
+  bool pose_keys(uint32_t number, const Scene& scene, std::span<const ShutterPose> poses, View<Vertex> vertices,
+                 SceneLauncher& launcher);
 
   size_t memory_bytes() const;
 

@@ -35,13 +35,6 @@ float largest_stretch(const Instance& instance) {
   return glm::length(m[0]) + glm::length(m[1]) + glm::length(m[2]);
 }
 
-/// TriangleLight::width2.
-float width_squared(const TriangleLight& light) {
-  const float sides = max(length_squared(light.e1), length_squared(light.e2));
-  const float diagonal = length_squared(light.e1 - light.e2);
-  return max(sides, light.is_parallelogram ? max(diagonal, length_squared(light.e1 + light.e2)) : diagonal);
-}
-
 /// Geometry of the light at a triangle, or at that and the next if lights are paired.
 TriangleLight placed_light(const SceneView& geometry, const Instance& instance, uint32_t triangle) {
   UVec3 index = geometry.triangles[triangle];
@@ -59,15 +52,32 @@ TriangleLight placed_light(const SceneView& geometry, const Instance& instance, 
     const Vec3& p = geometry.vertices[v].position;
     return instance.in_world_space ? p : instance.to_world.point(p);
   };
-  light.v0 = position(index.x);
-  light.e1 = position(index.y) - light.v0;
-  light.e2 = position(index.z) - light.v0;
-  const Vec3 cross = glm::cross(light.e1, light.e2) * instance.orientation;
-  const float length = glm::length(cross);
-  light.normal = length > 0.0f ? cross / length : Vec3(0);
-  light.area = light.is_parallelogram ? length : 0.5f * length;
-  light.width2 = width_squared(light);
+  const Vec3 corner = position(index.x);
+  set_corners(light, {corner, position(index.y) - corner, position(index.z) - corner}, instance.orientation);
   return light;
+}
+
+/// A view of the scene in which the instance and its mesh are posed at a key of the shutter.
+struct PosedAtKey {
+  SceneView scene;
+  Instance instance;
+
+  PosedAtKey(const SceneView& geometry, const Instance& at_middle, uint32_t key)
+      : scene(geometry), instance(at_middle) {
+    const MeshView& mesh = geometry.meshes[instance.mesh];
+    const MotionView& motion = geometry.motion;
+    if (instance.first_key != kNoKeys) instance.to_world = motion.instance_keys[instance.first_key + key];
+    if (mesh.first_key != kNoKeys) {
+      // Indices of vertices count from the start of the whole array.
+      scene.vertices = {motion.vertex_keys.data + static_cast<ptrdiff_t>(static_cast<int32_t>(mesh.first_key)) +
+                            static_cast<ptrdiff_t>(key) * mesh.key_stride,
+                        geometry.vertices.size};
+    }
+  }
+};
+
+bool moves_in_shutter(const SceneView& geometry, const Instance& instance) {
+  return instance.first_key != kNoKeys || geometry.meshes[instance.mesh].first_key != kNoKeys;
 }
 
 /// A punctual light of a node.
@@ -164,6 +174,8 @@ void LightBuilder::clear() noexcept {
   collected_ = true;
   lights_.clear();
   changed_.clear();
+  light_keys_.clear();
+  first_light_keys_.clear();
   first_infinite_ = 0;
   environment_ = {};
   has_sun_ = false;
@@ -173,6 +185,9 @@ void LightBuilder::collect(const SceneView& geometry, std::span<Instance> instan
                            const PlacedNodes& nodes, const SceneBounds& bounds) {
   collected_ = true;
   lights_.clear();
+  keys_.clear();
+  first_keys_.clear();
+  key_count_ = geometry.motion.count;
   bounds_ = bounds;
   textures_ = geometry.textures;
   add_textured(geometry, instances);
@@ -182,6 +197,9 @@ void LightBuilder::collect(const SceneView& geometry, std::span<Instance> instan
   add_punctual_lights(scene, nodes, true);
   if (has_sun_) lights_.push_back(Light::of(sun_));
   if (!environment_.black()) lights_.push_back({});
+  light_keys_.assign(keys_);
+  if (!first_keys_.empty()) first_keys_.resize(lights_.size(), kNoKeys);
+  first_light_keys_.assign(first_keys_);
   mark_changes();
 }
 
@@ -205,7 +223,21 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
       light.textured = textured_indices_.at(mesh.first_triangle + k);
       if (light.textured == kBlackTexture) light.radiance = Rgb(0);
     }
+    if (moves_in_shutter(geometry, instance)) add_keys(geometry, instance, mesh.first_triangle + k, light);
     lights_.push_back(Light::of(light));
+  }
+}
+
+void LightBuilder::add_keys(const SceneView& geometry, const Instance& instance, uint32_t triangle,
+                            TriangleLight& light) {
+  first_keys_.resize(lights_.size(), kNoKeys);
+  first_keys_.push_back(static_cast<uint32_t>(keys_.size()));
+  for (uint32_t k = 0; k < geometry.motion.count; ++k) {
+    const PosedAtKey posed(geometry, instance, k);
+    const TriangleLight at_key = placed_light(posed.scene, posed.instance, triangle);
+    keys_.push_back({at_key.v0, at_key.e1, at_key.e2});
+    // The doubled error covers the rounding of interpolated corners.
+    light.error = std::max(light.error, 2.0f * at_key.error);
   }
 }
 
@@ -292,6 +324,9 @@ LightsView LightBuilder::view() const {
   v.textured = {textured_.view(), entries_.view(), textures_};
   v.environment = environment_;
   v.bounds = bounds_;
+  v.keys = light_keys_.view();
+  v.first_keys = first_light_keys_.view();
+  v.key_count = key_count_;
   return v;
 }
 
@@ -299,6 +334,8 @@ void LightBuilder::open_for_host() const {
   lights_.permit_reading();
   previous_.permit_reading();
   changed_.permit_reading();
+  light_keys_.permit_reading();
+  first_light_keys_.permit_reading();
   textured_.permit_reading();
   entries_.permit_reading();
   environment_map_.permit_reading();
@@ -307,8 +344,9 @@ void LightBuilder::open_for_host() const {
 }
 
 size_t LightBuilder::memory_bytes() const {
-  return lights_.memory_bytes() + previous_.memory_bytes() + changed_.memory_bytes() + textured_.memory_bytes() +
-         entries_.memory_bytes() + environment_map_.memory_bytes() + environment_marginal_.memory_bytes() +
+  return light_keys_.memory_bytes() + first_light_keys_.memory_bytes() + lights_.memory_bytes() +
+         previous_.memory_bytes() + changed_.memory_bytes() + textured_.memory_bytes() + entries_.memory_bytes() +
+         environment_map_.memory_bytes() + environment_marginal_.memory_bytes() +
          environment_conditional_.memory_bytes();
 }
 

@@ -24,6 +24,8 @@ class LightBuilder {
       : lights_(memory),
         previous_(memory),
         changed_(memory),
+        light_keys_(memory),
+        first_light_keys_(memory),
         textured_(memory),
         entries_(memory),
         environment_map_(memory),
@@ -58,6 +60,8 @@ class LightBuilder {
   /// Stores the map, and builds its sampling table and its mean.
   void use_environment_map(std::span<const Rgb> map, int width, int height);
   void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
+  /// Adds the corners of the next light at the keys of the shutter, and raises the light's error to theirs.
+  void add_keys(const SceneView& geometry, const Instance& instance, uint32_t triangle, TriangleLight& light);
   /// Builds the sampling tables of all triangles with textured emission. Each is built once per mesh: instances
   /// share it, and motion keeps it.
   void add_textured(const SceneView& geometry, std::span<const Instance> instances);
@@ -68,6 +72,11 @@ class LightBuilder {
   Array<Light> lights_;
   Array<Light> previous_;  ///< of the previous frame, with the same size
   Array<LightId> changed_;
+  std::vector<LightKey> keys_;        ///< those of the next array, while collect() runs
+  std::vector<uint32_t> first_keys_;  ///< the same
+  Array<LightKey> light_keys_;        ///< LightsView::keys
+  Array<uint32_t> first_light_keys_;  ///< LightsView::first_keys
+  uint32_t key_count_ = 0;
   uint32_t first_infinite_ = 0;
   /// Marks a triangle whose texture is black everywhere, without emission.
   static constexpr int32_t kBlackTexture = -1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/accel.h"
+#include "core/key_time.h"
 #include "core/math.h"
 #include "core/octahedral.h"
 #include "core/view.h"
@@ -72,7 +73,9 @@ struct MeshView {
   bool has_tangents = false;
   bool has_uv1 = false;
   bool has_colors = false;
-  bool deforms = false;  ///< whether its vertices move from frame to frame and have previous positions
+  bool deforms = false;          ///< whether its vertices move from frame to frame and have previous positions
+  uint32_t first_key = kNoKeys;  ///< MotionView: offset of the first key, added to the vertex index; kNoKeys: rests
+  uint32_t key_stride = 0;       ///< vertices from one key to the next
 };
 
 /// One instance of a mesh.
@@ -86,6 +89,17 @@ struct Instance {
   bool in_world_space = true;      ///< stored in world space, because static or skinned: the matrices are the identity
   float orientation = 1;           ///< −1: to_world or the skin mirrors
   bool visible = true;             ///< false: invisible to rays, no emission
+  uint32_t first_key = kNoKeys;    ///< MotionView::instance_keys; kNoKeys: rests while the shutter is open
+};
+
+/// What moves while the shutter is open, posed at keys at equal steps of time. The number of keys is odd: the middle
+/// one is the pose of the frame, which all other arrays hold. Between keys, points move along straight lines.
+struct MotionView {
+  View<const Affine> instance_keys;  ///< Instance::to_world; `count` for each moving instance
+  View<const Vertex> vertex_keys;    ///< positions, normals and tangents of deforming meshes; the rest is undefined
+  uint32_t count = 0;                ///< 0: nothing moves, or the shutter is closed
+
+  RELUME_HD bool empty() const { return count == 0; }
 };
 
 /// The light of an emissive instance's triangle.
@@ -105,7 +119,8 @@ struct SceneView {
   View<const LayerData> layers;  ///< of layered materials
   TexturesView textures;
   LightsView lights;
-  CameraView camera;
+  MotionView motion;
+  CameraView camera;  ///< at the middle of the shutter
   CameraView previous_camera;
   EnergyTables energy_tables;  ///< with the layers that materials have
   AccelView accel;

@@ -15,7 +15,8 @@ inline constexpr float kMinShadingCosine = 1e-3f;
 struct SurfacePoint {
   Vec3 position;           ///< metres, world space
   float position_error;    ///< bound on the rounding error per component, metres
-  Vec3 previous_position;  ///< position of the same material point in the previous frame
+  Vec3 previous_position;  ///< position of the same material point in the previous frame, at the same time within the
+                           ///< shutter if the displacement is the same for all of these times
   Vec3 ng;                 ///< geometric normal, unit, on the side of wo
   Vec3 ns;                 ///< interpolated and mapped normal, unit, on the side of ng; independent of wo
   Frame frame;             ///< frame.n is the shading normal, on the side of wo: ns, bent where wo is below its horizon
@@ -26,17 +27,18 @@ struct SurfacePoint {
   LightId light;  ///< kNoLight: not an emitter of light selection
   Vec2 barycentric;
   float footprint;  ///< width of the ray cone, metres
+  float time;       ///< of the path, within the shutter
   uint32_t instance;
   uint32_t primitive;
   uint32_t material;
   bool front_face;
   uint32_t region = kNoRegion;  ///< region of space for light selection and guiding; set by its users
 
-  RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
+  RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric, time}; }
 
   /// Ray towards `w` that avoids hitting its own surface.
   RELUME_HD Ray spawn_ray(const Vec3& w) const {
-    return {offset_origin(position, position_error, ng, w), w, kInfinity};
+    return {offset_origin(position, position_error, ng, w), w, kInfinity, time};
   }
 };
 
@@ -65,16 +67,22 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
 }
 
 /// Computes the point where `ray` meets the surface at `hit` of `instance`, that of the hit or one with another
-/// placement. `cone_width`: width of the ray cone there, metres; it selects texture levels ([Akenine21]).
-/// `wavelength_nm`: of the path; it selects the index of refraction.
+/// placement; without the motion of an open shutter. `cone_width`: width of the ray cone there, metres; it selects
+/// texture levels ([Akenine21]). `wavelength_nm`: of the path; it selects the index of refraction.
 RELUME_HD void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray, const Hit& hit,
                                   float cone_width, SurfacePoint& sp, float wavelength_nm);
+/// The same at the time of the ray, if something moves while the shutter is open. It takes values: references would
+/// keep the objects around them in the memory of a device's thread.
+RELUME_HD void make_moved_surface_point(const SceneView& scene, Ray ray, Hit hit, float cone_width, SurfacePoint& sp,
+                                        float wavelength_nm);
+/// Computes the point where `ray` meets the surface at `hit`, at the time of the ray.
 RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
                                          SurfacePoint& sp, float wavelength_nm = kNoWavelength) {
+  if (!scene.motion.empty()) return make_moved_surface_point(scene, ray, hit, cone_width, sp, wavelength_nm);
   make_surface_point(scene, scene.instances[hit.instance], ray, hit, cone_width, sp, wavelength_nm);
 }
 
-/// Current and previous position of a hit's surface point, metres.
+/// Current and previous position of a hit's surface point, metres, both at the middle of the shutter.
 struct SurfacePosition {
   Vec3 now;
   Vec3 before;

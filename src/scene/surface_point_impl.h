@@ -286,12 +286,14 @@ RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, con
 
 }  // namespace surface_detail
 
-RELUME_HD inline void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray,
-                                         const Hit& hit, float cone_width, SurfacePoint& sp, float wavelength_nm) {
-  using namespace surface_detail;
+namespace surface_detail {
+
+/// make_surface_point() for the triangle of the hit, `t`.
+RELUME_HD inline void make_point_on(const SceneView& scene, const Instance& instance, const TriangleAt& t,
+                                    const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp,
+                                    float wavelength_nm) {
   const MeshView& mesh = scene.meshes[instance.mesh];
   const MaterialData& outer = scene.materials[mesh.material];  // a mixture, or the material itself
-  const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
   const Geometry g = geometry_at(scene, mesh, instance, t);
 
   sp.position = copy_of(g.position);
@@ -300,6 +302,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Instance&
   sp.wo = -ray.direction;
   sp.barycentric = {hit.u, hit.v};
   sp.footprint = cone_width;
+  sp.time = ray.time;
   sp.instance = hit.instance;
   sp.primitive = hit.primitive;
   sp.light = kNoLight;
@@ -346,6 +349,15 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Instance&
   make_bsdf(sp.bsdf, parameters, material, scene.energy_tables, sp.wo_local.z, sp.front_face);
 }
 
+}  // namespace surface_detail
+
+RELUME_HD inline void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray,
+                                         const Hit& hit, float cone_width, SurfacePoint& sp, float wavelength_nm) {
+  const surface_detail::TriangleAt t =
+      surface_detail::triangle_at(scene, scene.meshes[instance.mesh], hit.primitive, hit.u, hit.v);
+  surface_detail::make_point_on(scene, instance, t, ray, hit, cone_width, sp, wavelength_nm);
+}
+
 RELUME_HD inline SurfacePosition surface_position(const SceneView& scene, const Hit& hit) {
   using namespace surface_detail;
   const Instance& instance = scene.instances[hit.instance];
@@ -372,26 +384,7 @@ RELUME_HD inline Mat3 previous_to_current(const SceneView& scene, const Hit& hit
   return instance.to_world.linear * turn * glm::inverse(instance.previous_to_world.linear);
 }
 
-RELUME_HD inline float opacity(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {
-  using namespace surface_detail;
-  const MeshView& mesh = scene.meshes[scene.instances[instance_index].mesh];
-  const MaterialData& material = scene.materials[mesh.material];
-  if (!material.has_alpha()) return 1.0f;
-  const TriangleAt t = triangle_at(scene, mesh, primitive, u, v);
-  float alpha = material.alpha;
-  if (material.base_color_texture.used()) {
-    const TextureUse& use = material.base_color_texture;
-    const Vec2 uv = uv_set(scene, mesh, t, use.uv_set).at(t.weights);
-    alpha *= scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv), 0).w;
-  }
-  if (mesh.has_colors) {
-    const uint32_t first = mesh.first_color;
-    alpha *= interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y],
-                         scene.colors[first + t.index.z], t.weights)
-                 .w;
-  }
-  if (material.mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
-  return saturate(alpha);
-}
-
 }  // namespace relume
+
+#include "scene/moved_surface_point.h"
+#include "scene/opacity.h"
