@@ -37,4 +37,13 @@ struct SampleIndex {
   }
 };
 
+/// Time of all paths of a frame within the shutter, in [0, 1), for estimators that join paths of several pixels. The
+/// times of successive frames are evenly distributed.
+inline float shared_shutter_time(const SampleIndex& index) {
+  constexpr double kStep = 0.41421356237309515;  // √2 − 1
+  constexpr uint32_t kSalt = 0x9b05688cu;
+  const double u = static_cast<double>(to_unit_float(hash(index.seed, kSalt))) + kStep * index.age;
+  return relume::min(static_cast<float>(u - std::floor(u)), kOneMinusEpsilon);
+}
+
 }  // namespace relume

@@ -59,6 +59,14 @@ class Sampler {
   /// The first number of next_1d() after start_dimension(dimension). Does not advance the sampler.
   RELUME_HD float number_of(uint32_t dimension) const { return single(dimension * kSinglesPerDimension); }
 
+  /// Time of the sample within the shutter, in [0, 1). It continues with the camera's sequence, in a dimension of its
+  /// own.
+  RELUME_HD_INLINE float shutter_number() const {
+    const uint32_t seed = hash(camera_scramble_ ^ kSaltShutter);
+    const float u = owen_van_der_corput(camera_index_, seed);
+    return shifts_.tile.empty() ? u : wrap(u + shifts_.shift(seed));
+  }
+
   /// Jumps to a dimension, so that a decision uses the same dimension in paths of any length.
   RELUME_HD void start_dimension(uint32_t dimension) {
     dimension_ = dimension;
@@ -80,6 +88,7 @@ class Sampler {
   static constexpr uint32_t kSinglesPerDimension = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
   static constexpr uint32_t kSaltBits = 0x2c1b3c6du;
+  static constexpr uint32_t kSaltShutter = 0x3f84d5b5u;
   static constexpr uint32_t kSaltX = 0x1b56c4e9u;
   static constexpr uint32_t kSaltY = 0x7feb352du;
 

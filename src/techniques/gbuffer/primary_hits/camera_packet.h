@@ -12,16 +12,33 @@ RELUME_HD_INLINE Ray pinhole_camera_ray(const CameraView& camera, uint32_t x, ui
   return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, Vec2(0));
 }
 
+/// Time of a sample's path within the shutter; the middle if it is closed.
+RELUME_HD_INLINE float shutter_time(const CameraView& camera, const Sampler& sampler) {
+  if (!camera.shutter_open) return kShutterMiddle;
+  return camera.frame_time >= 0.0f ? camera.frame_time : sampler.shutter_number();
+}
+
+/// Camera ray of an open shutter through the point `jitter` of pixel (x, y).
+RELUME_HD inline Ray timed_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, const Vec2& jitter,
+                                      const Vec2& u_lens, float time) {
+  Ray ray = generate(camera_at(camera, time), Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, u_lens);
+  ray.time = time;
+  return ray;
+}
+
 /// Camera ray through a random point of pixel (x, y); uses the first two dimensions.
 RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   const Vec2 jitter = sampler.next_2d();
   const Vec2 u_lens = sampler.next_2d();
+  if (camera.shutter_open) return timed_camera_ray(camera, x, y, jitter, u_lens, shutter_time(camera, sampler));
   return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, u_lens);
 }
 
 /// The same ray, for callers that draw nothing else from the sampler.
 RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   if (camera.lens_radius > 0.0f) return camera_ray(camera, x, y, sampler);
+  if (camera.shutter_open)
+    return timed_camera_ray(camera, x, y, sampler.first_2d(), Vec2(0), shutter_time(camera, sampler));
   return pinhole_camera_ray(camera, x, y, sampler.first_2d());
 }
 
@@ -53,7 +70,8 @@ struct CameraPacket {
     float raster_x[kPacketSize];
     float raster_y[kPacketSize];
     draw(index, raster_x, raster_y);
-    if (camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f)) {
+    const bool plain = !(camera.lens_radius > 0.0f) && !camera.shutter_open;
+    if (camera.projection == Projection::perspective && plain) {
       Directions directions;
       directions.fill(camera, raster_x, raster_y);
       for (int k = 0; k < count; ++k)

@@ -82,9 +82,23 @@ struct Item {
   double cost() const { return intensity * area_of(box) * cone.measure(); }
 };
 
-Item item_of(const LightsView& lights, LightId id) {
-  const LightExtent extent = extent_of(lights.lights[id], static_cast<double>(selection_weight(lights, id)));
+Item item_of(const LightExtent& extent, LightId id) {
   return {extent.box, {extent.axis, extent.theta_o, extent.theta_e}, extent.two_sided, extent.intensity, id};
+}
+
+Item item_of(const LightsView& lights, LightId id) {
+  const auto watts = static_cast<double>(selection_weight(lights, id));
+  Item item = item_of(extent_of(lights.lights[id], watts), id);
+  if (!moves(lights, id)) return item;
+  // While the shutter is open, the light must have bounds for all times: bidirectional weights do not compensate for a
+  // light that is never chosen.
+  const double intensity = item.intensity;
+  for (uint32_t k = 0; k < lights.key_count; ++k) {
+    const float time = static_cast<float>(k) / static_cast<float>(lights.key_count - 1);
+    item.add(item_of(extent_of(moved_light(lights, id, time), watts), id));
+  }
+  item.intensity = intensity;
+  return item;
 }
 
 LightBounds bounds_of_item(const Item& item) {

@@ -104,11 +104,11 @@ RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const SurfacePo
   return e;
 }
 
-/// The same for a stored vertex and its guided_point().
+/// The same for a stored vertex and its guided_point(). `time`: of the path, within the shutter.
 template <typename Context>
 RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const PathVertex& v, const GuidedPoint& guide,
-                                               const Vec3& w, float wavelength_nm) {
-  AdjointEval e = eval_vertex(c.scene(), v, w, wavelength_nm);
+                                               const Vec3& w, float wavelength_nm, float time) {
+  AdjointEval e = eval_vertex(c.scene(), v, w, wavelength_nm, time);
   if constexpr (Context::kLearns) e.pdf_camera = camera_pdf(c, guide, v.wo, e.pdf_camera);
   return e;
 }

@@ -39,9 +39,9 @@ RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
 
 RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler,
                                            CameraSubpath& e) {
-  const CameraView& camera = c.scene().camera;
   e.pixel = y * c.width + x;
-  e.path.ray = camera_ray(camera, x, y, sampler);
+  e.path.ray = camera_ray(c.scene().camera, x, y, sampler);
+  const CameraView camera = camera_at(c.scene().camera, e.path.ray.time);
   e.path.cone_width = camera.cone_width();
   e.path.cone_spread = camera.cone_spread();
   e.path.medium = c.scene().camera_medium;
@@ -137,7 +137,7 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
                                                   Recorder&& recorder = Recorder{}) {
   const float pmf = weighting_pmf(c, pick.id);
   if (!(pmf > 0.0f)) return 0.0f;
-  const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric}, -light.wi);
+  const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric, sp.time}, -light.wi);
   const bool infinite = pick.id >= c.scene().lights.first_infinite;
   // Weights assume that connections find points of lights as emission does: by area.
   const float found_by_area =
@@ -205,7 +205,7 @@ RELUME_HD inline Connection connect_to_vertex(const Context& c, const SurfacePoi
   const Vec3 w = d / distance;
   const BsdfEval bsdf = eval_camera_vertex(c, e, sp, w);
   if (is_black(bsdf.f)) return {};
-  const AdjointEval adjoint = eval_light_vertex(c, v, guide, -w, e.path.wavelength_nm);
+  const AdjointEval adjoint = eval_light_vertex(c, v, guide, -w, e.path.wavelength_nm, e.path.ray.time);
   if (is_black(adjoint.f)) return {};
   const float weight = weight_of_vertex_connection(c, sp, e, bsdf, v, adjoint, w, distance_squared, recorder);
   Connection connection;

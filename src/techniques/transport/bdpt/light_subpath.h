@@ -22,10 +22,12 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   const LightSelection selection = c.emission.sample(sampler.reusable(sampler.next_1d()));
   if (!(selection.pmf > 0.0f)) return false;
   const Vec2 u_position = sampler.next_2d();
-  const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d());
+  const float time = shutter_time(c.scene().camera, sampler);
+  const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d(), time);
   if (!e.valid() || !(e.cos_theta > 0.0f)) return false;
   l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
   l.path.ray = emitted_ray(e);
+  l.path.ray.time = time;
   l.path.cone_spread = 0.0f;
   l.path.wavelength_nm = subpath_wavelength(c, sampler);
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
@@ -71,7 +73,7 @@ RELUME_HD inline bool hidden_from_camera(const SceneView& scene, const SurfacePo
 template <typename Context>
 RELUME_HD inline CameraConnection connect_to_camera(const Context& c, const SurfacePoint& sp, const LightSubpath& l,
                                                     Sampler& sampler) {
-  const CameraView& camera = c.scene().camera;
+  const CameraView camera = camera_at(c.scene().camera, sp.time);
   const Vec2 u_lens = camera.lens_radius > 0.0f ? sampler.next_2d() : Vec2(0);
   const CameraSample s = sample_wi(camera, sp.position, u_lens);
   if (!s.valid()) return {};
@@ -140,9 +142,11 @@ struct LensHit {
   float cosine = 0;
 };
 
-RELUME_HD inline LensHit meet_lens(const CameraView& c, const Ray& ray) {
+RELUME_HD inline LensHit meet_lens(const CameraView& scene_camera, const Ray& ray) {
+  if (scene_camera.projection != Projection::perspective || scene_camera.lens_radius == 0.0f) return {};
+  const CameraView c = camera_at(scene_camera, ray.time);
   const float cosine = glm::dot(ray.direction, c.axes.n);
-  if (c.projection != Projection::perspective || c.lens_radius == 0.0f || cosine <= 0.0f) return {};
+  if (cosine <= 0.0f) return {};
   const float distance = glm::dot(c.position - ray.origin, c.axes.n) / cosine;
   if (distance <= 0.0f) return {};
   const Ray out{ray.origin + distance * ray.direction, -ray.direction, kInfinity};

@@ -51,16 +51,18 @@ RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& 
   return v;
 }
 
-/// Recomputes the surface point of the vertex at the wavelength of its subpath. Reads textures at their finest level.
-RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, float wavelength_nm, SurfacePoint& sp) {
-  const Ray arrived{v.position, -v.wo, kInfinity};
+/// Recomputes the surface point of the vertex at the wavelength and time of its subpath. Reads textures at their finest
+/// level.
+RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, float wavelength_nm, float time,
+                              SurfacePoint& sp) {
+  const Ray arrived{v.position, -v.wo, kInfinity, time};
   make_surface_point(scene, arrived, {v.instance, v.primitive, v.barycentric.x, v.barycentric.y, 0.0f}, 0.0f, sp,
                      wavelength_nm);
 }
 
 /// Evaluates the scattering of a stored vertex towards `w`.
 RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVertex& v, const Vec3& w,
-                                         float wavelength_nm) {
+                                         float wavelength_nm, float time) {
   if (v.albedo.r >= 0.0f) {
     const float cos_s = glm::dot(v.ns, w);
     const float cos_g = glm::dot(v.ng, w);
@@ -72,7 +74,7 @@ RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVerte
     }
   }
   SurfacePoint sp;
-  restore(scene, v, wavelength_nm, sp);
+  restore(scene, v, wavelength_nm, time, sp);
   return eval_last_adjoint(sp, w);
 }
 

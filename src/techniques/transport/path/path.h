@@ -177,7 +177,7 @@ RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& 
 
 /// The picked light's sample at the surface; invalid if there is no light.
 RELUME_HD inline LightSample sample_picked(const PathContext& c, const SurfacePoint& sp, const LightPick& pick) {
-  return pick.pmf > 0.0f ? sample_li(c.scene.lights, pick.id, sp.position, pick.u) : LightSample{};
+  return pick.pmf > 0.0f ? sample_li(c.scene.lights, pick.id, sp.position, pick.u, sp.time) : LightSample{};
 }
 
 /// Makes a connection to a sample of a light. Its contribution includes throughput, BSDF and MIS weight. Returns false,

@@ -93,7 +93,7 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
     const LightPick pick = b.picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
     if (!(pick.pmf > 0.0f)) continue;
     path_policy::light_picked(policies[i], points[i], b.paths[i], pick.id);
-    b.requests[count] = {pick.id, points[i].position, pick.u};
+    b.requests[count] = {pick.id, points[i].position, pick.u, points[i].time};
     b.owners[count++] = i;
   }
   sample_lights(c.scene.lights, {b.requests, count}, b.samples);

@@ -130,7 +130,7 @@ void WeightCheckOf<Context>::to_vertex(const TracedLight& light, size_t s, const
   const LightSubpath& l = light.states[s - 1];
   const PathVertex v = make_path_vertex(y, l.path.throughput, l.weights.at(), Dispersion::none);
   const BsdfEval bsdf = eval_camera_vertex(c_, camera.states[t - 1], z, w);
-  const AdjointEval adjoint = eval_light_vertex(c_, v, guided_point(c_, y), -w, kZooWavelength);
+  const AdjointEval adjoint = eval_light_vertex(c_, v, guided_point(c_, y), -w, kZooWavelength, kShutterMiddle);
   if (is_black(bsdf.f) || is_black(adjoint.f)) return;
   const WholePath path = joined(light, s, camera, t);
   compare(weight_of_vertex_connection(c_, z, camera.states[t - 1], bsdf, v, adjoint, w, d2),
