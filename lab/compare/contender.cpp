@@ -15,9 +15,9 @@ namespace relume {
 namespace {
 
 /// Settings of the comparison itself.
-constexpr std::array<std::string_view, 14> kShared = {
-    "width",        "height",       "camera", "scene-time", "threads",  "scalar-kernels", "env",
-    "env-rotation", "env-exposure", "spp",    "time",       "exposure", "tone-map",       "error"};
+constexpr std::array<std::string_view, 16> kShared = {
+    "width", "height",       "camera",       "scene-time", "shutter", "shutter-keys", "threads",  "scalar-kernels",
+    "env",   "env-rotation", "env-exposure", "spp",        "time",    "exposure",     "tone-map", "error"};
 
 bool is_shared(std::string_view name) { return std::find(kShared.begin(), kShared.end(), name) != kShared.end(); }
 

@@ -164,6 +164,26 @@ void check_reuse(const RenderSettings& s) {
   }
 }
 
+/// Throws if a technique describes the scene of other frames or pixels at one time, and so does not combine with an
+/// open shutter.
+void check_shutter(const RenderSettings& s) {
+  if (s.reuse != ReuseChoice::none) {
+    throw Error(
+        "reuse 'ris', 'restir-di' and 'restir-gi' do not combine with an open shutter: reservoirs describe lights and "
+        "surfaces at one time; use reuse 'none' or shutter 0");
+  }
+  if (needs_first_vertices(s)) {
+    throw Error(
+        "history 'reproject' by reproject.method 'forward' does not combine with an open shutter: it moves a pixel's "
+        "history with the surface of one time; use reproject.method 'backward', history 'accumulate' or shutter 0");
+  }
+  if (s.denoise == DenoiseChoice::asvgf) {
+    throw Error(
+        "denoise 'asvgf' does not combine with an open shutter: it traces paths of the last frame again at the place "
+        "of one time; use denoise 'svgf' or shutter 0");
+  }
+}
+
 /// Throws if light paths do not combine with the cache.
 void check_cache_of_light_paths(const RenderSettings& s) {
   if (s.cache == CacheChoice::none) return;
@@ -201,6 +221,7 @@ void check_combination(const RenderSettings& settings) {
   check_forward_history(settings);
   check_reuse(settings);
   check_chains(settings);
+  if (settings.shutter().is_open()) check_shutter(settings);
   check_sharc(settings);
   if (learns(settings) && settings.estimator == EstimatorChoice::light) {
     throw Error(

@@ -19,6 +19,15 @@ SettingList describe_image(RenderSettings& s) {
       {"animation", &s.animation,
        "Animations to play: name or index (from 0), several separated by commas, or all; empty: the first"},
       {"scene-time", &s.time_s, "Time in the animation", {.min = 0, .max = kLatestTime, .unit = "s"}},
+      {"shutter",
+       &s.shutter_s,
+       "Exposure, around the time of the frame, for motion blur of what the animation moves; 0: none",
+       {.min = 0, .max = kLatestTime, .unit = "s"}},
+      {"shutter-keys",
+       &s.shutter_keys,
+       "Poses within the exposure, made odd. Between two of them, points move along straight lines: a turn by an angle "
+       "a from one pose to the next shrinks by at most 1 - cos(a/2)",
+       {.min = 3, .max = 65}},
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
        "Texture interpolation. linear: of decoded texels, with mip levels, as glTF requires; encoded: of sRGB codes at "
        "full resolution, as in Cycles, which darkens detailed textures"},

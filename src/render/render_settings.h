@@ -8,6 +8,7 @@
 #include "materials/texture.h"
 #include "relume/image.h"
 #include "relume/settings.h"
+#include "scene/shutter.h"
 #include "settings/setting.h"
 #include "techniques/denoise/asvgf/settings.h"
 #include "techniques/denoise/bmfr/settings.h"
@@ -72,6 +73,8 @@ struct RenderSettings {
   std::string camera;           ///< name or index; empty: the file's first
   std::string animation;        ///< clips to play, as for select_animation(); empty: the file's first
   float time_s = 0;             ///< time of the animation
+  float shutter_s = 0;          ///< exposure around `time_s`; 0: closed
+  int shutter_keys = 9;         ///< poses within it
   bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;
@@ -121,6 +124,8 @@ struct RenderSettings {
   BmfrSettings bmfr;
   SvgfSettings svgf;
   AsvgfSettings asvgf;
+
+  Shutter shutter() const { return {shutter_s, shutter_keys}; }
 
   /// Converts to the public interface's settings; all other settings there have their defaults.
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings

@@ -237,6 +237,8 @@ bool Session::set_settings(const Settings& wanted) {
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   if (fresh && !resized) s.keep_image();
   if (settings.time_s != current.time_s) set_time(settings.time_s);
+  if (settings.shutter() != current.shutter())
+    s.edit([&](CompiledScene& scene) { return scene.set_shutter(settings.shutter()); });
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
     s.backend->configure(settings.threads, kernel_form(settings));
   if (resized) s.edit([&](CompiledScene& scene) { return scene.set_resolution(settings.width, settings.height); });

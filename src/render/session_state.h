@@ -96,7 +96,7 @@ struct Session::State {
       scene = std::make_unique<CompiledScene>(
           std::move(source),
           CompileOptions{settings.camera, settings.animation, settings.time_s, settings.width, settings.height,
-                         settings.texture_filter, std::move(movable), settings.accel},
+                         settings.texture_filter, std::move(movable), settings.accel, settings.shutter()},
           backend->memory(), scene_launcher);
     });
     counters = first_counters();
@@ -304,6 +304,9 @@ struct Session::State {
     const SampleSchedule schedule{passes.pipeline.longest_epoch(), pilot};
     const SampleIndex index = sample_index(schedule);
     const bool own_sequence = index.sample >= counters.since_change && index.taken.empty();
+    // Merging joins paths of different pixels, which must show the scene at one time.
+    const bool shares_time = settings.shutter().is_open() && settings.estimator == EstimatorChoice::vcm;
+    scene->share_time(shares_time ? shared_shutter_time(index) : -1.0f);
     return FrameContext(scene->view(), *buffers, *backend,
                         {.index = index,
                          .number = counters.frames,

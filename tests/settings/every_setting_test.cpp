@@ -33,6 +33,8 @@ std::vector<Context> general_contexts() {
     list.push_back({{name}});
   list.push_back({{"camera", "", "side"}});
   list.push_back({{"scene-time", "max-bounces=0", "1"}, build_curtain});  // also affects random numbers
+  list.push_back({{"shutter", "max-bounces=0 scene-time=0.3", "1"}, build_curtain});
+  list.push_back({{"shutter-keys", "max-bounces=0 scene-time=0.3 shutter=1"}, build_curtain});
   list.push_back({{"animation", "max-bounces=0 scene-time=1", "go"}, build_curtain_with_clips});
   list.push_back({{"lights", "static-lists.cell-size=2 static-lists.rays=64"}});
   list.push_back({{"allocation", "adaptive.max=6"}});

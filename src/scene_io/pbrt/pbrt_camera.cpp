@@ -130,12 +130,24 @@ float exposure_of(const Description& d, Warnings& warnings) {
   return ratio > 0 && is_finite(ratio) ? std::clamp(std::log2(ratio), -64.0f, 64.0f) : 0.0f;
 }
 
+/// The shutter's interval, if its middle is a time of the animation.
+void add_shutter(const Description& d, nlohmann::json& settings) {
+  constexpr float kLatest = 1e6f;
+  const float open = d.camera.parameters.number("shutteropen", 0);
+  const float close = d.camera.parameters.number("shutterclose", 1);
+  const float middle = open + 0.5f * (close - open);
+  if (!(close > open && close - open <= kLatest && middle >= 0 && middle <= kLatest)) return;
+  settings["shutter"] = close - open;
+  settings["scene-time"] = middle;
+}
+
 void add_settings(const Description& d, Scene& scene, Warnings& warnings) {
   const IVec2 size = film_size(d.film);
   nlohmann::json settings = {{"width", size.x}, {"height", size.y}};
   settings["max-bounces"] = std::clamp(d.integrator.integer("maxdepth", 5), 0, 1024);
   if (d.has_sampler) settings["spp"] = std::clamp(d.sampler.integer("pixelsamples", 16), 1, 1 << 30);
   if (const float exposure = exposure_of(d, warnings); exposure != 0) settings["exposure"] = exposure;
+  if (!scene.animation.empty()) add_shutter(d, settings);
   scene.crop = crop_window(d.film, size);
   scene.settings_json = settings.dump();
 }
@@ -187,7 +199,7 @@ void animate(const Mat4& start, const Mat4& end, const std::array<double, 2>& ti
   add(AnimatedProperty::translation, Vec4(a.translation, 0), Vec4(b.translation, 0));
   add(AnimatedProperty::rotation, numbers(a.rotation), numbers(b.rotation));
   add(AnimatedProperty::scale, Vec4(a.scale, 0), Vec4(b.scale, 0));
-  warnings.note("pbrt blurs what moves between the shutter's opening and closing; relume animates it");
+  warnings.note("relume animates what moves; the shutter's interval becomes the settings shutter and scene-time");
 }
 
 void add_camera(const Description& d, const Mat3& orientation, Scene& scene, Warnings& warnings) {

@@ -165,7 +165,19 @@ TEST(Pbrt, MotionBecomesKeyFrames) {
       load("TransformTimes 1 3\nWorldBegin\nActiveTransform EndTime Translate 4 0 0 ActiveTransform All\n" + kTriangle);
   EXPECT_EQ(animation_end(scene), 3);
   EXPECT_EQ(world_matrices(scene, 2)[1][3].x, 2);
-  EXPECT_TRUE(mentions(scene.notes, "relume animates it"));
+  EXPECT_TRUE(mentions(scene.notes, "relume animates what moves"));
+  const auto settings = nlohmann::json::parse(scene.settings_json);
+  EXPECT_EQ(settings["shutter"], 1.0f);
+  EXPECT_EQ(settings["scene-time"], 0.5f);
+}
+
+TEST(Pbrt, TheShutterBecomesSettings) {
+  const std::string moving = "WorldBegin\nActiveTransform EndTime Translate 4 0 0 ActiveTransform All\n" + kTriangle;
+  const std::string camera = "Camera \"perspective\" \"float shutteropen\" 0.25 \"float shutterclose\" 0.75\n";
+  const auto settings = nlohmann::json::parse(load("TransformTimes 0 1\n" + camera + moving).settings_json);
+  EXPECT_EQ(settings["shutter"], 0.5f);
+  EXPECT_EQ(settings["scene-time"], 0.5f);
+  EXPECT_FALSE(nlohmann::json::parse(load(camera + "WorldBegin\n" + kTriangle).settings_json).contains("shutter"));
 }
 
 TEST(Pbrt, FilmAndIntegratorGiveSettings) {
