@@ -48,6 +48,15 @@ TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) {
   }
 }
 
+/// Kernels also write the vertices at the keys of the shutter.
+TEST(DeviceBitsOfMotion, EqualThoseOfTheHostWithAnOpenShutter) {
+  HostAndDevice sessions(in_a_room(testing::figure({.morphs = true})));
+  for (const char* estimator : {"path", "bdpt", "light", "vcm"}) {
+    const std::string json = R"({"shutter": 0.3, "shutter-keys": 5, "estimator": ")" + std::string(estimator) + "\"}";
+    EXPECT_TRUE(sessions.agrees({.name = "motion blur", .json = json}, 0.15f)) << estimator;
+  }
+}
+
 /// The same in every technique, while the camera moves, too.
 TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHostInEveryTechnique) {
   HostAndDevice sessions(in_a_room(testing::figure({.morphs = true})));
