@@ -170,8 +170,7 @@ void check_shutter(const RenderSettings& s) {
   if (s.reuse != ReuseChoice::none) {
     throw Error(
         "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with an open shutter: reservoirs "
-        "describe lights and "
-        "surfaces at one time; use reuse 'none' or shutter 0");
+        "describe lights and surfaces at one time; use reuse 'none' or shutter 0");
   }
   if (needs_first_vertices(s)) {
     throw Error(
