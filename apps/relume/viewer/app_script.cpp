@@ -137,7 +137,7 @@ void App::act(const ScriptStep& step) {
     state_.resolution_policy.hold_rate = w[0] != "off";
     state_.resolution_policy.full_at_rest = w[0] != "moving";
     state_.request_changed = true;
-    monitor_.reset();
+    loop_.monitor().reset();
   }
   if (step.verb == "select" || step.verb == "sun" || step.verb == "emit") act_on_scene(step);
 }
@@ -147,10 +147,10 @@ std::string App::report() const {
   const Viewpoint view = current_view(state_);
   const Vec3 forward = view.rotation * Vec3(0, 0, -1);
   json result = {{"scene", state_.document->name()},
-                 {"interface_hz", monitor_.interface_hz()},
-                 {"longest_gap_ms", monitor_.longest_gap_s() * 1000},
-                 {"frames_per_s", monitor_.frames_per_s()},
-                 {"camera_latency_frames", monitor_.camera_latency_frames()},
+                 {"interface_hz", loop_.monitor().interface_hz()},
+                 {"longest_gap_ms", loop_.monitor().longest_gap_s() * 1000},
+                 {"frames_per_s", loop_.monitor().frames_per_s()},
+                 {"camera_latency_frames", loop_.monitor().camera_latency_frames()},
                  {"eye", {view.eye.x, view.eye.y, view.eye.z}},
                  {"forward", {forward.x, forward.y, forward.z}},
                  {"bookmarks", state_.bookmarks.size()},
@@ -175,7 +175,7 @@ std::string App::report() const {
     const Mat4& world = state_.document->world()[static_cast<size_t>(node)];
     result["selected_at"] = {world[3].x, world[3].y, world[3].z};
   }
-  if (const auto worst = monitor_.worst_interface_hz()) result["worst_interface_hz"] = *worst;
+  if (const auto worst = loop_.monitor().worst_interface_hz()) result["worst_interface_hz"] = *worst;
   for (const Toast& toast : state_.toasts) result["messages"].push_back(toast.text);
   AllSettings settings = state_.settings[0];
   for (const Setting& slot : describe_slots(settings.render)) result["slots"][slot.name] = to_string(slot);
@@ -187,12 +187,12 @@ std::string App::report() const {
 
 void App::finish() {
   if (!options_.screenshot.empty()) window_.save(options_.screenshot);
-  const bool told = !failed_task_.empty();
+  const bool told = !loop_.failed_task().empty();
   renderer_.stop();
-  take_notices();
+  loop_.take_notices();
   if (smoke_) print(report());
   // The window has already shown the error; scripts, and images written after the window closed, still need it.
-  if (!failed_task_.empty() && (!told || !options_.script.empty())) throw Error(failed_task_);
+  if (!loop_.failed_task().empty() && (!told || !options_.script.empty())) throw Error(loop_.failed_task());
 }
 
 }  // namespace relume::viewer

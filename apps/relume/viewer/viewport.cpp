@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/display.h"
 #include "scene/light_parameters.h"
 #include "viewer/model/actions.h"
 #include "viewer/panels/theme.h"
@@ -51,55 +50,15 @@ void bind_sampler(const ImDrawList*, const ImDrawCmd* command) {
   glBindSampler(0, static_cast<GLuint>(reinterpret_cast<uintptr_t>(command->UserCallbackData)));
 }
 
-DisplayTransform Viewport::display_transform(const State& state, int side) const {
-  const AllSettings& settings = state.settings[static_cast<size_t>(side)];
-  DisplayTransform d =
-      shows_buffer_[static_cast<size_t>(side)] ? state.inspector.display_transform : DisplayTransform{};
-  const ViewerFrame* frame = state.frames[static_cast<size_t>(side)].get();
-  const bool in_studio = frame != nullptr && frame->in_studio;
-  const Display display = display_for(settings.output, state.automatic_exposure[static_cast<size_t>(side)], in_studio);
-  d.table = state.ocio.table();
-  if (!d.table) d.tone_map = display.tone_map;
-  d.exposure = display.exposure;
-  return d;
-}
-
-/// Exposes a new scene at once; afterwards, the exposure adapts to the frames.
-void Viewport::adapt_exposure(State& state, size_t side) {
-  const ViewerFrame& frame = *state.frames[side];
-  float& exposure = state.automatic_exposure[side];
-  const bool is_new = exposed_scene_[side] != frame.scene.get();
-  const auto seconds = static_cast<float>(state.now_s - exposed_s_[side]);
-  exposure = is_new ? frame.metered_exposure : adapted_exposure(exposure, frame.metered_exposure, seconds);
-  exposed_scene_[side] = frame.scene.get();
-  exposed_s_[side] = state.now_s;
-}
-
 void Viewport::update(State& state) {
   if (!state.ocio.ready()) return;
   for (int side = 0; side < kSides; ++side) {
     const auto s = static_cast<size_t>(side);
     const ViewerFrame* frame = state.frames[s].get();
     if (!frame) continue;
-    adapt_exposure(state, s);
-    if (frame->serial != uploaded_[s]) {
-      uploaded_[s] = frame->serial;
-      shows_buffer_[s] = !frame->values.empty();
-      images_[s].upload(shows_buffer_[s] ? frame->values : frame->radiance, frame->width, frame->height);
-      if (side == 0 && state.inspector.automatic && shows_buffer_[s]) {
-        DisplayTransform& d = state.inspector.display_transform;
-        d.range = frame->value_range;
-        d.channel = frame->channels.size() == 1 ? 0 : -1;
-        const bool color = frame->channels == "RGB";
-        d.mode = frame->channels == "XYZ" ? DisplayMode::direction
-                 : color                  ? DisplayMode::color
-                                          : DisplayMode::false_color;
-        if (frame->buffer == "radiance") d.mode = DisplayMode::radiance;
-        if (frame->channels == "XY") d.range = {0, max(1.0f, frame->value_range.y)};
-        if (color) d.range = {0, max(1.0f, frame->value_range.y)};
-      }
-    }
-    if (images_[s].to_display(display_shader_, display_transform(state, side))) ++version_;
+    if (display_.update(state, side))
+      images_[s].upload(frame->values.empty() ? frame->radiance : frame->values, frame->width, frame->height);
+    if (images_[s].to_display(display_shader_, display_.transform(state, side))) ++version_;
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <imgui/imgui.h>
 
+#include "viewer/model/frame_display.h"
 #include "viewer/model/state.h"
 #include "viewer/render/gl_image.h"
 
@@ -52,8 +53,6 @@ class Viewport {
   const std::string& values_under_mouse() const { return under_mouse_; }
 
  private:
-  DisplayTransform display_transform(const State& state, int side) const;
-  void adapt_exposure(State& state, size_t side);
   void draw_image(State& state);
   void draw_split(State& state);
   void draw_selection_box(const State& state) const;
@@ -71,10 +70,7 @@ class Viewport {
 
   DisplayShader display_shader_;
   std::array<GlImage, kSides> images_;
-  std::array<uint64_t, kSides> uploaded_{};
-  std::array<bool, kSides> shows_buffer_{};
-  std::array<const LoadedScene*, kSides> exposed_scene_{};  ///< scene that the automatic exposure belongs to
-  std::array<double, kSides> exposed_s_{};
+  FrameDisplay display_;
   uint64_t version_ = 0;
   Rect image_;
   Drag drag_ = Drag::none;

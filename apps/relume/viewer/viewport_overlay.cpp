@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/reports.h"
-#include "viewer/panels/preparation_lines.h"
+#include "viewer/model/preparation_lines.h"
 #include "viewer/panels/theme.h"
 #include "viewer/render/inspect.h"
 #include "viewer/viewport.h"

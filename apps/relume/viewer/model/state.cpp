@@ -149,6 +149,18 @@ void FrameTimes::add(const ViewerFrame& frame) {
   }
 }
 
+double FrameTimes::mean_s(const std::string& name) const {
+  constexpr size_t kFrames = 20;
+  double sum = 0;
+  const size_t count = std::min(kFrames, entries.size());
+  for (size_t i = entries.size() - count; i < entries.size(); ++i) {
+    for (const PassTime& pass : entries[i].passes) {
+      if (name.empty() || pass.name == name) sum += pass.seconds;
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
 bool State::has_camera() const {
   if (!document) return false;
   if (document->edits().camera.value) return true;

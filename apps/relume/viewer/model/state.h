@@ -16,7 +16,7 @@
 #include "viewer/model/fly_camera.h"
 #include "viewer/model/navigation.h"
 #include "viewer/render/display_table.h"
-#include "viewer/render/gl_image.h"
+#include "viewer/render/display_transform.h"
 #include "viewer/render/render_thread.h"
 #include "viewer/render/request.h"
 
@@ -55,6 +55,8 @@ struct FrameTimes {
   std::deque<Entry> entries;
   std::vector<std::string> names;  ///< names of passes, in order of first appearance
   void add(const ViewerFrame& frame);
+  /// Mean time of a pass over the last 20 frames, seconds; of all passes for an empty name.
+  double mean_s(const std::string& name) const;
 };
 
 /// Recording and playback of camera paths.

@@ -18,7 +18,7 @@
 #include "relume/error.h"
 #include "relume/scene_io.h"
 #include "viewer/model/actions.h"
-#include "viewer/panels/preparation_lines.h"
+#include "viewer/model/preparation_lines.h"
 #include "viewer/render/render_thread.h"
 
 namespace relume::viewer {

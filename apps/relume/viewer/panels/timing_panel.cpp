@@ -22,18 +22,6 @@ ImU32 pass_color(size_t index) {
   return kColors[index % kColors.size()];
 }
 
-double mean_of(const FrameTimes& times, const std::string& name) {
-  constexpr size_t kFrames = 20;
-  double sum = 0;
-  const size_t count = std::min(kFrames, times.entries.size());
-  for (size_t i = times.entries.size() - count; i < times.entries.size(); ++i) {
-    for (const PassTime& pass : times.entries[i].passes) {
-      if (name.empty() || pass.name == name) sum += pass.seconds;
-    }
-  }
-  return count > 0 ? sum / static_cast<double>(count) : 0;
-}
-
 /// Top of the graph's scale: a round number above nine tenths of the frames, and above the target.
 double top_s(const FrameTimes& times, double target_s) {
   std::vector<double> all{0};
@@ -96,7 +84,7 @@ void draw_legend(const FrameTimes& times) {
     ImGui::SameLine();
     ImGui::Text("%s", times.names[i].c_str());
     ImGui::SameLine(ImGui::GetFontSize() * 8.5f);
-    ImGui::Text("%7.2f ms", mean_of(times, times.names[i]) * 1000);
+    ImGui::Text("%7.2f ms", times.mean_s(times.names[i]) * 1000);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "viewer/panels/preparation_lines.h"
+#include "viewer/model/preparation_lines.h"
 
 #include <optional>
 
