@@ -102,6 +102,8 @@ LIBRARY_USERS = {
     "webp/": "image",
     "OpenColorIO/": "framebuffer",
     "CLI/": "apps",
+    "boost/": "apps",
+    "turbojpeg": "apps",
 }
 
 # The Python bindings, which include their own files and public headers only.

@@ -294,7 +294,7 @@ class Outputs(ProgramTest):
 
     def test_help_and_version(self):
         self.assertIn("relume", self.succeed("--help").stdout)
-        for command in ("render", "view", "scenes", "export", "info", "metrics", "merge", "compare", "experiment run", "survey", "settings", "devices", "man", "completion"):
+        for command in ("render", "view", "serve", "scenes", "export", "info", "metrics", "merge", "compare", "experiment run", "survey", "settings", "devices", "man", "completion"):
             text = self.succeed(*command.split(), "--help").stdout
             self.assertLess(text.index("Examples:"), text.index("Usage:"))
         self.assertRegex(self.succeed("--version").stdout, r"\d+\.\d+\.\d+")

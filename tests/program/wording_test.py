@@ -12,7 +12,7 @@ sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "house"))
 import check_spelling  # noqa: E402
 import check_wording  # noqa: E402
 
-COMMANDS = ("render", "view", "scenes", "export", "info", "metrics", "merge", "compare", "experiment", "survey", "settings", "devices", "man", "completion")
+COMMANDS = ("render", "view", "serve", "scenes", "export", "info", "metrics", "merge", "compare", "experiment", "survey", "settings", "devices", "man", "completion")
 
 
 class Wording(ProgramTest):

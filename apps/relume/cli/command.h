@@ -90,6 +90,7 @@ std::vector<Option> verbosity_options(Verbosity& verbosity);
 // One function per file; `verbosity` outlives the command.
 Command render_command(Verbosity& verbosity);
 Command view_command(Verbosity& verbosity);
+Command serve_command(Verbosity& verbosity);
 Command scenes_command();
 Command export_command(Verbosity& verbosity);
 Command info_command(Verbosity& verbosity);

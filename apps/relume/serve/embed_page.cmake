@@ -1,0 +1,22 @@
+# Writes OUTPUT, a C++ file with the page's files of FOLDER as string constants. Each is split into
+# adjacent literals, since compilers limit their length.
+function(append_file target type path)
+  file(READ ${path} text)
+  string(LENGTH "${text}" length)
+  set(literals "")
+  set(at 0)
+  while(at LESS length)
+    string(SUBSTRING "${text}" ${at} 12000 part)
+    string(APPEND literals "\nR\"relume(${part})relume\"")
+    math(EXPR at "${at} + 12000")
+  endwhile()
+  set(content "${content}    PageFile{\"${target}\", \"${type}\",${literals}},\n" PARENT_SCOPE)
+endfunction()
+
+set(content "#include \"serve/page_files.h\"\n\nnamespace relume::serve {\n\nconst std::array<PageFile, 8> kPageFiles = {\n")
+append_file(/ "text/html; charset=utf-8" ${FOLDER}/index.html)
+append_file(/style.css "text/css; charset=utf-8" ${FOLDER}/style.css)
+foreach(name main link input settings views timing)
+  append_file(/${name}.js "text/javascript; charset=utf-8" ${FOLDER}/${name}.js)
+endforeach()
+file(WRITE ${OUTPUT} "${content}};\n\n}  // namespace relume::serve\n")

@@ -1,0 +1,79 @@
+// Limits that keep the cost of a client to itself. Times are those of now_s().
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+
+namespace relume::serve {
+
+// Bytes
+inline constexpr size_t kMaxHeaderBytes = 8 << 10;    ///< of an HTTP request
+inline constexpr size_t kMaxMessageBytes = 16 << 10;  ///< of a viewer's message
+
+// Connections
+inline constexpr size_t kMaxWaiting = 64;            ///< without a token so far
+inline constexpr size_t kMaxWaitingPerAddress = 48;  ///< the same, of one address
+inline constexpr double kAcceptedPerSecond = 200;
+inline constexpr double kAcceptedAtOnce = 64;
+
+// Seconds
+inline constexpr double kHandshake_s = 5;  ///< from a connection to its token, or to the end of the answer
+inline constexpr double kPing_s = 15;      ///< between pings of a viewer
+inline constexpr double kIdle_s = 45;      ///< without a message or pong
+inline constexpr double kWrite_s = 20;     ///< until a write is complete
+
+// Rates of a viewer
+inline constexpr double kMessagesPerSecond = 600;
+inline constexpr double kMessagesAtOnce = 1200;
+inline constexpr double kBytesPerSecond = 256 << 10;
+inline constexpr double kBytesAtOnce = 1 << 20;
+
+/// A token bucket: `at_once` units, refilled at `per_second`.
+class RateLimiter {
+ public:
+  RateLimiter(double per_second, double at_once) : per_second_(per_second), at_once_(at_once), left_(at_once) {}
+
+  /// Takes units, if there are enough. Returns whether it did.
+  bool take(double units, double now_s);
+  /// Seconds until take() succeeds; infinity if `units` exceeds the bucket.
+  double wait_s(double units, double now_s);
+
+ private:
+  void refill(double now_s);
+
+  double per_second_;
+  double at_once_;
+  double left_;
+  double last_s_ = 0;
+};
+
+/// Connections without a token so far. A new one replaces an old one of the address with the most, so that a crowd
+/// shuts out neither others nor, for long, new ones of its own address.
+class WaitingRoom {
+ public:
+  explicit WaitingRoom(size_t total = kMaxWaiting, size_t per_address = kMaxWaitingPerAddress)
+      : total_(total), per_address_(per_address) {}
+
+  /// Adds a connection. Returns the one to close for it, if any.
+  std::optional<uint64_t> enter(uint64_t connection, const std::string& address);
+  void leave(uint64_t connection);
+  size_t size() const { return waiting_.size(); }
+
+ private:
+  struct Entry {
+    uint64_t connection;
+    std::string address;
+  };
+  size_t count_of(const std::string& address) const;
+  /// The address with the most connections; of several, the one that waits longest.
+  std::string largest() const;
+
+  size_t total_;
+  size_t per_address_;
+  std::deque<Entry> waiting_;  ///< oldest first
+};
+
+}  // namespace relume::serve

@@ -1,0 +1,94 @@
+// The viewer behind the page: the state of the window's viewer, steered by messages.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "serve/inbox.h"
+#include "serve/message.h"
+#include "serve/publisher.h"
+#include "viewer/model/frame_display.h"
+#include "viewer/model/state.h"
+#include "viewer/model/view_loop.h"
+
+namespace relume::serve {
+
+inline constexpr int kLeastSide = 64;         ///< of images that the page sizes, pixels
+inline constexpr int kMostSide = 4096;        ///< of images
+inline constexpr size_t kMostBookmarks = 32;  ///< stored from the page
+
+/// Throws Error if the page may not give this value: one that names a file, or an image that is too large. `start`: the
+/// settings with which the server started, whose environment is always permitted.
+void check_page_value(const AllSettings& start, const std::string& name, const std::string& value);
+
+struct ModelOptions {
+  AllSettings settings;
+  bool fixed_size = false;  ///< otherwise the page determines the size of the image
+  float target_hz = 30;
+  bool watch = true;
+};
+
+struct Picture;
+
+class Model {
+ public:
+  /// `inbox` and `publisher` outlive this object.
+  Model(const ModelOptions& options, std::shared_ptr<const viewer::LoadedScene> scene, viewer::OcioDisplay ocio,
+        Inbox& inbox, Publisher& publisher);
+
+  /// Until a stop is requested. Throws Error if the first scene cannot be shown, or a GPU is lost.
+  void run(const std::stop_token& stop);
+
+  /// One turn of run(), without waiting.
+  void turn(double now_s);
+
+  const viewer::State& state() const { return state_; }
+  viewer::RenderThread& renderer() { return renderer_; }
+  bool loading() const { return state_.loading.valid() || !state_.superseded.empty(); }
+
+ private:
+  void take(const Input& input);
+  void act(const MessageBody& body);
+  void press(Button button);
+  void use_bookmark(const UseBookmark& use);
+  void resize(const Resize& size);
+  void change(const ChangeSetting& change);
+  void follow_inputs();
+  void show_picture();
+  void tell_texts();
+  double wait_s() const;
+
+  Inbox& inbox_;
+  Publisher& publisher_;
+  AllSettings start_;  ///< settings
+  viewer::State state_;
+  viewer::ViewLoop loop_;
+  viewer::FrameDisplay display_;
+  Fly held_;
+  uint32_t held_by_ = 0;  ///< viewer
+  double held_until_s_ = 0;
+  bool has_news_ = true;  ///< whether viewers should get the status at once
+  double status_s_ = 0;   ///< time of the last status
+  std::string values_;    ///< last told
+
+  /// Inputs that no frame follows so far, and the requests that carry them.
+  struct PendingInput {
+    uint64_t version;
+    uint32_t viewer;
+    uint32_t number;
+  };
+  uint32_t newest_viewer_ = 0;  ///< of the newest input in this turn
+  uint32_t newest_number_ = 0;
+  std::deque<PendingInput> pending_;
+  uint32_t followed_viewer_ = 0;
+  uint32_t followed_number_ = 0;
+
+  std::shared_ptr<const Picture> picture_;
+  viewer::RenderThread renderer_;  ///< last: its thread ends first
+};
+
+}  // namespace relume::serve

@@ -1,0 +1,109 @@
+// Buttons, buffers, bookmarks, messages, and who steers.
+
+import { KEYS } from "./input.js";
+
+/// A new element. Attributes: "text" sets its text; false leaves an attribute out.
+export function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "text") element.textContent = value;
+    else if (value !== false) element.setAttribute(name, value === true ? "" : value);
+  }
+  element.append(...children);
+  return element;
+}
+
+const byId = (id) => document.getElementById(id);
+
+/// Replaces the children if their description has changed, so that the focus stays.
+function update(element, key, children) {
+  if (element.dataset.key === key) return;
+  element.dataset.key = key;
+  element.replaceChildren(...children());
+}
+
+export class Views {
+  constructor(link, screenshot) {
+    this.link = link;
+    this.tabs();
+    this.tools(screenshot);
+    byId("keys").append(make("dl", {}, ...KEYS.flatMap(([key, meaning]) => [make("dt", { text: key }), make("dd", { text: meaning })])));
+    this.bookmarks = make("div", { class: "list" });
+    const store = this.button("Store this view", () => this.link.input({ do: "bookmark", verb: "store", slot: 63 }));
+    this.place = make("p");
+    byId("camera").append(make("h2", { text: "Bookmarks" }), this.bookmarks, store, make("h2", { text: "Camera" }), this.place);
+  }
+
+  button(text, click, attributes = {}) {
+    const button = make("button", { type: "button", text, ...attributes });
+    button.addEventListener("click", click);
+    return button;
+  }
+
+  tabs() {
+    const names = ["settings", "buffers", "camera", "keys"];
+    const choose = (name) => {
+      for (const other of names) byId(other).hidden = other !== name;
+      for (const tab of byId("tabs").children) tab.setAttribute("aria-selected", String(tab.dataset.tab === name));
+    };
+    const title = (name) => name[0].toUpperCase() + name.slice(1);
+    byId("tabs").append(...names.map((name) => this.button(title(name), () => choose(name), { role: "tab", "data-tab": name, "aria-controls": name })));
+    choose("settings");
+  }
+
+  tools(screenshot) {
+    const press = (button, text, title) => this.button(text, () => this.link.input({ do: "press", button }), { "data-press": button, title });
+    this.toggles = {
+      split: press("split", "Compare A and B", "Renders two sets of settings in alternation [B]"),
+      orbits: press("orbit", "Orbit", "Drag orbits the scene; otherwise it looks around [O]"),
+      paused: press("pause", "Pause", "Pauses rendering [Space]"),
+      animating: press("animate", "Animate", "Plays the animation [P]"),
+    };
+    byId("tools").append(...Object.values(this.toggles), press("home", "Scene's camera", "Returns to it [Home]"),
+      press("frame", "Frame", "Frames the whole scene [F]"),
+      this.button("Screenshot", screenshot, { id: "screenshot", title: "Downloads the shown image as PNG [F9]" }));
+  }
+
+  /// Buffers to inspect.
+  showBuffers(buffers, chosen) {
+    const all = [{ name: "", help: "Accumulated mean radiance, exposed and tone-mapped" }, ...buffers];
+    update(byId("buffers"), JSON.stringify([all, chosen]), () => [make("div", { class: "list" },
+      ...all.map(({ name, help }) => this.button(name || "image", () => this.link.input({ do: "buffer", name }),
+        { "data-buffer": name || "image", title: help, "aria-pressed": String(name === chosen) })))]);
+  }
+
+  showStatus(status) {
+    for (const [name, button] of Object.entries(this.toggles)) button.setAttribute("aria-pressed", String(Boolean(status[name])));
+    update(this.bookmarks, JSON.stringify(status.bookmarks), () => status.bookmarks.map((name, slot) => make("span", { class: "pair" },
+      this.button(name, () => this.link.input({ do: "bookmark", verb: "go", slot }), { "data-bookmark": String(slot) }),
+      this.button("×", () => this.link.input({ do: "bookmark", verb: "remove", slot }), { "aria-label": `Remove ${name}` }))));
+    const numbers = (list) => list.map((x) => x.toFixed(2)).join(", ");
+    this.place.textContent = status.eye ? `eye ${numbers(status.eye)} m; speed ${status.speed.toFixed(2)} m/s` : "";
+    const lines = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages];
+    update(byId("messages"), JSON.stringify(lines), () => lines.map(({ text, problem }) => make("li", { text, class: problem ? "problem" : false })));
+  }
+
+  /// Who steers. Viewers that do not cannot change anything.
+  showRole(role) {
+    const steers = role.viewer === role.steerer;
+    const others = role.viewers - 1;
+    const count = others === 0 ? "" : ` ${others} other${others === 1 ? "" : "s"} watch${others === 1 ? "es" : ""}.`;
+    const waits = role.requests.includes(role.viewer);
+    const children = [make("span", { text: (steers ? "You steer." : "Another viewer steers.") + count })];
+    if (!steers) children.push(this.button(waits ? "Asked to steer" : "Ask to steer", () => this.link.send({ do: "steer" }), { id: "steer", disabled: waits }));
+    if (steers) {
+      for (const viewer of role.requests)
+        children.push(this.button(`Let viewer ${viewer} steer`, () => this.link.send({ do: "grant", viewer }), { "data-grant": String(viewer) }));
+    }
+    byId("steering").replaceChildren(...children);
+    for (const id of ["settings", "buffers", "camera", "tools"]) {
+      byId(id).inert = !steers && id !== "tools";
+      for (const button of byId("tools").querySelectorAll("[data-press]")) button.disabled = !steers;
+    }
+  }
+
+  showState(sentence) {
+    byId("notice").textContent = sentence;
+    byId("notice").hidden = !sentence;
+  }
+}

@@ -1,0 +1,23 @@
+// What the model shows to viewers.
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace relume::serve {
+
+struct Picture;
+
+/// Subjects of JSON texts to viewers. A newer text of a topic replaces an older one.
+enum class Topic : int { role, declarations, values, status };
+inline constexpr int kTopics = 4;
+
+/// Called on the model's thread; never waits for viewers.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  virtual void show(std::shared_ptr<const Picture> picture) = 0;
+  virtual void tell(Topic topic, std::string text) = 0;
+};
+
+}  // namespace relume::serve
