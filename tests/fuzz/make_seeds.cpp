@@ -134,6 +134,24 @@ void write_records(const fs::path& folder) {
   fs::remove_all(folder / "references");
 }
 
+void write_messages(const fs::path& folder) {
+  const std::vector<std::string> messages = {R"({"do":"hello","token":"0123456789abcdef0123456789abcdef"})",
+                                             R"({"do":"ack","frame":7})",
+                                             R"({"do":"fly","x":0,"y":0,"z":-1,"fast":true,"n":3})",
+                                             R"({"do":"drag","pan":false,"x":0.25,"y":-0.5})",
+                                             R"({"do":"wheel","notches":1})",
+                                             R"({"do":"set","side":1,"name":"env","value":"1,1,1"})",
+                                             R"({"do":"bookmark","verb":"store","slot":2})",
+                                             R"({"do":"press","button":"pause"})",
+                                             R"({"do":"resize","width":640,"height":360})"};
+  for (size_t i = 0; i < messages.size(); ++i)
+    write(folder / "message" / std::to_string(i), behind(0, relume::testing::to_bytes(messages[i])));
+  const std::string host = "render.example.com:8464";
+  write(folder / "message" / "page", behind(1, relume::testing::to_bytes("GET\n/main.js\n" + host + "\n\n")));
+  write(folder / "message" / "socket",
+        behind(2, relume::testing::to_bytes("GET\n/socket\n" + host + "\nhttps://" + host + "\n")));
+}
+
 void write_command_lines(const fs::path& folder) {
   const char* const texts[] = {"default,psf=cache:psf,interactive,max-bounces:3,b=preview",
                                "a.exr,cycles=b.exr",
@@ -159,5 +177,6 @@ int main(int argc, char** argv) {
   write_checkpoints(argv[1]);
   write_records(argv[1]);
   write_command_lines(argv[1]);
+  write_messages(argv[1]);
   return 0;
 }

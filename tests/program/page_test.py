@@ -31,11 +31,12 @@ DRIVER = shutil.which("chromedriver")
 SKIPPED = 77  # ctest's exit code for skipped tests
 
 
-def start_browser():
+def start_browser(resolver_rules="MAP * ~NOTFOUND", preferences=None):
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1400,1000", "--host-resolver-rules=MAP * ~NOTFOUND"):
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=1400,1000", f"--host-resolver-rules={resolver_rules}"):
         options.add_argument(argument)
+    options.add_experimental_option("prefs", preferences or {})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(service=Service(DRIVER), options=options)
 

@@ -180,8 +180,8 @@ void Connection::tell(Topic topic, std::shared_ptr<const std::string> text) {
   write();
 }
 
-void Connection::show(std::shared_ptr<const EncodedPicture> picture) {
-  (picture->level == kPngLevel ? png_ : frame_) = std::move(picture);
+void Connection::show(std::shared_ptr<const EncodedImage> image) {
+  (image->level == kPngLevel ? png_ : frame_) = std::move(image);
   write();
 }
 
@@ -202,18 +202,18 @@ void Connection::write() {
 
 void Connection::write_frame() {
   const bool is_png = png_ != nullptr;
-  const std::shared_ptr<const EncodedPicture> picture = std::exchange(is_png ? png_ : frame_, nullptr);
+  const std::shared_ptr<const EncodedImage> image = std::exchange(is_png ? png_ : frame_, nullptr);
   writing_ = true;
   writing_since_s_ = now_s();
   // Little-endian: kind, level, 2 bytes of padding, frame, input, width, height.
-  const uint32_t input = picture->viewer == viewer_ ? picture->input : 0;
-  const std::array<uint32_t, 5> words = {(is_png ? 1u : 0u) | static_cast<uint32_t>(picture->level) << 8,
-                                         is_png ? 0 : ++frames_, input, static_cast<uint32_t>(picture->width),
-                                         static_cast<uint32_t>(picture->height)};
+  const uint32_t input = image->viewer == viewer_ ? image->input : 0;
+  const std::array<uint32_t, 5> words = {(is_png ? 1u : 0u) | static_cast<uint32_t>(image->level) << 8,
+                                         is_png ? 0 : ++frames_, input, static_cast<uint32_t>(image->width),
+                                         static_cast<uint32_t>(image->height)};
   for (size_t i = 0; i < header_.size(); ++i) header_[i] = static_cast<uint8_t>(words[i / 4] >> (8 * (i % 4)));
   if (!is_png) link_.sent(frames_, writing_since_s_);
-  const std::array<asio::const_buffer, 2> data = {asio::buffer(header_), asio::buffer(picture->bytes)};
-  sending_ = picture;
+  const std::array<asio::const_buffer, 2> data = {asio::buffer(header_), asio::buffer(image->bytes)};
+  sending_ = image;
   socket_->binary(true);
   socket_->async_write(
       data, [self = shared_from_this()](const beast::error_code& failure, size_t) { self->written(failure); });
@@ -225,7 +225,7 @@ void Connection::written(const beast::error_code& failure) {
   if (closed_) return;
   if (failure) return close();
   write();
-  network_.offer_picture(*this);
+  network_.offer_image(*this);
 }
 
 }  // namespace relume::serve

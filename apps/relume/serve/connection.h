@@ -19,7 +19,7 @@
 
 namespace relume::serve {
 
-struct EncodedPicture;
+struct EncodedImage;
 class Network;
 
 class Connection : public std::enable_shared_from_this<Connection> {
@@ -36,7 +36,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   // Of viewers
   void tell(Topic topic, std::shared_ptr<const std::string> text);
-  void show(std::shared_ptr<const EncodedPicture> picture);
+  void show(std::shared_ptr<const EncodedImage> image);
   LinkControl& link() { return link_; }
 
   uint64_t id() const { return id_; }
@@ -45,8 +45,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool frame_waits() const { return frame_ != nullptr; }
 
   // Kept for the network
-  int awaited_level = -1;      ///< of the requested picture; -1: none
-  uint64_t shown_version = 0;  ///< of the newest picture that was sent or waits
+  int awaited_level = -1;      ///< of the requested image; -1: none
+  uint64_t shown_version = 0;  ///< of the newest image that was sent or waits
   bool awaits_png = false;
 
  private:
@@ -87,8 +87,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   // Only the newest of each waits.
   std::array<std::shared_ptr<const std::string>, kTopics> texts_;
-  std::shared_ptr<const EncodedPicture> frame_;
-  std::shared_ptr<const EncodedPicture> png_;
+  std::shared_ptr<const EncodedImage> frame_;
+  std::shared_ptr<const EncodedImage> png_;
   bool writing_ = false;
   double writing_since_s_ = 0;
   std::shared_ptr<const void> sending_;  ///< keeps the data of the write in progress

@@ -97,9 +97,9 @@ FrameEncoder::~FrameEncoder() {
   thread_.join();
 }
 
-void FrameEncoder::request(std::shared_ptr<const Picture> picture, int level) {
+void FrameEncoder::request(std::shared_ptr<const ShownImage> image, int level) {
   const std::lock_guard lock(mutex_);
-  picture_ = std::move(picture);
+  image_ = std::move(image);
   wanted_[static_cast<size_t>(level)] = true;
   wake_.notify_one();
 }
@@ -109,14 +109,14 @@ void FrameEncoder::run(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     const auto due = [this] { return std::find(wanted_.begin(), wanted_.end(), true) != wanted_.end(); };
     if (!wake_.wait(lock, stop, due)) return;
-    const std::shared_ptr<const Picture> picture = picture_;
+    const std::shared_ptr<const ShownImage> image = image_;
     const auto wanted = std::exchange(wanted_, {});
     lock.unlock();
     try {
-      develop(*picture);
+      develop(*image);
       for (size_t level = 0; level < wanted.size(); ++level) {
         if (stop.stop_requested()) return;
-        if (wanted[level]) done_(encode(*picture, static_cast<int>(level)));
+        if (wanted[level]) done_(encode(*image, static_cast<int>(level)));
       }
     } catch (const std::exception& error) {
       cli::warn(error.what());
@@ -136,22 +136,22 @@ const viewer::DisplayTable& FrameEncoder::table_of(const viewer::DisplayTransfor
   return tone_table_;
 }
 
-void FrameEncoder::develop(const Picture& picture) {
-  if (developed_ == picture.version) return;
-  colors_ = developed(*picture.frames[0], picture.transforms[0], table_of(picture.transforms[0]));
-  if (picture.frames[1] && picture.split_at < 1) {
-    const Colors second = developed(*picture.frames[1], picture.transforms[1], table_of(picture.transforms[1]));
-    merge(colors_, second, picture.split_at);
+void FrameEncoder::develop(const ShownImage& image) {
+  if (developed_ == image.version) return;
+  colors_ = developed(*image.frames[0], image.transforms[0], table_of(image.transforms[0]));
+  if (image.frames[1] && image.split_at < 1) {
+    const Colors second = developed(*image.frames[1], image.transforms[1], table_of(image.transforms[1]));
+    merge(colors_, second, image.split_at);
   }
-  developed_ = picture.version;
+  developed_ = image.version;
 }
 
-std::shared_ptr<const EncodedPicture> FrameEncoder::encode(const Picture& picture, int level) const {
-  auto encoded = std::make_shared<EncodedPicture>();
-  encoded->version = picture.version;
+std::shared_ptr<const EncodedImage> FrameEncoder::encode(const ShownImage& image, int level) const {
+  auto encoded = std::make_shared<EncodedImage>();
+  encoded->version = image.version;
   encoded->level = level;
-  encoded->viewer = picture.viewer;
-  encoded->input = picture.input;
+  encoded->viewer = image.viewer;
+  encoded->input = image.input;
   encoded->width = colors_.width;
   encoded->height = colors_.height;
   if (level == kPngLevel) {

@@ -20,9 +20,9 @@
 
 namespace relume::serve {
 
-/// The displayed picture: one or two frames, and how they become colours. Immutable once it is shared.
-struct Picture {
-  uint64_t version = 0;  ///< counts pictures
+/// The displayed image: one or two frames, and how they become colours. Immutable once it is shared.
+struct ShownImage {
+  uint64_t version = 0;  ///< counts images
   std::array<std::shared_ptr<const viewer::ViewerFrame>, viewer::kSides> frames;
   std::array<viewer::DisplayTransform, viewer::kSides> transforms;
   viewer::OcioDisplay ocio;  ///< keeps the table of the transforms
@@ -31,19 +31,19 @@ struct Picture {
   uint32_t input = 0;        ///< newest input of this viewer that the frames follow
 };
 
-struct EncodedPicture {
+struct EncodedImage {
   uint64_t version = 0;
   int level = 0;  ///< index in kLevels; kPngLevel: PNG
   uint32_t viewer = 0;
   uint32_t input = 0;
-  int width = 0;  ///< of the picture, before the level's division
+  int width = 0;  ///< of the image, before the level's division
   int height = 0;
   std::vector<uint8_t> bytes;
 };
 
 inline constexpr int kPngLevel = static_cast<int>(kLevels.size());
 
-/// Colours of a picture, three bytes per pixel.
+/// Colours of an image, three bytes per pixel.
 struct Colors {
   int width = 0;
   int height = 0;
@@ -58,7 +58,7 @@ std::vector<uint8_t> encode_jpeg(const Colors& colors, int quality);
 
 class FrameEncoder {
  public:
-  using Done = std::function<void(std::shared_ptr<const EncodedPicture>)>;
+  using Done = std::function<void(std::shared_ptr<const EncodedImage>)>;
 
   /// `done` is called on the encoder's thread.
   explicit FrameEncoder(Done done);
@@ -66,19 +66,19 @@ class FrameEncoder {
   FrameEncoder(const FrameEncoder&) = delete;
   FrameEncoder& operator=(const FrameEncoder&) = delete;
 
-  /// Encodes the picture at a level. A newer picture replaces one that waits, at all levels that wait.
-  void request(std::shared_ptr<const Picture> picture, int level);
+  /// Encodes the image at a level. A newer image replaces one that waits, at all levels that wait.
+  void request(std::shared_ptr<const ShownImage> image, int level);
 
  private:
   void run(const std::stop_token& stop);
-  void develop(const Picture& picture);
+  void develop(const ShownImage& image);
   const viewer::DisplayTable& table_of(const viewer::DisplayTransform& transform);
-  std::shared_ptr<const EncodedPicture> encode(const Picture& picture, int level) const;
+  std::shared_ptr<const EncodedImage> encode(const ShownImage& image, int level) const;
 
   Done done_;
   std::mutex mutex_;  ///< guards the next two
   std::condition_variable_any wake_;
-  std::shared_ptr<const Picture> picture_;
+  std::shared_ptr<const ShownImage> image_;
   std::array<bool, kLevels.size() + 1> wanted_{};
 
   // Used only by the thread.

@@ -45,18 +45,18 @@ std::shared_ptr<const viewer::ViewerFrame> frame_of(int width, int height, const
 struct Results {
   std::mutex mutex;
   std::condition_variable arrived;
-  std::deque<std::shared_ptr<const EncodedPicture>> pictures;
+  std::deque<std::shared_ptr<const EncodedImage>> images;
 
-  void add(std::shared_ptr<const EncodedPicture> picture) {
+  void add(std::shared_ptr<const EncodedImage> shown) {
     const std::lock_guard lock(mutex);
-    pictures.push_back(std::move(picture));
+    images.push_back(std::move(shown));
     arrived.notify_one();
   }
-  std::shared_ptr<const EncodedPicture> next() {
+  std::shared_ptr<const EncodedImage> next() {
     std::unique_lock lock(mutex);
-    if (!arrived.wait_for(lock, std::chrono::seconds(60), [this] { return !pictures.empty(); })) return nullptr;
-    std::shared_ptr<const EncodedPicture> first = pictures.front();
-    pictures.pop_front();
+    if (!arrived.wait_for(lock, std::chrono::seconds(60), [this] { return !images.empty(); })) return nullptr;
+    std::shared_ptr<const EncodedImage> first = images.front();
+    images.pop_front();
     return first;
   }
 };
@@ -69,7 +69,7 @@ TEST(FrameEncoder, ShrinksByMeansOfBlocks) {
   EXPECT_EQ(small.rgb, (std::vector<uint8_t>{25, 0, 0, 9, 0, 0, 6, 0, 0, 100, 0, 0}));
 }
 
-TEST(FrameEncoder, JpegShowsThePicture) {
+TEST(FrameEncoder, JpegShowsTheImage) {
   const Colors colors = gradient(64, 48);
   const Image image = decoded(encode_jpeg(colors, 92));
   ASSERT_EQ(image.width, 64);
@@ -79,15 +79,15 @@ TEST(FrameEncoder, JpegShowsThePicture) {
   EXPECT_LT(encode_jpeg(colors, 25).size(), encode_jpeg(colors, 92).size());
 }
 
-TEST(FrameEncoder, EncodesTheNewestPictureAtTheRequestedLevels) {
+TEST(FrameEncoder, EncodesTheNewestImageAtTheRequestedLevels) {
   Results results;
-  FrameEncoder encoder([&](std::shared_ptr<const EncodedPicture> picture) { results.add(std::move(picture)); });
-  auto picture = std::make_shared<Picture>();
-  picture->version = 1;
-  picture->viewer = 3;
-  picture->input = 9;
-  picture->frames[0] = frame_of(40, 20, Rgb(0.2f));
-  encoder.request(picture, 4);
+  FrameEncoder encoder([&](std::shared_ptr<const EncodedImage> shown) { results.add(std::move(shown)); });
+  auto shown = std::make_shared<ShownImage>();
+  shown->version = 1;
+  shown->viewer = 3;
+  shown->input = 9;
+  shown->frames[0] = frame_of(40, 20, Rgb(0.2f));
+  encoder.request(shown, 4);
   const auto small = results.next();
   ASSERT_TRUE(small);
   EXPECT_EQ(small->version, 1u);
@@ -96,7 +96,7 @@ TEST(FrameEncoder, EncodesTheNewestPictureAtTheRequestedLevels) {
   EXPECT_EQ(small->input, 9u);
   EXPECT_EQ(small->width, 40);
   EXPECT_EQ(decoded(small->bytes).width, 40 / kLevels[4].divisor);
-  encoder.request(picture, kPngLevel);
+  encoder.request(shown, kPngLevel);
   const auto png = results.next();
   ASSERT_TRUE(png);
   EXPECT_EQ(decoded(png->bytes).width, 40);
@@ -104,13 +104,13 @@ TEST(FrameEncoder, EncodesTheNewestPictureAtTheRequestedLevels) {
 
 TEST(FrameEncoder, SideBIsToTheRightOfTheLine) {
   Results results;
-  FrameEncoder encoder([&](std::shared_ptr<const EncodedPicture> picture) { results.add(std::move(picture)); });
-  auto picture = std::make_shared<Picture>();
-  picture->version = 1;
-  picture->frames[0] = frame_of(40, 20, Rgb(0));
-  picture->frames[1] = frame_of(20, 10, Rgb(4));  // may have another size
-  picture->split_at = 0.25f;
-  encoder.request(picture, kPngLevel);
+  FrameEncoder encoder([&](std::shared_ptr<const EncodedImage> shown) { results.add(std::move(shown)); });
+  auto shown = std::make_shared<ShownImage>();
+  shown->version = 1;
+  shown->frames[0] = frame_of(40, 20, Rgb(0));
+  shown->frames[1] = frame_of(20, 10, Rgb(4));  // may have another size
+  shown->split_at = 0.25f;
+  encoder.request(shown, kPngLevel);
   const auto png = results.next();
   ASSERT_TRUE(png);
   const Image image = decoded(png->bytes);

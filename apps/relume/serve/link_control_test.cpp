@@ -18,7 +18,7 @@ double bytes_of(int level) {
   return 2000 + 0.25 * kPixels * choice.quality / 100.0 / (choice.divisor * choice.divisor);
 }
 
-/// A viewer behind a link of this rate and delay. Pictures are ready 30 times per second.
+/// A viewer behind a link of this rate and delay. Images are ready 30 times per second.
 struct Simulation {
   Simulation(double rate, double delay) : bytes_per_s(rate), delay_s(delay) {}
 

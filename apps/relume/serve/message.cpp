@@ -149,6 +149,8 @@ json parse(std::string_view text) {
 
 Message parse_message(std::string_view text) {
   if (text.size() > kMaxMessageBytes) throw Error(fmt::format("the message exceeds {} bytes", kMaxMessageBytes));
+  // The parser would end there, and ignore the rest.
+  if (text.find('\0') != std::string_view::npos) throw Error("the message has a zero byte");
   const json object = parse(text);
   if (!object.is_object()) throw Error("the message is no object");
   if (object.size() > kMaxFields) throw Error("the message has unknown fields");

@@ -52,7 +52,7 @@ void check_side(const std::string& name, const std::string& value) {
   throw Error(fmt::format("{} is '{}', but must be an integer up to {} in a page", name, value, kMostSide));
 }
 
-bool same_pictures(const Picture& a, const Picture& b) {
+bool same_images(const ShownImage& a, const ShownImage& b) {
   return a.frames == b.frames && a.transforms == b.transforms && a.split_at == b.split_at;
 }
 
@@ -65,6 +65,11 @@ void check_page_value(const AllSettings& start, const std::string& name, const s
     if (value == known) return;
   }
   throw Error(fmt::format("env: a page cannot name the file '{}'; start the server with --env", value));
+}
+
+IVec2 image_size(const Resize& area) {
+  return {std::clamp(area.width / 2 * 2, kLeastSide, kMostSide),
+          std::clamp(area.height / 2 * 2, kLeastSide, kMostSide)};
 }
 
 Model::Model(const ModelOptions& options, std::shared_ptr<const viewer::LoadedScene> scene, viewer::OcioDisplay ocio,
@@ -112,7 +117,7 @@ void Model::turn(double now_s) {
   loop_.post();
   loop_.monitor().interface_frame(now_s);
   follow_inputs();
-  show_picture();
+  show_image();
   tell_texts();
 }
 
@@ -207,12 +212,11 @@ void Model::use_bookmark(const UseBookmark& use) {
 
 void Model::resize(const Resize& size) {
   if (!state_.follow_window) return;
-  const int width = std::clamp(size.width / 2 * 2, kLeastSide, kMostSide);
-  const int height = std::clamp(size.height / 2 * 2, kLeastSide, kMostSide);
-  if (state_.settings[0].render.width == width && state_.settings[0].render.height == height) return;
+  const IVec2 wanted = image_size(size);
+  if (IVec2(state_.settings[0].render.width, state_.settings[0].render.height) == wanted) return;
   for (AllSettings& settings : state_.settings) {
-    settings.render.width = width;
-    settings.render.height = height;
+    settings.render.width = wanted.x;
+    settings.render.height = wanted.y;
   }
   state_.touch();
 }
@@ -229,24 +233,24 @@ void Model::follow_inputs() {
   }
 }
 
-void Model::show_picture() {
+void Model::show_image() {
   if (!state_.frame() || !state_.ocio.ready()) return;
-  auto picture = std::make_shared<Picture>();
+  auto image = std::make_shared<ShownImage>();
   for (int side = 0; side < state_.sides(); ++side) {
     const auto s = static_cast<size_t>(side);
     if (!state_.frames[s]) continue;
     display_.update(state_, side);
-    picture->frames[s] = state_.frames[s];
-    picture->transforms[s] = display_.transform(state_, side);
+    image->frames[s] = state_.frames[s];
+    image->transforms[s] = display_.transform(state_, side);
   }
-  picture->split_at = state_.split && picture->frames[1] ? state_.split_at : 1;
-  if (picture_ && same_pictures(*picture, *picture_)) return;
-  picture->ocio = state_.ocio;
-  picture->version = picture_ ? picture_->version + 1 : 1;
-  picture->viewer = followed_viewer_;
-  picture->input = followed_number_;
-  picture_ = picture;
-  publisher_.show(picture_);
+  image->split_at = state_.split && image->frames[1] ? state_.split_at : 1;
+  if (image_ && same_images(*image, *image_)) return;
+  image->ocio = state_.ocio;
+  image->version = image_ ? image_->version + 1 : 1;
+  image->viewer = followed_viewer_;
+  image->input = followed_number_;
+  image_ = image;
+  publisher_.show(image_);
 }
 
 void Model::tell_texts() {

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 
+#include "core/vec.h"
 #include "serve/inbox.h"
 #include "serve/message.h"
 #include "serve/publisher.h"
@@ -25,6 +26,9 @@ inline constexpr size_t kMostBookmarks = 32;  ///< stored from the page
 /// settings with which the server started, whose environment is always permitted.
 void check_page_value(const AllSettings& start, const std::string& name, const std::string& value);
 
+/// Size of an image in this area of the page: even, and from kLeastSide to kMostSide.
+IVec2 image_size(const Resize& area);
+
 struct ModelOptions {
   AllSettings settings;
   bool fixed_size = false;  ///< otherwise the page determines the size of the image
@@ -32,7 +36,7 @@ struct ModelOptions {
   bool watch = true;
 };
 
-struct Picture;
+struct ShownImage;
 
 class Model {
  public:
@@ -58,7 +62,7 @@ class Model {
   void resize(const Resize& size);
   void change(const ChangeSetting& change);
   void follow_inputs();
-  void show_picture();
+  void show_image();
   void tell_texts();
   double wait_s() const;
 
@@ -87,7 +91,7 @@ class Model {
   uint32_t followed_viewer_ = 0;
   uint32_t followed_number_ = 0;
 
-  std::shared_ptr<const Picture> picture_;
+  std::shared_ptr<const ShownImage> image_;
   viewer::RenderThread renderer_;  ///< last: its thread ends first
 };
 

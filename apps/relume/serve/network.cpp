@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <boost/asio/post.hpp>
 
+#include "cli/console.h"
 #include "core/clock.h"
 #include "relume/error.h"
 #include "serve/inbox.h"
@@ -40,8 +42,8 @@ Network::Network(const ServerOptions& options, Inbox& inbox)
       hosts_(options.address, options.names),
       token_(options.token),
       most_viewers_(static_cast<size_t>(options.viewers)),
-      encoder_([this](std::shared_ptr<const EncodedPicture> picture) {
-        asio::post(io_, [this, picture = std::move(picture)] { send(picture); });
+      encoder_([this](std::shared_ptr<const EncodedImage> image) {
+        asio::post(io_, [this, image = std::move(image)] { send(image); });
       }) {
   error_code failure;
   const asio::ip::address address = asio::ip::make_address(options.address, failure);
@@ -61,7 +63,13 @@ Network::Network(const ServerOptions& options, Inbox& inbox)
 void Network::run() {
   accept();
   check_times();
-  io_.run();
+  while (!io_.stopped()) {
+    try {
+      io_.run();
+    } catch (const std::exception& error) {
+      cli::warn(error.what());  // out of memory: other connections continue
+    }
+  }
 }
 
 void Network::stop() {
@@ -81,10 +89,10 @@ void Network::say_farewell() {
   });
 }
 
-void Network::show(std::shared_ptr<const Picture> picture) {
-  asio::post(io_, [this, picture = std::move(picture)] {
-    picture_ = picture;
-    for (const auto& connection : connections()) offer_picture(*connection);
+void Network::show(std::shared_ptr<const ShownImage> image) {
+  asio::post(io_, [this, image = std::move(image)] {
+    image_ = image;
+    for (const auto& connection : connections()) offer_image(*connection);
   });
 }
 
@@ -166,7 +174,7 @@ uint32_t Network::join(const std::shared_ptr<Connection>& connection) {
   }
   asio::post(io_, [this, connection] {
     tell_roles();
-    offer_picture(*connection);
+    offer_image(*connection);
   });
   return viewer;
 }
@@ -176,12 +184,12 @@ void Network::take(Connection& connection, const Message& message) {
   const uint32_t viewer = connection.viewer();
   if (const auto* ack = std::get_if<Acknowledge>(&message.body)) {
     connection.link().acknowledged(ack->frame, now);
-    return offer_picture(connection);
+    return offer_image(connection);
   }
   if (std::holds_alternative<TakeScreenshot>(message.body)) {
-    if (!picture_ || !screenshots_.take(1, now)) return;
+    if (!image_ || !screenshots_.take(1, now)) return;
     connection.awaits_png = true;
-    return encoder_.request(picture_, kPngLevel);
+    return encoder_.request(image_, kPngLevel);
   }
   if (std::holds_alternative<RequestSteering>(message.body)) {
     steering_.request(viewer, now);
@@ -208,26 +216,26 @@ void Network::gone(Connection& connection) {
   connections_.erase(connection.id());  // last: it may be the connection's last owner
 }
 
-void Network::offer_picture(Connection& connection) {
-  if (!picture_ || connection.viewer() == 0 || connection.awaited_level >= 0 || connection.frame_waits()) return;
-  if (connection.shown_version == picture_->version) return;
-  if (!connection.link().offer(picture_->version, now_s())) return;
+void Network::offer_image(Connection& connection) {
+  if (!image_ || connection.viewer() == 0 || connection.awaited_level >= 0 || connection.frame_waits()) return;
+  if (connection.shown_version == image_->version) return;
+  if (!connection.link().offer(image_->version, now_s())) return;
   connection.awaited_level = connection.link().level();
-  encoder_.request(picture_, connection.awaited_level);
+  encoder_.request(image_, connection.awaited_level);
 }
 
-void Network::send(const std::shared_ptr<const EncodedPicture>& picture) {
+void Network::send(const std::shared_ptr<const EncodedImage>& image) {
   for (const auto& connection : connections()) {
-    if (!picture) {
+    if (!image) {
       connection->awaited_level = -1;
       connection->awaits_png = false;
-    } else if (picture->level == kPngLevel) {
-      if (std::exchange(connection->awaits_png, false)) connection->show(picture);
-    } else if (connection->awaited_level == picture->level) {
+    } else if (image->level == kPngLevel) {
+      if (std::exchange(connection->awaits_png, false)) connection->show(image);
+    } else if (connection->awaited_level == image->level) {
       connection->awaited_level = -1;
-      connection->shown_version = picture->version;
-      connection->show(picture);
-      offer_picture(*connection);
+      connection->shown_version = image->version;
+      connection->show(image);
+      offer_image(*connection);
     }
   }
 }

@@ -29,7 +29,7 @@ class Network {
   // By any thread
   int port() const { return port_; }
   void stop();
-  void show(std::shared_ptr<const Picture> picture);
+  void show(std::shared_ptr<const ShownImage> image);
   void tell(Topic topic, std::string text);
 
   /// Until stop().
@@ -43,14 +43,14 @@ class Network {
   uint32_t join(const std::shared_ptr<Connection>& connection);
   void take(Connection& connection, const Message& message);
   void gone(Connection& connection);
-  /// Requests the newest picture for a viewer that lacks it, if its link has room.
-  void offer_picture(Connection& connection);
+  /// Requests the newest image for a viewer that lacks it, if its link has room.
+  void offer_image(Connection& connection);
 
  private:
   void accept();
   void admit(boost::asio::ip::tcp::socket socket);
   void check_times();
-  void send(const std::shared_ptr<const EncodedPicture>& picture);
+  void send(const std::shared_ptr<const EncodedImage>& image);
   void tell_roles();
   void say_farewell();
   std::vector<std::shared_ptr<Connection>> connections() const;
@@ -74,7 +74,7 @@ class Network {
   RateLimiter screenshots_{1, 4};
   std::array<std::shared_ptr<const std::string>, kTopics> texts_;
   std::string roles_;  ///< last told
-  std::shared_ptr<const Picture> picture_;
+  std::shared_ptr<const ShownImage> image_;
   FrameEncoder encoder_;  ///< last: its thread posts to the others
 };
 

@@ -6,7 +6,7 @@
 
 namespace relume::serve {
 
-struct Picture;
+struct ShownImage;
 
 /// Subjects of JSON texts to viewers. A newer text of a topic replaces an older one.
 enum class Topic : int { role, declarations, values, status };
@@ -16,7 +16,7 @@ inline constexpr int kTopics = 4;
 class Publisher {
  public:
   virtual ~Publisher() = default;
-  virtual void show(std::shared_ptr<const Picture> picture) = 0;
+  virtual void show(std::shared_ptr<const ShownImage> image) = 0;
   virtual void tell(Topic topic, std::string text) = 0;
 };
 

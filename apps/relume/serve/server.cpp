@@ -22,7 +22,7 @@ void Server::stop() {
   thread_.join();
 }
 
-void Server::show(std::shared_ptr<const Picture> picture) { network_->show(std::move(picture)); }
+void Server::show(std::shared_ptr<const ShownImage> image) { network_->show(std::move(image)); }
 
 void Server::tell(Topic topic, std::string text) { network_->tell(topic, std::move(text)); }
 

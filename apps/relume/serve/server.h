@@ -36,7 +36,7 @@ class Server : public Publisher {
   /// Tells viewers that the server ends, and closes all connections. Takes at most kFarewell_s.
   void stop();
 
-  void show(std::shared_ptr<const Picture> picture) override;
+  void show(std::shared_ptr<const ShownImage> image) override;
   void tell(Topic topic, std::string text) override;
 
  private:

@@ -96,10 +96,8 @@ export class Views {
         children.push(this.button(`Let viewer ${viewer} steer`, () => this.link.send({ do: "grant", viewer }), { "data-grant": String(viewer) }));
     }
     byId("steering").replaceChildren(...children);
-    for (const id of ["settings", "buffers", "camera", "tools"]) {
-      byId(id).inert = !steers && id !== "tools";
-      for (const button of byId("tools").querySelectorAll("[data-press]")) button.disabled = !steers;
-    }
+    for (const id of ["settings", "buffers", "camera"]) byId(id).inert = !steers;
+    for (const button of byId("tools").querySelectorAll("[data-press]")) button.disabled = !steers;
   }
 
   showState(sentence) {

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Tests the page of `relume serve` in Chromium: image, camera, settings, buffers, screenshot, rates. Needs Chromium and selenium."""
+
+import os
+import pathlib
+import sys
+import tempfile
+import time
+import unittest
+
+import page_test
+from png import png_pixels
+from serve_client import Server
+
+# For otherwise idle machines: requires rates instead of only reporting them.
+QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
+PATIENCE_S = 120
+
+MEAN = """
+const image = document.getElementById("image");
+const data = image.getContext("2d").getImageData(0, 0, image.width, image.height).data;
+let sum = 0;
+for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+return sum / (data.length / 4 * 3);
+"""
+
+
+class Browser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server("cornell", "--width", 640, "--height", 360, "--max-bounces", 3)
+        cls.addClassCleanup(cls.server.close)
+        folder = tempfile.TemporaryDirectory(prefix="relume_")
+        cls.addClassCleanup(folder.cleanup)
+        cls.downloads = pathlib.Path(folder.name)
+        cls.browser = page_test.start_browser("MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", {"download.default_directory": folder.name})
+        cls.addClassCleanup(cls.browser.quit)
+        cls.browser.set_script_timeout(PATIENCE_S)
+
+    def setUp(self):
+        self.browser.get("about:blank")
+        self.browser.get(self.server.address)
+        self.wait(lambda: self.js("return Boolean(globalThis.relume && relume.state.frames > 1 && relume.state.values && relume.state.status?.eye)"))
+        self.wait(lambda: self.js("return relume.state.role.viewer === relume.state.role.steerer"))
+
+    def tearDown(self):
+        self.assertTrue(self.server.alive, "".join(self.server.errors))
+
+    def js(self, script, *arguments):
+        return self.browser.execute_script(script, *arguments)
+
+    def wait(self, condition):
+        page_test.WebDriverWait(self.browser, PATIENCE_S).until(lambda _: condition())
+
+    def one(self, selector):
+        return self.browser.find_element(page_test.By.CSS_SELECTOR, selector)
+
+    def status(self):
+        return self.js("return relume.state.status")
+
+    def hold(self, key, seconds):
+        self.one("#image").click()
+        page_test.ActionChains(self.browser).key_down(key).pause(seconds).key_up(key).perform()
+
+    def test_opens_without_errors_and_is_not_black(self):
+        self.assertEqual([entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"], [])
+        self.assertGreater(self.js(MEAN), 20)
+        self.assertNotIn("#", self.browser.current_url, "the token leaves the address bar")
+        self.assertEqual(self.js("return document.getElementById('notice').hidden"), True)
+        sources = self.js("return performance.getEntriesByType('resource').map((e) => e.name)")
+        self.assertTrue(all(source.startswith((f"http://{self.server.host}/", "blob:", "data:")) for source in sources), sources)
+        self.browser.refresh()
+        self.wait(lambda: self.js("return Boolean(globalThis.relume && relume.state.frames > 1)"))
+
+    def test_a_page_without_its_token_says_so(self):
+        self.js("sessionStorage.clear()")
+        self.browser.get(f"http://{self.server.host}/")
+        self.wait(lambda: "token" in self.one("#notice").text)
+        self.assertEqual(self.js("return relume.state.frames"), 0)
+
+    def test_w_moves_the_camera(self):
+        before = self.status()
+        self.hold("w", 0.5)
+        self.wait(lambda: self.status()["eye"] != before["eye"])
+        time.sleep(1)
+        after = self.status()
+        moved = [b - a for a, b in zip(before["eye"], after["eye"])]
+        self.assertGreater(sum(m * f for m, f in zip(moved, before["forward"])), 0, "forwards")
+        time.sleep(1)
+        self.assertEqual(self.status()["eye"], after["eye"], "the camera stops with the key")
+
+    def test_a_drag_turns_the_camera(self):
+        before = self.status()
+        page_test.ActionChains(self.browser).drag_and_drop_by_offset(self.one("#image"), 80, 0).perform()
+        self.wait(lambda: self.status()["forward"] != before["forward"])
+
+    def test_a_slot_changes(self):
+        choice = page_test.Select(self.one("select[data-setting='denoise']"))
+        before = choice.first_selected_option.text
+        wanted = "none" if before != "none" else "bmfr"
+        choice.select_by_visible_text(wanted)
+        self.wait(lambda: self.js("return relume.state.values.sides[0].denoise") == wanted)
+        self.wait(lambda: any(p["name"] for p in self.status()["times"][0]["passes"]))
+        page_test.Select(self.one("select[data-setting='denoise']")).select_by_visible_text(before)
+        self.wait(lambda: self.js("return relume.state.values.sides[0].denoise") == before)
+
+    def test_values_out_of_range_give_a_message(self):
+        self.js("relume.link.input({ do: 'set', side: 0, name: 'max-bounces', value: '-1' })")
+        self.wait(lambda: any("max-bounces" in message["text"] for message in self.status()["messages"]))
+
+    def test_buffers_switch(self):
+        self.one("[data-tab='buffers']").click()
+        image = self.js(MEAN)
+        self.one("[data-buffer='depth']").click()
+        self.wait(lambda: self.status().get("shown_buffer") == "depth")
+        frames = self.js("return relume.state.frames")
+        self.wait(lambda: self.js("return relume.state.frames") > frames + 1)
+        self.assertNotAlmostEqual(self.js(MEAN), image, delta=1)
+        self.one("[data-buffer='image']").click()
+        self.wait(lambda: self.status().get("shown_buffer") == "")
+
+    def test_sides_and_bookmarks(self):
+        self.one("[data-press='split']").click()
+        self.wait(lambda: self.one("#divider").is_displayed() and len(self.status()["times"]) == 2)
+        self.one("[data-press='split']").click()
+        self.wait(lambda: not self.one("#divider").is_displayed())
+        self.one("[data-tab='camera']").click()
+        before = len(self.status()["bookmarks"])
+        eye = self.status()["eye"]
+        page_test.ActionChains(self.browser).click(self.one("#camera > button")).perform()
+        self.wait(lambda: len(self.status()["bookmarks"]) == before + 1)
+        self.hold("s", 0.4)
+        self.wait(lambda: self.status()["eye"] != eye)
+        self.one(f"[data-bookmark='{before}']").click()
+        self.wait(lambda: max(abs(a - b) for a, b in zip(self.status()["eye"], eye)) < 1e-3)
+
+    def test_a_screenshot_downloads(self):
+        self.one("#screenshot").click()
+        file = self.downloads / "relume-cornell.png"
+        self.wait(file.exists)
+        width, height, _, rows = png_pixels(file)
+        self.assertGreaterEqual((width, height), (96, 54))
+        self.assertGreater(max(map(max, rows)), 100)
+
+    def test_a_second_window_watches(self):
+        first = self.browser.current_window_handle
+        self.browser.switch_to.new_window("window")
+        try:
+            self.browser.get(self.server.address)
+            self.wait(lambda: self.js("return Boolean(globalThis.relume && relume.state.frames > 0)"))
+            self.assertTrue(self.js("return document.getElementById('settings').inert"))
+            self.one("#steer").click()
+            # On a busy machine, the first window may have been inactive for long enough to lose its role.
+            self.wait(lambda: self.js("return relume.state.role.requests.length === 1 || relume.state.role.viewer === relume.state.role.steerer"))
+            self.browser.switch_to.window(first)
+            if self.js("return relume.state.role.viewer === relume.state.role.steerer"):
+                self.wait(lambda: self.browser.find_elements(page_test.By.CSS_SELECTOR, "[data-grant]"))
+                self.one("[data-grant]").click()
+            self.wait(lambda: self.js("return relume.state.role.viewer !== relume.state.role.steerer"))
+        finally:
+            self.browser.switch_to.window(next(handle for handle in self.browser.window_handles if handle != first))
+            self.browser.close()
+            self.browser.switch_to.window(first)
+
+    def test_rates(self):
+        self.js("relume.link.latencies.length = 0")
+        worst, received = float("inf"), float("inf")
+        for key in ("w", "s", "w", "s"):
+            self.hold(key, 2 if QUIET else 1)
+            rates = self.js("return relume.rates()")
+            worst, received = min(worst, rates["drawn"]), min(received, rates["received"])
+        latencies = sorted(self.js("return relume.link.latencies"))
+        self.assertTrue(latencies)
+        print(f"page: {worst} interface frames/s, {received} received/s at level {rates['level']}, latency from key to changed frame: median "
+              f"{latencies[len(latencies) // 2]:.0f} ms, longest {latencies[-1]:.0f} ms", file=sys.stderr)
+        self.assertGreater(received, 0)
+        if QUIET:
+            self.assertGreaterEqual(worst, 30)
+            self.assertGreaterEqual(received, 24)
+            self.assertLess(latencies[len(latencies) // 2], 200)
+
+
+if __name__ == "__main__":
+    if not (page_test.webdriver and page_test.CHROMIUM and page_test.DRIVER):
+        print("Chromium, its driver or selenium is missing; scripts/install_packages installs them")
+        sys.exit(page_test.SKIPPED)
+    unittest.main()
