@@ -66,12 +66,15 @@ void Connection::leave(websocket::close_code code) {
 void Connection::check_times(double now_s) {
   if (closed_) return;
   if (closing_ ? now_s - since_s_ > kClosing_s : viewer_ == 0 && now_s - since_s_ > kHandshake_s) return close();
-  if (writing_ && now_s - writing_since_s_ > kWrite_s) return close();
+  if (writing_ && now_s > writing_until_s_) return close();
   if (viewer_ == 0 || closing_) return;
   if (now_s - heard_s_ > kIdle_s) return close();
-  if (now_s - pinged_s_ < kPing_s) return;
+  // Beast permits one ping at a time. It waits while a slow link takes a frame.
+  if (pinging_ || now_s - pinged_s_ < kPing_s) return;
+  pinging_ = true;
   pinged_s_ = now_s;
   socket_->async_ping({}, [self = shared_from_this()](const beast::error_code& failure) {
+    self->pinging_ = false;
     if (failure) self->close();
   });
 }
@@ -189,8 +192,7 @@ void Connection::write() {
   if (writing_ || closed_ || closing_ || !opened_) return;
   for (std::shared_ptr<const std::string>& text : texts_) {
     if (!text) continue;
-    writing_ = true;
-    writing_since_s_ = now_s();
+    begin_write(text->size(), now_s());
     const auto data = asio::buffer(*text);
     sending_ = std::exchange(text, nullptr);
     socket_->text(true);
@@ -200,18 +202,24 @@ void Connection::write() {
   if (png_ || frame_) write_frame();
 }
 
+/// Slow links take large frames, too: only their acknowledgements can lower the level.
+void Connection::begin_write(size_t bytes, double now_s) {
+  writing_ = true;
+  writing_until_s_ = now_s + kWrite_s + static_cast<double>(bytes) / kLeastBytesPerSecond;
+}
+
 void Connection::write_frame() {
   const bool is_png = png_ != nullptr;
   const std::shared_ptr<const EncodedImage> image = std::exchange(is_png ? png_ : frame_, nullptr);
-  writing_ = true;
-  writing_since_s_ = now_s();
+  const double now = now_s();
+  begin_write(image->bytes.size(), now);
   // Little-endian: kind, level, 2 bytes of padding, frame, input, width, height.
   const uint32_t input = image->viewer == viewer_ ? image->input : 0;
   const std::array<uint32_t, 5> words = {(is_png ? 1u : 0u) | static_cast<uint32_t>(image->level) << 8,
                                          is_png ? 0 : ++frames_, input, static_cast<uint32_t>(image->width),
                                          static_cast<uint32_t>(image->height)};
   for (size_t i = 0; i < header_.size(); ++i) header_[i] = static_cast<uint8_t>(words[i / 4] >> (8 * (i % 4)));
-  if (!is_png) link_.sent(frames_, writing_since_s_);
+  if (!is_png) link_.sent(frames_, now);
   const std::array<asio::const_buffer, 2> data = {asio::buffer(header_), asio::buffer(image->bytes)};
   sending_ = image;
   socket_->binary(true);

@@ -61,6 +61,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void greet(const Message& message);
   void write();
   void write_frame();
+  void begin_write(size_t bytes, double now_s);
   void written(const boost::beast::error_code& failure);
   boost::asio::ip::tcp::socket& socket();
 
@@ -80,6 +81,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   double since_s_;  ///< start of the connection, or of closing
   double heard_s_;  ///< last message or pong
   double pinged_s_;
+  bool pinging_ = false;  ///< whether a ping is in progress
   RateLimiter messages_{kMessagesPerSecond, kMessagesAtOnce};
   RateLimiter bytes_{kBytesPerSecond, kBytesAtOnce};
   RateLimiter controls_{kMessagesPerSecond, kMessagesAtOnce};  ///< pings, pongs
@@ -90,7 +92,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<const EncodedImage> frame_;
   std::shared_ptr<const EncodedImage> png_;
   bool writing_ = false;
-  double writing_since_s_ = 0;
+  double writing_until_s_ = 0;           ///< time-out of the write in progress
   std::shared_ptr<const void> sending_;  ///< keeps the data of the write in progress
   std::array<uint8_t, 20> header_{};     ///< of the frame in progress
   uint32_t frames_ = 0;                  ///< sent

@@ -23,7 +23,8 @@ inline constexpr double kAcceptedAtOnce = 64;
 inline constexpr double kHandshake_s = 5;  ///< from a connection to its token, or to the end of the answer
 inline constexpr double kPing_s = 15;      ///< between pings of a viewer
 inline constexpr double kIdle_s = 45;      ///< without a message or pong
-inline constexpr double kWrite_s = 20;     ///< until a write is complete
+inline constexpr double kWrite_s = 20;     ///< until a write is complete, and the time of its bytes at the next rate
+inline constexpr double kLeastBytesPerSecond = 32 << 10;
 
 // Rates of a viewer
 inline constexpr double kMessagesPerSecond = 600;
