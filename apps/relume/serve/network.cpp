@@ -128,8 +128,8 @@ void Network::accept() {
       });
     }
     accepts_.take(1, now_s());
+    accept();  // first, since out of memory, admit() throws
     admit(std::move(socket));
-    accept();
   });
 }
 
@@ -150,14 +150,14 @@ void Network::admit(tcp::socket socket) {
 }
 
 void Network::check_times() {
+  check_timer_.expires_after(seconds(kCheck_s));  // first, since the rest may throw
+  check_timer_.async_wait([this](const error_code& failure) {
+    if (!failure) check_times();
+  });
   const double now = now_s();
   for (const auto& connection : connections()) connection->check_times(now);
   steering_.update(now);
   tell_roles();
-  check_timer_.expires_after(seconds(kCheck_s));
-  check_timer_.async_wait([this](const error_code& failure) {
-    if (!failure) check_times();
-  });
 }
 
 bool Network::knows_token(const std::string& token) const { return equal_in_constant_time(token_, token); }
