@@ -65,7 +65,7 @@ bool is_loopback(const std::string& address) {
 }
 
 AllowedHosts::AllowedHosts(const std::string& address, std::vector<std::string> names) : names_(std::move(names)) {
-  for (std::string& name : names_) name = lower(name);
+  for (std::string& name : names_) name = parse_host(name).host;  // without the brackets of IPv6
   for (const char* loopback : {"localhost", "127.0.0.1", "::1"}) names_.emplace_back(loopback);
   names_.push_back(lower(address));
   boost::asio::ip::address parsed;

@@ -32,6 +32,7 @@ TEST(AllowedHosts, AllAddressesAllowNumbersButNoNames) {
   EXPECT_TRUE(hosts.allows_host("10.0.0.1:8464"));
   EXPECT_TRUE(hosts.allows_host("render.example.com"));
   EXPECT_FALSE(hosts.allows_host("evil.example:8464"));
+  EXPECT_TRUE(AllowedHosts("127.0.0.1", {"[2001:db8::1]"}).allows_host("[2001:DB8::1]:80"));
   const AllowedHosts one("192.168.1.5", {});
   EXPECT_TRUE(one.allows_host("192.168.1.5:8464"));
   EXPECT_FALSE(one.allows_host("192.168.1.6:8464"));
