@@ -2,6 +2,7 @@
 
 const PROTOCOL_SOCKET = "/socket";
 const STILL_MS = 10000;
+const LEAST_RETRY_MS = 250;
 const MOST_RETRY_MS = 8000;
 const HEADER_BYTES = 20;
 const PNG = 1;
@@ -21,7 +22,7 @@ export class Link extends EventTarget {
     this.number = 0;
     this.sentAt = new Map();
     this.latencies = [];
-    this.retryMs = 250;
+    this.retryMs = LEAST_RETRY_MS;
     setInterval(() => this.send({ do: "still" }), STILL_MS);
   }
 
@@ -32,7 +33,6 @@ export class Link extends EventTarget {
     this.socket = socket;
     socket.onopen = () => {
       socket.send(JSON.stringify({ do: "hello", token: this.token }));
-      this.retryMs = 250;
     };
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = (event) => this.closed(event.code);
@@ -70,6 +70,7 @@ export class Link extends EventTarget {
 
   receive(data) {
     if (typeof data === "string") {
+      this.retryMs = LEAST_RETRY_MS; // admitted: a full server closes the connection before
       this.emit("state", "");
       return this.emit("text", JSON.parse(data));
     }
