@@ -97,7 +97,7 @@ void Model::run(const std::stop_token& stop) {
     turned_s = now_s();
     turn(turned_s);
     if (!loop_.device_loss().empty()) throw Error(ErrorCode::device, loop_.device_loss());
-    if (!state_.frame() && !loop_.first_problem().empty()) throw Error(loop_.first_problem());
+    if (!edited_ && !state_.frame() && !loop_.first_problem().empty()) throw Error(loop_.first_problem());
     inbox_.wait(wait_s());
   }
 }
@@ -152,6 +152,7 @@ void Model::act(const MessageBody& body) {
   }
   if (std::holds_alternative<Left>(body)) held_ = {};
   has_news_ = true;
+  edited_ = edited_ || std::holds_alternative<ChangeSetting>(body) || std::holds_alternative<ApplyPreset>(body);
   if (const auto* setting = std::get_if<ChangeSetting>(&body)) change(*setting);
   if (const auto* preset = std::get_if<ApplyPreset>(&body)) apply_preset(state_, preset->side, preset->name);
   if (const auto* size = std::get_if<Resize>(&body)) resize(*size);

@@ -44,7 +44,7 @@ class Model {
   Model(const ModelOptions& options, std::shared_ptr<const viewer::LoadedScene> scene, viewer::OcioDisplay ocio,
         Inbox& inbox, Publisher& publisher);
 
-  /// Until a stop is requested. Throws Error if the first scene cannot be shown, or a GPU is lost.
+  /// Until a stop is requested. Throws Error if the first scene cannot be shown as it started, or a GPU is lost.
   void run(const std::stop_token& stop);
 
   /// One turn of run(), without waiting.
@@ -75,6 +75,7 @@ class Model {
   Fly held_;
   uint32_t held_by_ = 0;  ///< viewer
   double held_until_s_ = 0;
+  bool edited_ = false;   ///< whether a page changed settings: it sees their errors, and the server continues
   bool has_news_ = true;  ///< whether viewers should get the status at once
   double status_s_ = 0;   ///< time of the last status
   std::string values_;    ///< last told
