@@ -103,6 +103,7 @@ class Viewer:
         self.texts = {}
         self.frames = 0
         self.last = None
+        self.png = None
         self.close_code = None
         self.connection = server.connect(timeout)
         key = base64.b64encode(os.urandom(16)).decode()
@@ -172,6 +173,8 @@ class Viewer:
             self.frames += 1
             self.last = payload
             self.send({"do": "ack", "frame": struct.unpack_from("<I", payload, 4)[0]})
+        elif opcode == BINARY:
+            self.png = payload
         elif opcode == PING:
             self.send_frame(PONG, payload)
         elif opcode == CLOSE:
@@ -186,10 +189,11 @@ class Viewer:
             self.receive()
 
     def code_at_close(self):
-        """The code of the closing frame; None if the connection ends without one."""
+        """The code of the closing frame; None if the connection ends without one. Fails if it does not end."""
         try:
-            while self.close_code is None:
-                self.receive()
+            self.receive_until(lambda: self.close_code is not None)
+        except TimeoutError:
+            raise AssertionError("the server keeps the connection") from None
         except OSError:
             pass
         return self.close_code

@@ -16,6 +16,7 @@ from serve_client import BINARY, CLOSE, PING, SECONDS_TO_ANSWER, TEXT, Server, V
 SCENE = ("cornell", "--width", 160, "--height", 90, "--max-bounces", 2, "--threads", 1)
 SANITIZED = "RELUME_SANITIZED" in os.environ
 MOST_GROWTH = 64 << 20  # bytes
+MOST_GAP_S = 60 if SANITIZED else 10
 HANDSHAKE_S = 5  # kHandshake_s of serve/limits.h
 TOO_BIG = 1009  # of RFC 6455
 
@@ -96,7 +97,7 @@ class Hostile(unittest.TestCase):
         memory = self.server.resident_bytes()
         print(f"{self.id().split('.')[-1]}: {(self.honest.frames - self.frames) / seconds:.1f} frames/s, longest gap {1000 * self.honest.longest_gap_s:.0f} ms, "
               f"{memory >> 20} MiB", file=sys.stderr)
-        self.assertLess(self.honest.longest_gap_s, 10)
+        self.assertLess(self.honest.longest_gap_s, MOST_GAP_S)
         if not SANITIZED:  # they keep freed memory
             self.assertLess(memory, self.memory + MOST_GROWTH)
 
@@ -193,8 +194,9 @@ class Hostile(unittest.TestCase):
         for opcode, payload in ((TEXT, b'{"do":"still"}'), (PING, b"x"), (TEXT, json.dumps(VALID[1]).encode())):
             with Viewer(self.server) as viewer:
                 viewer.receive_until(lambda v=viewer: "role" in v.texts)
-                with self.assertRaises(OSError):
-                    for _ in range(200000):
+                end = time.monotonic() + SECONDS_TO_ANSWER
+                with self.assertRaises(ConnectionError):
+                    while time.monotonic() < end:
                         viewer.send_frame(opcode, payload)
 
     def test_slow_clients_are_closed(self):

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Tests `relume serve` by its protocol: files, tokens, origins, steering, settings, signals."""
 
+import os
 import signal
 import time
 import unittest
 
 from program import ProgramTest
-from serve_client import BINARY, Server, Viewer, Watching
+from serve_client import Server, Viewer, Watching
 
 SCENE = ("cornell", "--width", 160, "--height", 90, "--max-bounces", 2, "--threads", 1)
+SECONDS_TO_END = 20 if "RELUME_SANITIZED" in os.environ else 4  # up to 0.7 s on an idle machine
 POLICY_ERROR, TRY_AGAIN_LATER, GOING_AWAY = 1008, 1013, 1001
 
 
@@ -128,15 +130,12 @@ class Serving(unittest.TestCase):
         with Viewer(self.server) as viewer:
             viewer.receive_until(lambda: viewer.frames > 0)
             viewer.send({"do": "screenshot"})
-            while True:
-                opcode, payload = viewer.receive()
-                if opcode == BINARY and payload[0] == 1:
-                    break
-            self.assertEqual(payload[20:28], b"\x89PNG\r\n\x1a\n")
+            viewer.receive_until(lambda: viewer.png)
+            self.assertEqual(viewer.png[20:28], b"\x89PNG\r\n\x1a\n")
 
 
 class Ending(ProgramTest):
-    def test_signals_end_it_within_a_second(self):
+    def test_signals_end_it_soon(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(number):
                 server = Server(*SCENE)
@@ -146,7 +145,7 @@ class Ending(ProgramTest):
                     code, seconds = server.stop(number)
                 watching.stop()
                 self.assertEqual(code, 0, "".join(server.errors))
-                self.assertLess(seconds, 1)
+                self.assertLess(seconds, SECONDS_TO_END)
                 self.assertEqual(watching.viewer.close_code, GOING_AWAY)
 
     def test_other_addresses_get_a_warning(self):
