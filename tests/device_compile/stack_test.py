@@ -38,9 +38,8 @@ BOUNDS = (
     (r"PathCandidateKernel", 2000),  # a path, beside the chosen one
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, IndirectSampleOutput", 2000),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1800),
-    # Lobes of the drawn cells, and the recorders of both kinds of chains: 0.4 KB.
-    (r"PathKernel<RadianceOutput, ChainOutput, IndirectSampleOutput", 2300),
-    (r"PathKernel<RadianceOutput, ChainOutput", 2150),
+    # The recorders of both kinds of chains: 0.3 KB.
+    (r"PathKernel<RadianceOutput, ChainOutput", 1900),
     (r"RisKernel", 1700),
     (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2300),  # vertices of the path
     (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2550),

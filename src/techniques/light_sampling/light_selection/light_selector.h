@@ -36,7 +36,7 @@ struct LightSelector {
       case LightSelectorKind::static_lists: return lists.sample(sp, n);
       case LightSelectorKind::cache: return cache.sample(sp, n);
       case LightSelectorKind::adaptive_tiles: return tiles.sample(sp, n);
-      case LightSelectorKind::markov_chains: return chains.sample(tree, sp, n);
+      case LightSelectorKind::markov_chains: return chains.sample(tree, sp, n.u, n.bits);
     }
     return {};
   }

@@ -75,7 +75,9 @@ struct MarkovChainLights {
     return drawn_lights;
   }
 
-  RELUME_HD LightSelection sample(const LightTree& tree, const SurfacePoint& sp, ReusableNumber n) const {
+  /// `u`, `bits`: those of a ReusableNumber, as numbers because a copy of it enlarges the stack of all paths.
+  RELUME_HD LightSelection sample(const LightTree& tree, const SurfacePoint& sp, float u, uint32_t bits) const {
+    ReusableNumber n{u, bits};
     const DrawnLights lights = lights_at(tree, sp);
     if (!(lights.sum > 0.0f)) return tree.sample(sp, n);
     if (takes_share(base_fraction, n)) {

@@ -57,7 +57,8 @@ void check(const MarkovChainLights& chains, const LightTree& tree, const Surface
   std::vector<uint64_t> rest(32, 0);
   testing::Random random(71);
   for (int i = 0; i < kSamples; ++i) {
-    const LightSelection s = chains.sample(tree, sp, {random.next(), random.next_bits()});
+    const float u = random.next();
+    const LightSelection s = chains.sample(tree, sp, u, random.next_bits());
     ASSERT_LT(s.light, light_count) << name;
     ASSERT_FLOAT_EQ(s.pmf, chains.pmf(tree, sp, s.light)) << name;
     ASSERT_TRUE(s.u >= 0.0f && s.u < 1.0f) << name;
@@ -111,7 +112,7 @@ TEST(LightChains, EqualTheTreeWithoutUsableStates) {
   testing::Random random(3);
   for (int i = 0; i < 1000; ++i) {
     const ReusableNumber n{random.next(), random.next_bits()};
-    const LightSelection a = chains.sample(tree, sp, n);
+    const LightSelection a = chains.sample(tree, sp, n.u, n.bits);
     const LightSelection b = tree.sample(sp, n);
     ASSERT_EQ(a.light, b.light);
     ASSERT_EQ(a.pmf, b.pmf);
