@@ -101,7 +101,7 @@ RELUME_HD inline void add_target(GuideState& s, const ChainRates& rates, const V
   s.weight += alpha * (score - s.weight);
   s.target += alpha * (score * target - s.target);
   const Vec3 to_target = target - p;
-  const Vec3 to_mean = s.target - s.weight * p;
+  const Vec3 to_mean = mean_target(s) - p;
   const float lengths = glm::length(to_target) * glm::length(to_mean);
   const float cosine = lengths > 0.0f ? clamp(glm::dot(to_target, to_mean) / lengths, 0.0f, 1.0f) : 0.0f;
   s.cosine += alpha * (score * cosine - s.cosine);
