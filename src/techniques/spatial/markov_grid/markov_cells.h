@@ -105,8 +105,9 @@ class MarkovCells {
   /// Allocates for the size of the image and the settings. Changed numbers of slots or records empty them.
   void resize(const FrameContext& frame, const MarkovGridSettings& s) {
     const auto vertices = static_cast<uint32_t>(s.vertices);
-    if (vertices_ != vertices || pixels_ != frame.pixels()) {
-      reset(frame.backend, name_, records_, size_t{frame.pixels()} * vertices);
+    const size_t records = size_t{frame.pixels()} * vertices;
+    if (vertices_ != vertices || pixels_ != frame.pixels() || records_.size() != records) {
+      reset(frame.backend, name_, records_, records);
       vertices_ = vertices;
       pixels_ = frame.pixels();
     }
