@@ -135,7 +135,9 @@ struct AdaptiveTiles {
   LightProxies all;
   float local = 0.65f;  ///< share of samples from the tile's list, where there is one
 
-  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+  /// `u`, `bits`: those of a ReusableNumber, as numbers because a copy of it enlarges the stack of all paths.
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u, uint32_t bits) const {
+    ReusableNumber n{u, bits};
     if (all.total() == 0) return {};
     const uint32_t tile = tiles.find(sp.previous_position);
     if (tile == kNoTile || !takes_share(local, n)) {

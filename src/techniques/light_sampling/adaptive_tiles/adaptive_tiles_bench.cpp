@@ -59,7 +59,7 @@ void bm_tiles_sample(benchmark::State& state) {
   for (auto _ : state) {
     i = i * 1664525u + 1013904223u;
     sp.previous_position = {4 * to_unit_float(hash(i, 1u)) - 2, 2 * to_unit_float(hash(i, 2u)) - 1, -4.5f};
-    benchmark::DoNotOptimize(selector.sample(sp, {to_unit_float(i), i}));
+    benchmark::DoNotOptimize(selector.sample(sp, to_unit_float(i), i));
   }
 }
 BENCHMARK(bm_tiles_sample)->ArgName("lights")->Arg(8)->Arg(1000)->Arg(100000);

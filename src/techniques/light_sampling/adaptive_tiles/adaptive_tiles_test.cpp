@@ -95,7 +95,8 @@ TEST(AdaptiveTiles, SamplesFollowTheirProbabilities) {
     std::vector<uint64_t> counts(kLights, 0);
     std::vector<uint64_t> rest(32, 0);
     for (int i = 0; i < kSamples; ++i) {
-      const LightSelection s = tiles.selector.sample(sp, {random.next(), random.next_bits()});
+      const ReusableNumber n{random.next(), random.next_bits()};
+      const LightSelection s = tiles.selector.sample(sp, n.u, n.bits);
       ASSERT_LT(s.light, kLights);
       ASSERT_FLOAT_EQ(s.pmf, tiles.selector.pmf(sp, s.light));
       ASSERT_TRUE(s.u >= 0.0f && s.u < 1.0f);
@@ -137,7 +138,8 @@ TEST(AdaptiveTiles, VanishedLightsAreNotChosen) {
   testing::Random random(5);
   int lost = 0;
   for (int i = 0; i < 1000; ++i) {
-    const LightSelection s = tiles.selector.sample(sp, {random.next(), random.next_bits()});
+    const ReusableNumber n{random.next(), random.next_bits()};
+    const LightSelection s = tiles.selector.sample(sp, n.u, n.bits);
     if (s.pmf > 0.0f) {
       EXPECT_LT(s.light, kLights);
     } else {
@@ -184,11 +186,11 @@ TEST(AdaptiveTiles, ProxiesBelongToTheirLight) {
 TEST(AdaptiveTiles, SelectNothingWithoutProxies) {
   AdaptiveTiles none;
   const SurfacePoint sp = point_at(Vec3(0));
-  EXPECT_EQ(none.sample(sp, {0.5f, 1}).pmf, 0.0f);
+  EXPECT_EQ(none.sample(sp, 0.5f, 1).pmf, 0.0f);
   EXPECT_EQ(none.pmf(sp, 0), 0.0f);
   const std::vector<uint32_t> dark{0, 0, 0};
   none.all = {view_of(dark)};
-  EXPECT_EQ(none.sample(sp, {0.5f, 1}).pmf, 0.0f);
+  EXPECT_EQ(none.sample(sp, 0.5f, 1).pmf, 0.0f);
   EXPECT_EQ(none.pmf(sp, 1), 0.0f);
 }
 

@@ -35,7 +35,7 @@ struct LightSelector {
       case LightSelectorKind::light_tree: return tree.sample(sp, n);
       case LightSelectorKind::static_lists: return lists.sample(sp, n);
       case LightSelectorKind::cache: return cache.sample(sp, n);
-      case LightSelectorKind::adaptive_tiles: return tiles.sample(sp, n);
+      case LightSelectorKind::adaptive_tiles: return tiles.sample(sp, n.u, n.bits);
       case LightSelectorKind::markov_chains: return chains.sample(tree, sp, n.u, n.bits);
     }
     return {};
