@@ -332,7 +332,7 @@ struct PathShifter {
 
   /// Whether the media behind the joint are those of the stored path, up to rounding of their sums.
   RELUME_HD static bool same_medium(const Rgb& a, const Rgb& b) {
-    const Rgb difference = glm::abs(a - b);
+    const Rgb difference = abs(a - b);
     return max_component(difference) <= 1e-4f * (max_component(a) + max_component(b));
   }
 };
