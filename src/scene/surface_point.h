@@ -71,10 +71,9 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
 /// texture levels ([Akenine21]). `wavelength_nm`: of the path; it selects the index of refraction.
 RELUME_HD void make_surface_point(const SceneView& scene, const Instance& instance, const Ray& ray, const Hit& hit,
                                   float cone_width, SurfacePoint& sp, float wavelength_nm);
-/// The same at the time of the ray, if something moves while the shutter is open. It takes values: references would
-/// keep the objects around them in the memory of a device's thread.
-RELUME_HD void make_moved_surface_point(const SceneView& scene, Ray ray, Hit hit, float cone_width, SurfacePoint& sp,
-                                        float wavelength_nm);
+/// The same at the time of the ray, if something moves while the shutter is open.
+RELUME_HD void make_moved_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
+                                        SurfacePoint& sp, float wavelength_nm);
 /// Computes the point where `ray` meets the surface at `hit`, at the time of the ray.
 RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
                                          SurfacePoint& sp, float wavelength_nm = kNoWavelength) {

@@ -10,11 +10,18 @@ namespace surface_detail {
 /// Copies by component. A whole copy reads just-written components in larger pieces, which stalls processors.
 RELUME_HD_INLINE Vec3 copy_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// Data of one triangle at a hit.
+/// Data of one triangle at a hit. Its functions give what moves in an open shutter; MovedTriangleAt replaces them.
 struct TriangleAt {
   const Vertex* v[3];
   UVec3 index;
   Vec3 weights;
+
+  RELUME_HD_INLINE const Vec3& position(int k) const { return v[k]->position; }
+  RELUME_HD_INLINE Vec3 normal(int k) const { return v[k]->normal.unpack(); }
+  RELUME_HD_INLINE Vec3 tangent(int k) const { return unpack_direction(v[k]->tangent); }
+  RELUME_HD_INLINE const Affine& to_world(const Instance& i) const { return i.to_world; }
+  RELUME_HD_INLINE Vec3 vector_to_world(const Instance& i, const Vec3& d) const { return i.to_world.vector(d); }
+  RELUME_HD_INLINE Vec3 normal_to_world(const Instance& i, const Vec3& n) const { return i.normal_to_world * n; }
 };
 
 RELUME_HD inline TriangleAt triangle_at(const SceneView& scene, const MeshView& mesh, uint32_t primitive, float u,
@@ -132,11 +139,12 @@ RELUME_HD inline Vec3 position_before(const SceneView& scene, const MeshView& me
                      scene.previous_positions[first + t.index.z], t.weights);
 }
 
+template <typename Triangle>
 RELUME_HD_INLINE Geometry geometry_at(const SceneView& scene, const MeshView& mesh, const Instance& instance,
-                                      const TriangleAt& t) {
-  const Vec3& p0 = t.v[0]->position;
-  const Vec3& p1 = t.v[1]->position;
-  const Vec3& p2 = t.v[2]->position;
+                                      const Triangle& t) {
+  const Vec3& p0 = t.position(0);
+  const Vec3& p1 = t.position(1);
+  const Vec3& p2 = t.position(2);
   Geometry g;
   g.position = interpolate(p0, p1, p2, t.weights);
   // One bound for all components, since Embree's rounding follows the largest.
@@ -145,7 +153,7 @@ RELUME_HD_INLINE Geometry geometry_at(const SceneView& scene, const MeshView& me
   g.e1 = p1 - p0;
   g.e2 = p2 - p0;
   if (!instance.in_world_space) {
-    const Affine& m = instance.to_world;
+    const Affine& m = t.to_world(instance);
     g.error = world_error(m, g.position, g.error);
     g.previous_position = instance.previous_to_world.point(g.previous_position);
     g.position = m.point(g.position);
@@ -173,15 +181,15 @@ struct TangentFrame {
 };
 
 /// Tangent frame around `ns`, from the tangents of the mesh or from texture coordinates.
+template <typename Triangle>
 RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshView& mesh, const TextureUse& use,
-                                            const Instance& instance, const TriangleAt& t, const Geometry& g,
+                                            const Instance& instance, const Triangle& t, const Geometry& g,
                                             const Vec3& ns) {
   Vec3 tangent;
   float handedness = 1.0f;
   if (mesh.has_tangents) {
-    tangent = interpolate(unpack_direction(t.v[0]->tangent), unpack_direction(t.v[1]->tangent),
-                          unpack_direction(t.v[2]->tangent), t.weights);
-    if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
+    tangent = interpolate(t.tangent(0), t.tangent(1), t.tangent(2), t.weights);
+    if (!instance.in_world_space) tangent = t.vector_to_world(instance, tangent);
     handedness = t.v[0]->normal.handedness() * instance.orientation;
   } else {
     UvSet uvs = uv_set(scene, mesh, t, use.uv_set);
@@ -202,8 +210,9 @@ RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshVi
 }
 
 /// World-space normal from a normal map.
+template <typename Triangle>
 RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const TextureUse& use, float scale,
-                                    const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                    const Instance& instance, const Triangle& t, const Geometry& g, const Uv& uv,
                                     float area, const Vec3& ns) {
   const TangentFrame frame = tangent_frame(scene, mesh, use, instance, t, g, ns);
   if (!frame.valid) return ns;
@@ -213,19 +222,21 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
 }
 
 /// Interpolated normal on the side of `front`, the unit geometric normal.
-RELUME_HD_INLINE Vec3 interpolated_normal(const MeshView& mesh, const Instance& instance, const TriangleAt& t,
+template <typename Triangle>
+RELUME_HD_INLINE Vec3 interpolated_normal(const MeshView& mesh, const Instance& instance, const Triangle& t,
                                           const Vec3& front) {
   if (!mesh.has_normals) return front;
-  Vec3 ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
-  if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
+  Vec3 ns = interpolate(t.normal(0), t.normal(1), t.normal(2), t.weights);
+  if (!instance.in_world_space) ns = t.normal_to_world(instance, ns) * instance.orientation;
   const float length = glm::length(ns);
   ns = length > 0.0f ? ns / length : front;
   return glm::dot(ns, front) < 0.0f ? -ns : ns;
 }
 
 /// Interpolated and normal-mapped normal on the side of `front`, the unit geometric normal.
+template <typename Triangle>
 RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
-                                     const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                     const Instance& instance, const Triangle& t, const Geometry& g, const Uv& uv,
                                      float footprint_area, const Vec3& front) {
   const Vec3 ns = interpolated_normal(mesh, instance, t, front);
   return material.normal_texture.used() ? mapped_normal(scene, mesh, material.normal_texture, material.normal_scale,
@@ -234,8 +245,9 @@ RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mes
 }
 
 /// Parameters and directions of a material's layers. `side`: −1 for a viewer behind the surface.
+template <typename Triangle>
 RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
-                                       const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                       const Instance& instance, const Triangle& t, const Geometry& g, const Uv& uv,
                                        float footprint_area, const Vec3& front, float side, const Frame& shading) {
   const LayerData& data = scene.layers[static_cast<uint32_t>(material.layers)];
   LayerSample l = sample_layers(data, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
@@ -284,14 +296,10 @@ RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, con
   return glm::dot(bent, ng) > 0.0f && glm::dot(bent, wo) > 0.0f ? bent : ng;
 }
 
-}  // namespace surface_detail
-
-namespace surface_detail {
-
 /// make_surface_point() for the triangle of the hit, `t`.
-RELUME_HD inline void make_point_on(const SceneView& scene, const Instance& instance, const TriangleAt& t,
-                                    const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp,
-                                    float wavelength_nm) {
+template <typename Triangle>
+RELUME_HD_INLINE void make_point_on(const SceneView& scene, const Instance& instance, const Triangle& t, const Ray& ray,
+                                    const Hit& hit, float cone_width, SurfacePoint& sp, float wavelength_nm) {
   const MeshView& mesh = scene.meshes[instance.mesh];
   const MaterialData& outer = scene.materials[mesh.material];  // a mixture, or the material itself
   const Geometry g = geometry_at(scene, mesh, instance, t);
