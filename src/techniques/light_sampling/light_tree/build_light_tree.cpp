@@ -86,6 +86,17 @@ Item item_of(const LightExtent& extent, LightId id) {
   return {extent.box, {extent.axis, extent.theta_o, extent.theta_e}, extent.two_sided, extent.intensity, id};
 }
 
+/// Extends a cone with the normals at the keys `k` and k + 1 of the shutter to those between. Up to their lengths,
+/// these are a quadratic Bézier curve, which lies in every convex cone around its three control points.
+void add_normals_between(const LightsView& lights, LightId id, uint32_t k, Cone& cone) {
+  const TriangleLight& light = lights.lights[id].triangle;
+  const LightKey& a = lights.keys[lights.first_keys[id] + k];
+  const LightKey& b = lights.keys[lights.first_keys[id] + k + 1];
+  const float orientation = glm::dot(glm::cross(light.e1, light.e2), light.normal) < 0.0f ? -1.0f : 1.0f;
+  const Vec3 between = (glm::cross(a.e1, b.e2) + glm::cross(b.e1, a.e2)) * orientation;
+  if (length_squared(between) > 0.0f) cone.add({glm::normalize(between), 0, cone.e});
+}
+
 Item item_of(const LightsView& lights, LightId id) {
   const auto watts = static_cast<double>(selection_weight(lights, id));
   Item item = item_of(extent_of(lights.lights[id], watts), id);
@@ -96,7 +107,9 @@ Item item_of(const LightsView& lights, LightId id) {
   for (uint32_t k = 0; k < lights.key_count; ++k) {
     const float time = static_cast<float>(k) / static_cast<float>(lights.key_count - 1);
     item.add(item_of(extent_of(moved_light(lights, id, time), watts), id));
+    if (k > 0) add_normals_between(lights, id, k - 1, item.cone);
   }
+  if (item.cone.o > M_PI / 2) item.cone.o = M_PI;  // wider cones are not convex
   item.intensity = intensity;
   return item;
 }

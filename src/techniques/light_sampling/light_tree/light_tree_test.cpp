@@ -87,6 +87,40 @@ LightTreeData tree_of(const std::vector<Light>& lights, LightsView& view) {
   return build_light_tree(view);
 }
 
+/// A lamp that turns in its plane by a large angle, and tilts. Between two poses, its normal leaves their plane.
+TEST(LightTree, BoundsHoldTheNormalsOfAMovingLampAtAllTimes) {
+  constexpr float kTurn_rad = 2.1f;
+  constexpr float kTilt_rad = 0.3f;
+  std::vector<LightKey> keys;
+  for (const float k : {0.0f, 1.0f, 2.0f}) {
+    const auto tilted = [&](float x, float y) {
+      return Vec3(x, y * std::cos(kTilt_rad * k), y * std::sin(kTilt_rad * k));
+    };
+    const float c = std::cos(kTurn_rad * k);
+    const float s = std::sin(kTurn_rad * k);
+    keys.push_back({Vec3(0), tilted(c, s), tilted(-s, c)});
+  }
+  std::vector<Light> lights = {Light::of(TriangleLight{})};
+  lights[0].triangle.radiance = Rgb(1);
+  lights[0].triangle.textured = -1;
+  set_corners(lights[0].triangle, keys[1], 1);
+  const std::vector<uint32_t> first_keys = {0};
+  LightsView view;
+  view.lights = view_of(lights);
+  view.first_infinite = 1;
+  view.keys = view_of(keys);
+  view.first_keys = view_of(first_keys);
+  view.key_count = 3;
+  const LightBounds bounds = bounds_of(view, 0);
+  float least = 1;
+  for (int i = 0; i <= 200; ++i) {
+    const Vec3 normal = moved_light(view, 0, static_cast<float>(i) / 200).normal;
+    EXPECT_GE(glm::dot(normal, bounds.axis), bounds.cos_o - 1e-5f) << i;
+    least = std::min(least, glm::dot(normal, lights[0].triangle.normal));
+  }
+  EXPECT_LT(least, std::cos(1.1f * kTilt_rad));  // the cone around the poses alone is too narrow
+}
+
 TEST(LightTree, SpotsWithoutASoftEdgeShine) {
   std::vector<Light> spots(2);
   for (Light& light : spots) light.kind = LightKind::spot;
