@@ -5,9 +5,9 @@
 
 namespace relume {
 
-/// Ray along which a light emits.
-RELUME_HD inline Ray emitted_ray(const EmissionSample& e) {
-  Ray ray{e.origin, e.direction, kInfinity};
+/// Ray along which a light emits at a time within the shutter.
+RELUME_HD inline Ray emitted_ray(const EmissionSample& e, float time) {
+  Ray ray{e.origin, e.direction, kInfinity, time};
   if (!is_black(e.normal)) {
     // Conservative error bound for positions that the light computes itself.
     const float error = gamma_bound(64) * max_component(abs(e.origin)) + e.error;
@@ -25,7 +25,8 @@ RELUME_HD inline Rgb medium_at_light(const SceneView& scene, const Rgb& known, c
 }
 
 /// Finds the absorption at each light, per metre: the sum over all media around it. Rays from several points on the
-/// light test it; kSeveralMedia if they differ. Runs on a grid of lights × 1. Lights at infinity are in no medium.
+/// light test it, at several times if the shutter is open; kSeveralMedia if they differ. Runs on a grid of lights × 1.
+/// Lights at infinity are in no medium.
 struct LightMediumKernel {
   SceneView scene;
   View<Rgb> medium;
@@ -35,10 +36,11 @@ struct LightMediumKernel {
     bool found = false;
     for (uint32_t i = 0; i < kTries; ++i) {
       const auto random = [&](uint32_t k) { return to_unit_float(hash(light, i, k)); };
-      const EmissionSample e = sample_le(scene.lights, light, {random(2), random(3)}, {random(0), random(1)});
+      const float time = scene.camera.shutter_open ? random(4) : kShutterMiddle;
+      const EmissionSample e = sample_le(scene.lights, light, {random(2), random(3)}, {random(0), random(1)}, time);
       if (e.infinite) return;
       if (!e.valid()) continue;  // no emission there
-      const Rgb around = absorption_around(scene, emitted_ray(e));
+      const Rgb around = absorption_around(scene, emitted_ray(e, time));
       if (found && !same_medium(around, medium[light])) {
         medium[light] = Rgb(kSeveralMedia);
         return;

@@ -26,8 +26,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d(), time);
   if (!e.valid() || !(e.cos_theta > 0.0f)) return false;
   l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
-  l.path.ray = emitted_ray(e);
-  l.path.ray.time = time;
+  l.path.ray = emitted_ray(e, time);
   l.path.cone_spread = 0.0f;
   l.path.wavelength_nm = subpath_wavelength(c, sampler);
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
