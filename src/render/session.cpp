@@ -231,13 +231,13 @@ bool Session::set_settings(const Settings& wanted) {
     const bool keeps_histories = setting->name == "upscale" && switches_upscaling;
     if (setting->traits.resets_history && !keeps_histories) change = Change::settings;
   }
-  // Steps that may throw come first. If one does, the session keeps its settings, except perhaps the time, the threads
-  // and the form of its kernels, which change no bits.
+  // Steps that may throw come first. If one does, the session keeps its settings, except perhaps the time, the shutter,
+  // and the threads and the form of its kernels, which change no bits.
   std::optional<State::Fresh> fresh;
   if (resized || !same_slots || !same_passes) fresh = s.empty_pipeline(settings);
   if (fresh && !resized) s.keep_image();
   if (settings.time_s != current.time_s) set_time(settings.time_s);
-  if (settings.shutter() != current.shutter())
+  if (settings.shutter() != s.scene->shutter())
     s.edit([&](CompiledScene& scene) { return scene.set_shutter(settings.shutter()); });
   if (settings.threads != current.threads || settings.scalar_kernels != current.scalar_kernels)
     s.backend->configure(settings.threads, kernel_form(settings));

@@ -61,6 +61,7 @@ class CompiledScene {
   Change set_time(float time_s);
   /// Opens or closes the shutter.
   Change set_shutter(const Shutter& shutter);
+  const Shutter& shutter() const { return shutter_; }
   /// Sets the time of all paths of the next frame within the shutter; negative: each path has a time of its own.
   void share_time(float time);
   /// Uses another camera, which rests while the shutter is open; std::nullopt restores that of the scene.
