@@ -64,6 +64,7 @@ AllSettings settings_in_scene(const AllSettings& current, const std::string& sce
   AllSettings kept = current;
   kept.render.camera.clear();
   kept.render.time_s = 0;
+  kept.render.shutter_s = 0;
   kept.scene.env.clear();
   if (scene_json.empty()) return kept;
   AllSettings over = kept;

@@ -93,11 +93,13 @@ TEST(SettingsInScene, StayExceptForThoseOfTheScene) {
   AllSettings current = resolve_start({});
   current.render.camera = "side";
   current.render.time_s = 2;
+  current.render.shutter_s = 0.5f;
   current.scene.env = "none";
   current.render.width = 123;
   const AllSettings kept = settings_in_scene(current, "", "scene");
   EXPECT_EQ(kept.render.camera, "");
   EXPECT_EQ(kept.render.time_s, 0);
+  EXPECT_EQ(kept.render.shutter_s, 0);
   EXPECT_EQ(kept.scene.env, "");
   EXPECT_EQ(kept.render.lights, interactive_lights());
   const AllSettings asked = settings_in_scene(current, R"({"max-bounces": 3})", "scene");
