@@ -10,6 +10,7 @@
 #include "relume/error.h"
 #include "render/aov.h"
 #include "render/session.h"
+#include "render/session_access.h"
 #include "render/session_state.h"
 #include "render/settings.h"
 #include "techniques/temporal/accumulate/accumulate_pass.h"
@@ -302,24 +303,16 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   s.edited = false;
 }
 
-struct SessionAccess {
-  static const Session::State& state(const Session& session) { return *session.state_; }
-  static Session::State& state(Session& session) { return *session.state_; }
-  template <typename Target>
-  static Session make(Scene scene, const RenderSettings& settings, Target&& target) {
-    check_size(settings);
-    return Session(std::make_unique<Session::State>(std::move(scene), settings, std::vector<Index>(),
-                                                    std::forward<Target>(target)));
-  }
-};
-
 Session make_session(Scene scene, const Settings& settings, Memory& memory) {
-  return SessionAccess::make(std::move(scene), all_settings(settings).render, memory);
+  const RenderSettings render = all_settings(settings).render;
+  check_size(render);
+  return SessionAccess::make(std::move(scene), render, memory);
 }
 Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device) {
   const RenderSettings& render = all_settings(settings).render;
   if (render.accel != AccelChoice::bvh)
     throw Error("a device cannot use Embree's acceleration structure; set --accel bvh");
+  check_size(render);
   return SessionAccess::make(std::move(scene), render, std::move(device));
 }
 

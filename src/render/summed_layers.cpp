@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/parallel.h"
@@ -41,6 +43,33 @@ RadianceSums with_block(RadianceSums sums, const SampleBlock& block) {
   return sums;
 }
 
+/// The sums of a session's pixels, with the samples of an incomplete block.
+class SumsView {
+ public:
+  explicit SumsView(const BufferTable& buffers)
+      : radiance_(buffers.read(kRadianceSums)),
+        blocks_(buffers.read(kSampleBlock)),
+        surface_(buffers.read(kSurfaceSums)),
+        rays_(buffers.read(BufferKey<uint32_t>{"heatmap"})),
+        nonfinite_(buffers.read(kNonfinite)) {}
+
+  PixelSums of(uint32_t pixel) const {
+    PixelSums sums;
+    sums.radiance = with_block(radiance_[pixel], blocks_[pixel]);
+    sums.rays = rays_[pixel];
+    sums.nonfinite = nonfinite_[pixel];
+    if (!surface_.empty()) sums.surface = surface_[pixel];
+    return sums;
+  }
+
+ private:
+  View<const RadianceSums> radiance_;
+  View<const SampleBlock> blocks_;
+  View<const SurfaceSums> surface_;
+  View<const uint32_t> rays_;
+  View<const uint32_t> nonfinite_;
+};
+
 }  // namespace
 
 std::optional<SummedValue> summed_value(std::string_view channel) {
@@ -73,18 +102,42 @@ float value_of(SummedValue value, const PixelSums& sums, uint32_t samples, uint3
 bool has_sums(const BufferTable& buffers) { return buffers.find(kRadianceSums.name) != nullptr; }
 
 void read_sums(const BufferTable& buffers, uint32_t first_pixel, std::span<PixelSums> sums) {
-  const View<const RadianceSums> radiance = buffers.read(kRadianceSums);
-  const View<const SampleBlock> blocks = buffers.read(kSampleBlock);
-  const View<const SurfaceSums> surface = buffers.read(kSurfaceSums);
-  const View<const uint32_t> rays = buffers.read(BufferKey<uint32_t>{"heatmap"});
-  const View<const uint32_t> nonfinite = buffers.read(kNonfinite);
-  for (size_t i = 0; i < sums.size(); ++i) {
-    const uint32_t pixel = first_pixel + static_cast<uint32_t>(i);
-    sums[i].radiance = with_block(radiance[pixel], blocks[pixel]);
-    sums[i].rays = rays[pixel];
-    sums[i].nonfinite = nonfinite[pixel];
-    if (!surface.empty()) sums[i].surface = surface[pixel];
+  const SumsView view(buffers);
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] = view.of(first_pixel + static_cast<uint32_t>(i));
+}
+
+void add_sums(const BufferTable& buffers, std::span<PixelSums> sums) {
+  const SumsView view(buffers);
+  const uint32_t width = buffers.width();
+  parallel_for(buffers.height(), [&](size_t y) {
+    const auto first = static_cast<uint32_t>(y) * width;
+    for (uint32_t i = first; i < first + width; ++i) sums[i].add(view.of(i));
+  });
+}
+
+double relative_error(std::span<const PixelSums> sums, const SummedImage& image) {
+  if (image.samples < 2) return std::numeric_limits<double>::infinity();
+  struct Row {
+    double variance = 0;
+    double luminance = 0;
+  };
+  const PixelWindow& w = image.window;
+  std::vector<Row> rows(static_cast<size_t>(w.height));
+  parallel_for(rows.size(), [&](size_t y) {
+    const size_t first = (static_cast<size_t>(w.y) + y) * image.width + static_cast<size_t>(w.x);
+    for (const PixelSums& pixel : sums.subspan(first, static_cast<size_t>(w.width))) {
+      rows[y].variance += static_cast<double>(pixel.radiance.variance(image.samples, image.correlated_frames));
+      rows[y].luminance += static_cast<double>(luminance(pixel.radiance.mean(image.samples)));
+    }
+  });
+  Row all;
+  for (const Row& row : rows) {
+    all.variance += row.variance;
+    all.luminance += row.luminance;
   }
+  const double pixels = static_cast<double>(w.width) * static_cast<double>(w.height);
+  if (all.luminance <= 0) return 0;
+  return std::sqrt(all.variance / pixels) / (all.luminance / pixels);
 }
 
 std::vector<Rgb> summed_image(const BufferTable& buffers, uint32_t samples) {

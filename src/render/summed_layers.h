@@ -1,6 +1,7 @@
 // Images and layers from the exact sums of samples.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -42,6 +43,20 @@ bool has_sums(const BufferTable& buffers);
 
 /// Sums of the pixels from `first_pixel` on, with the samples of an incomplete block.
 void read_sums(const BufferTable& buffers, uint32_t first_pixel, std::span<PixelSums> sums);
+
+/// Adds the sums of all pixels.
+void add_sums(const BufferTable& buffers, std::span<PixelSums> sums);
+
+/// Samples of an image that sums belong to.
+struct SummedImage {
+  PixelWindow window;  ///< the rendered pixels; not empty
+  size_t width = 0;    ///< of the image
+  uint32_t samples = 0;
+  uint32_t correlated_frames = 1;
+};
+
+/// Estimated relative error of the image, as Session::estimated_error().
+double relative_error(std::span<const PixelSums> sums, const SummedImage& image);
 
 /// The mean of `samples` samples per pixel.
 std::vector<Rgb> summed_image(const BufferTable& buffers, uint32_t samples);
