@@ -45,6 +45,8 @@ class SampleRanges {
   uint32_t count() const;
   /// Number of samples before last() that are not in the ranges.
   uint32_t missing() const { return last() + 1 - count(); }
+  /// The ranges, in order.
+  const std::vector<SampleRange>& ranges() const { return ranges_; }
   /// "0-31,64-95".
   std::string to_string() const;
 
