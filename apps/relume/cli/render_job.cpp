@@ -12,11 +12,10 @@
 #include "cli/console.h"
 #include "cli/image.h"
 #include "cli/platform.h"
-#include "cli/preparation_progress.h"
 #include "cli/progress.h"
 #include "cli/render_plan.h"
+#include "cli/render_setup.h"
 #include "cli/reports.h"
-#include "cli/scene_source.h"
 #include "cli/tev_display.h"
 #include "cli/version.h"
 #include "cli/video.h"
@@ -24,7 +23,6 @@
 #include "files/atomic_file.h"
 #include "files/extension.h"
 #include "files/temporary_file.h"
-#include "frame/launch.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/display.h"
@@ -72,8 +70,6 @@ class RenderJob {
 
  private:
   void load();
-  PixelWindow choose_window(const Scene& scene) const;
-  void build(Scene scene);
   void resume();
   size_t image_of_checkpoint() const;
   StopReason render_or_keep(size_t index, const std::stop_token& stop);
@@ -90,10 +86,7 @@ class RenderJob {
   void report(StopReason reason) const;
 
   bool is_still() const { return options_.frames.empty(); }
-  float time_of(size_t index) const {
-    if (options_.frames.empty()) return scene_time_s_;
-    return frame_time_s(plan_.frames.first + static_cast<int>(index), options_.fps, scene_time_s_);
-  }
+  float time_of(size_t index) const { return time_of_image(options_, plan_, scene_time_s_, index); }
 
   const RenderOptions& options_;
   const Verbosity& verbosity_;
@@ -121,54 +114,13 @@ class RenderJob {
 };
 
 void RenderJob::load() {
-  const double start_s = now_s();
-  const ThreadLimit limit(plan_.threads);
-  Scene scene = open_scene(options_.scene, !verbosity_.quiet);
-  plan_.sources.scene_json = scene.settings_json;
-  plan_.sources.scene_place = options_.scene;
-  settings_ = resolve(plan_.sources);
-  check_stop_settings(settings_);
-  plan_.aovs = wanted_aovs(options_, settings_.render);
-  plan_.roles.reads("--env", settings_.scene.env);
-  plan_.roles.reads("SCENE", scene.source_files);
-  override_scene(settings_.scene, scene, !verbosity_.quiet);
-  fit_to_camera(settings_, plan_.sources, scene);
-  warn_all(verbosity_, scene);
-  load_s_ = now_s() - start_s;
-  tell_more(verbosity_, fmt::format("loaded {} in {:.2f} s", options_.scene, load_s_));
-
-  scene_time_s_ = settings_.render.time_s;
-  settings_.render.time_s = time_of(0);
-  time_of(plan_.files.size() - 1);  // fails before rendering
-  plan_samples(plan_, settings_);
-  settings_.render.crop = choose_window(scene);
-  build(std::move(scene));
-  for (const std::string& note : session_->notes()) log_info(verbosity_, note);
-  if (plan_.ocio && !plan_.ocio->note().empty()) log_info(verbosity_, plan_.ocio->note());
+  RenderSetup setup = set_up_render(options_, verbosity_, std::move(plan_));
+  plan_ = std::move(setup.plan);
+  settings_ = std::move(setup.settings);
+  scene_time_s_ = setup.scene_time_s;
+  load_s_ = setup.load_s;
+  session_ = std::move(setup.session);
   if (std::error_code failure; std::filesystem::exists(options_.checkpoint, failure)) resume();
-}
-
-/// The window of --crop, or else the part that the scene's file requests, if the techniques allow it.
-PixelWindow RenderJob::choose_window(const Scene& scene) const {
-  if (!plan_.crop.empty()) return plan_.crop;
-  RenderSettings cropped = settings_.render;
-  cropped.crop = pixels_of(scene.crop, cropped.width, cropped.height);
-  const PixelWindow& w = cropped.crop;
-  if (w.empty() || !refusal(settings_.render).empty()) return {};
-  const std::string request =
-      fmt::format("{} requests the crop {},{},{},{}", options_.scene, w.x, w.y, w.width, w.height);
-  if (const std::string conflict = refusal(cropped); !conflict.empty()) {
-    log_info(verbosity_, fmt::format("{}, but the whole image is rendered: {}", request, conflict));
-    return {};
-  }
-  log_info(verbosity_,
-           fmt::format("{}; --crop 0,0,{},{} renders the whole image", request, cropped.width, cropped.height));
-  return w;
-}
-
-void RenderJob::build(Scene scene) {
-  const PreparationProgress progress(!verbosity_.quiet);
-  session_.emplace(std::move(scene), settings_.render);
 }
 
 void RenderJob::resume() {
