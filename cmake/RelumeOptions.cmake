@@ -2,6 +2,7 @@
 option(RELUME_BUILD_TESTS "Build the tests" ON)
 option(RELUME_BUILD_BENCHMARKS "Build the benchmarks" ON)
 option(RELUME_BUILD_PYTHON "Build the Python package, if pybind11 is installed" ON)
+option(RELUME_MPI "Build the plugins for renders on several machines, for Open MPI and MPICH where they are installed" ON)
 set(RELUME_PYTHON_DIR "lib/python3/dist-packages" CACHE STRING "Folder of Python packages below the installation prefix")
 option(RELUME_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
 option(RELUME_FUZZERS "Build the libFuzzer targets (needs Clang)" OFF)

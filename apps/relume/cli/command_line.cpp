@@ -4,6 +4,7 @@
 #include <exception>
 #include <map>
 #include <new>
+#include <optional>
 
 #include <fmt/format.h>
 #include <CLI/App.hpp>
@@ -12,6 +13,7 @@
 
 #include "cli/console.h"
 #include "cli/version.h"
+#include "ranks/launcher.h"
 #include "relume/error.h"
 #include "settings/nearest_name.h"
 
@@ -98,6 +100,16 @@ void take_values(const Command& command, const Declared& declared) {
   }
 }
 
+/// Whether the command may run on this rank of a launcher. Only `render` shares its work among ranks: the processes of
+/// other commands would write the same files. Throws UsageError on rank 0.
+bool ranks_allow(const Command& command) {
+  const std::optional<ranks::Launch> launch = ranks::find_launch();
+  if (command.name == "render" || !launch || launch->size < 2) return true;
+  if (launch->rank > 0) return false;
+  throw UsageError(fmt::format("{} runs as one process, but {} ranks were started; start it without mpirun",
+                               command.name, launch->size));
+}
+
 int run_command(const std::vector<Command>& commands, const std::vector<std::string>& arguments) {
   const std::string& name = arguments.front();
   std::vector<std::string> names;
@@ -105,7 +117,7 @@ int run_command(const std::vector<Command>& commands, const std::vector<std::str
     names.emplace_back(command.name);
     if (command.name != name) continue;
     const Request request = parse_arguments(command, {arguments.begin() + 1, arguments.end()});
-    if (request == Request::run) return command.run();
+    if (request == Request::run) return ranks_allow(command) ? command.run() : kExitUsage;
     std::fputs((request == Request::help ? help_text(command) : full_help_text(command)).c_str(), stdout);
     return kExitDone;
   }

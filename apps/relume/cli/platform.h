@@ -1,5 +1,5 @@
-// Operating-system services. In the program, platform.cpp, child_pipe.cpp and serve/token.cpp assume POSIX;
-// in the library, core/memory.cpp, files/atomic_file.cpp, files/temporary_file.cpp, image/tev_client.cpp and
+// Operating-system services. In the program, platform.cpp, child_pipe.cpp, serve/token.cpp and those of ranks/ assume
+// POSIX; in the library, core/memory.cpp, files/atomic_file.cpp, files/temporary_file.cpp, image/tev_client.cpp and
 // scene_io/assimp/trial_run.cpp.
 #pragma once
 

@@ -23,6 +23,7 @@
 #include "files/atomic_file.h"
 #include "files/extension.h"
 #include "files/temporary_file.h"
+#include "ranks/ranks_job.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/display.h"
@@ -346,6 +347,7 @@ void RenderJob::report(StopReason reason) const {
 }  // namespace
 
 int run_render(const RenderOptions& options, const Verbosity& verbosity) {
+  if (ranks::runs_on_ranks(options)) return ranks::run_on_ranks(options, verbosity);
   return RenderJob(options, verbosity, make_plan(options)).run();
 }
 

@@ -18,6 +18,7 @@ struct RenderOptions {
   std::string frames;        ///< empty: a single image
   std::string sample_range;  ///< "A-B"; empty: all samples
   float fps = 24;
+  int warmup = 8;  ///< frames before a segment of a sequence on several ranks
   std::string preset;
   std::string settings_file;
   std::string stats;

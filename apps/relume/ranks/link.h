@@ -1,0 +1,92 @@
+// The messages of one rank, moved by a thread of their own, with a heartbeat that notices lost ranks.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ranks/message.h"
+#include "ranks/mpi_plugin.h"
+
+namespace relume::ranks {
+
+/// Silence after which rank 0 counts another rank as lost, and another rank counts rank 0 as lost. A heartbeat is sent
+/// each second.
+inline constexpr double kLostAfter_s = 20;
+inline constexpr double kCoordinatorLostAfter_s = 30;
+
+/// All ranks exchange messages with rank 0 only. A thread makes all calls of MPI.
+class RankLink {
+ public:
+  /// One rank without MPI.
+  RankLink();
+  /// Starts MPI on all ranks. Throws Error.
+  explicit RankLink(const RelumeMpi& mpi);
+  /// Ends MPI if close() was called, and otherwise leaves it.
+  ~RankLink();
+  RankLink(const RankLink&) = delete;
+  RankLink& operator=(const RankLink&) = delete;
+
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+
+  /// Queues a message and returns.
+  void send(int to, MessageKind kind, Bytes content = {});
+  /// The next message for the coordinator; std::nullopt after `timeout_s` without one.
+  std::optional<Message> receive_at_coordinator(double timeout_s) { return receive(coordinator_, timeout_s); }
+  /// The next message for this rank's worker.
+  std::optional<Message> receive_at_worker(double timeout_s) { return receive(worker_, timeout_s); }
+
+  /// Calls `hook` with each cancel and finish for this rank's worker when it arrives, on another thread. Empty: none.
+  void on_interrupt(std::function<void(const Message&)> hook);
+
+  /// A rank that has been silent too long or whose connection failed; std::nullopt: none. On rank 0.
+  std::optional<int> lost_rank() const;
+
+  /// Waits until all messages are sent, and ends MPI. All ranks must call it; without some of them, it ends the process
+  /// with the exit code.
+  void close(int exit_code);
+  /// Ends all ranks that can be reached, and this process, with the exit code. For a job that has failed.
+  [[noreturn]] void abandon(int exit_code);
+
+ private:
+  using Box = std::deque<Message>;
+  struct Peer;
+
+  std::optional<Message> receive(Box& box, double timeout_s);
+  void deliver(Message message);
+  void run();
+  bool step(double now);
+  void beat(double now);
+  bool send_next(int to, Peer& peer);
+  bool receive_next(int from, Peer& peer, double now);
+  void fail(int rank);
+  bool all_sent() const;
+
+  const RelumeMpi* mpi_ = nullptr;
+  int rank_ = 0;
+  int size_ = 1;
+  mutable std::mutex mutex_;  ///< guards what follows up to thread_, except the peers' transfers
+  std::condition_variable changed_;
+  Box coordinator_;
+  Box worker_;
+  std::function<void(const Message&)> hook_;
+  std::vector<std::unique_ptr<Peer>> peers_;  ///< by rank
+  std::optional<int> lost_;
+  bool begun_ = false;
+  bool failed_ = false;
+  bool closing_ = false;
+  bool aborting_ = false;
+  bool ended_ = false;
+  int exit_code_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace relume::ranks
