@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""Tests renders on several ranks, with Open MPI and with MPICH."""
+
+import json
+import os
+import signal
+import unittest
+
+from program import exr_channels, exr_pixels, exr_strings
+from ranks import RanksTest, rank_process
+
+LAYERS = "albedo,normal,depth,motion,variance,heatmap,samples"
+SMALL = ["--width", "48", "--height", "36", "--threads", "1"]
+
+
+class Images(RanksTest):
+    look = ["render", "cornell", *SMALL, "--aov", LAYERS, "--spp", "200"]
+
+    def whole(self, *arguments):
+        self.succeed(*self.look, "-o", "whole.exr", *arguments)
+        return exr_pixels(self.folder / "whole.exr")
+
+    def test_any_number_of_ranks_gives_the_same_bits(self):
+        whole = self.whole()
+        for ranks in (1, 2, 4, 5):
+            done = self.succeed_on_ranks(ranks, *self.look, "-o", "out.exr")
+            self.assertEqual(done.stderr.count("wrote out.exr with 200 samples per pixel"), 1, done.stderr)
+            self.assertEqual(exr_channels(self.folder / "out.exr"), exr_channels(self.folder / "whole.exr"))
+            self.assertTrue(exr_pixels(self.folder / "out.exr") == whole, f"{ranks} ranks give other bits")
+        self.assertEqual(self.files(), ["out.exr", "whole.exr"])
+
+    def test_a_window_has_the_same_bits(self):
+        whole = self.whole("--crop", "7,5,20,11")
+        self.succeed_on_ranks(3, *self.look, "-o", "out.exr", "--crop", "7,5,20,11")
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == whole)
+
+    def test_a_display_image_has_the_same_exposure(self):
+        look = ["render", "cornell", *SMALL, "--spp", "64", "--exposure", "auto"]
+        self.succeed(*look, "-o", "whole.png")
+        self.succeed_on_ranks(3, *look, "-o", "out.png")
+        self.assert_same_pixels("whole.png", "out.png")
+
+    def test_a_lost_rank_leaves_a_checkpoint_for_any_number_of_ranks(self):
+        look = ["render", "cornell", "--width", "160", "--height", "120", "--threads", "1", "--spp", "4000"]
+        resumed = ["--resume", "out.ckpt", "--checkpoint-interval", "0.2s"]
+        process, mark = self.start_on_ranks(3, *look, "-o", "out.exr", *resumed)
+        self.wait_for((self.folder / "out.ckpt").exists, "a checkpoint")
+        victim = rank_process(mark, 1)
+        self.assertIsNotNone(victim)
+        os.kill(victim, signal.SIGKILL)
+        self.assertNotEqual(process.wait(60), 0)
+        done = self.succeed("merge", "out.ckpt", "-o", "so_far.exr")
+        self.assertIn("samples per pixel", done.stderr)
+        done = self.succeed_on_ranks(2, *look, "-o", "out.exr", *resumed, timeout=400)
+        self.assertIn("continues from out.ckpt at", done.stderr)
+        self.succeed(*look, "-o", "whole.exr", timeout=400)
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
+
+    def test_more_samples_continue_with_and_without_mpirun(self):
+        look = ["render", "cornell", *SMALL, "-o", "out.exr", "--resume", "out.ckpt"]
+        self.succeed_on_ranks(3, *look, "--spp", "40")
+        self.succeed_on_ranks(2, *look, "--spp", "70")
+        done = self.succeed(*look, "--spp", "100")
+        self.assertIn("continues from out.ckpt at 64 samples per pixel", done.stderr)
+        self.succeed("render", "cornell", *SMALL, "-o", "whole.exr", "--spp", "100")
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
+        self.refused(1, "out.ckpt", "render", "furnace", *SMALL, "-o", "out.exr", "--resume", "out.ckpt")
+        self.succeed("render", "cornell", *SMALL, "-o", "out.exr", "--spp", "16", "--resume", "one.ckpt")
+        self.refused(1, "is the checkpoint of a render without mpirun", "render", "cornell", *SMALL, "-o", "out.exr", "--resume", "one.ckpt")
+
+    def test_time_and_error_hold_for_the_whole(self):
+        look = ["render", "cornell", *SMALL, "-o", "out.exr", "--stats", "s.json"]
+        self.succeed_on_ranks(2, *look, "--spp", "0", "--time", "1s")
+        stats = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual(stats["stopped_by"], "time")
+        self.assertGreater(stats["samples_per_pixel"], 0)
+        self.succeed_on_ranks(2, *look, "--spp", "0", "--error", "0.05")
+        stats = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual(stats["stopped_by"], "error")
+        self.assertLessEqual(stats["estimated_error"], 0.05)
+
+    def test_techniques_that_learn_are_independent_renders(self):
+        self.succeed_on_ranks(2, "render", "cornell", *SMALL, "--lights", "vlc", "--spp", "64", "-o", "out.exr", "--resume", "out.ckpt")
+        self.assertEqual(exr_strings(self.folder / "out.exr")["relume.samples_per_pixel"], "64")
+        self.assertGreaterEqual(int(exr_strings(self.folder / "out.ckpt")["relume.replicas"]), 1)
+
+    def refused(self, code, sentence, *arguments, **variables):
+        done = self.on_ranks(2, *arguments, **variables)
+        self.assertIn(sentence, done.stderr)
+        self.assertEqual(done.stderr.count(sentence), 1, done.stderr)
+        self.assertEqual(done.returncode, code, done.stderr)
+
+    def test_what_cannot_be_shared_is_refused_once(self):
+        self.refused(2, "a denoised image is no mean", "render", "cornell", *SMALL, "-o", "no.exr", "--denoise", "svgf")
+        self.refused(2, "remove it", "render", "cornell", *SMALL, "-o", "no.exr", "--sample-range", "0-15")
+        self.refused(2, "scenes runs as one process", "scenes")
+        self.refused(1, "nowhere.glb", "render", "nowhere.glb", *SMALL, "-o", "no.exr")
+        self.assertEqual(self.files(), [])
+
+    def test_a_missing_plugin_is_named(self):
+        done = self.on_ranks(2, "render", "cornell", *SMALL, "-o", "no.exr", RELUME_MPI_PLUGIN="/nowhere.so")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn(f"relume-mpi-{self.library}.so cannot be loaded", done.stderr)
+
+
+class Sequences(RanksTest):
+    look = ["render", "turntable", *SMALL, "--frames", "0-10", "--fps", "8", "--spp", "4"]
+
+    def test_frames_have_the_bits_of_one_process(self):
+        # turntable moves in each, so no frame continues the samples of another.
+        self.succeed(*self.look, "-o", "a.####.exr")
+        done = self.succeed_on_ranks(3, *self.look, "-o", "b.####.exr")
+        self.assertEqual(done.stderr.count("wrote b."), 11, done.stderr)
+        for frame in range(11):
+            self.assert_same_pixels(f"a.{frame:04}.exr", f"b.{frame:04}.exr")
+
+    def test_exposures_adapt_over_all_ranks(self):
+        self.succeed(*self.look, "-o", "a.####.png", "--exposure", "auto")
+        self.succeed_on_ranks(3, *self.look, "-o", "b.####.png", "--exposure", "auto")
+        for frame in range(11):
+            self.assert_same_pixels(f"a.{frame:04}.png", f"b.{frame:04}.png")
+
+    def test_a_sequence_continues_on_another_number_of_ranks(self):
+        look = ["render", "turntable", "--width", "96", "--height", "72", "--threads", "1", "--frames", "0-40", "--fps", "8", "--spp", "32", "--resume", "out.ckpt"]
+        process, mark = self.start_on_ranks(3, *look, "-o", "b.####.exr")
+        self.wait_for(lambda: (self.folder / "out.ckpt").exists() and rank_process(mark, 2), "a checkpoint")
+        os.kill(rank_process(mark, 2), signal.SIGKILL)
+        process.wait(60)
+        done = self.succeed_on_ranks(2, *look, "-o", "b.####.exr")
+        self.assertIn("continues from out.ckpt after", done.stderr)
+        self.assertEqual(len([name for name in self.files() if name.startswith("b.")]), 41)
+
+    def test_the_seam_of_a_segment_is_measured(self):
+        """Error of a segment's first frame over that of the same frame of one run: near 1 with frames of warm-up."""
+        look = ["render", "turntable", *SMALL, "--frames", "0-11", "--fps", "24", "--spp", "1", "--history", "reproject"]
+        self.succeed("render", "turntable", *SMALL, "--frames", "0-11", "--fps", "24", "--spp", "512", "-o", "ref.####.exr")
+        self.succeed(*look, "-o", "one.####.exr")
+        self.succeed_on_ranks(2, *look, "-o", "warm.####.exr")
+        self.succeed_on_ranks(2, *look, "-o", "cold.####.exr", "--warmup", "0")
+
+        def error(name):  # of all frames after the first: at least one begins a segment
+            return sum(self.metrics(f"{name}.{i:04}.exr", f"ref.{i:04}.exr")["mse"] for i in range(1, 12))
+
+        one, warm, cold = error("one"), error("warm"), error("cold")
+        print(f"mean square errors over those of one run: {warm / one:.2f} with warm-up, {cold / one:.2f} without")
+        self.assertLess(warm, 1.2 * one)
+        self.assertGreater(cold, warm)
+
+
+class MpichImages(Images):
+    library = "mpich"
+
+
+class MpichSequences(Sequences):
+    library = "mpich"
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Tests of several ranks that take minutes, and tests that need privileges."""
+
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import time
+import unittest
+
+import program
+from program import exr_pixels
+from ranks import RanksTest, environment
+
+AGENT = """#!/bin/sh
+# Open MPI's launch agent: HOST COMMAND…
+host=$1
+shift
+exec ip netns exec $(cat {folder}/$host) /bin/sh -c "$*"
+"""
+
+
+def in_namespace(name, *command):
+    subprocess.run(["ip", "-n", name, *command], check=True, capture_output=True)
+
+
+class Hosts(RanksTest):
+    """Two network namespaces, joined by a cable, as two hosts."""
+
+    def setUp(self):
+        super().setUp()
+        if not shutil.which("ip"):
+            self.skipTest("ip is not installed")
+        tag = f"{os.getpid() % 10000}"
+        self.spaces = [f"rla{tag}", f"rlb{tag}"]
+        self.addresses = ["10.213.77.1", "10.213.77.2"]
+        for space in self.spaces:
+            if subprocess.run(["ip", "netns", "add", space], check=False, capture_output=True).returncode != 0:
+                self.skipTest("network namespaces need privileges")
+            self.addCleanup(subprocess.run, ["ip", "netns", "del", space], check=False)
+        subprocess.run(["ip", "link", "add", "cable", "netns", self.spaces[0], "type", "veth", "peer", "name", "cable", "netns", self.spaces[1]], check=True)
+        for space, address in zip(self.spaces, self.addresses):
+            in_namespace(space, "addr", "add", f"{address}/24", "dev", "cable")
+            in_namespace(space, "link", "set", "cable", "up")
+            in_namespace(space, "link", "set", "lo", "up")
+            (self.folder / address).write_text(space)
+        agent = self.folder / "agent"
+        agent.write_text(AGENT.format(folder=self.folder))
+        agent.chmod(0o755)
+        self.addCleanup(self.end_daemons)
+
+    def end_daemons(self):
+        """Ends what still runs in the namespaces: the daemon of a host that was cut off."""
+        for space in self.spaces:
+            for number in subprocess.run(["ip", "netns", "pids", space], check=False, capture_output=True, text=True).stdout.split():
+                try:
+                    os.kill(int(number), 9)
+                except OSError:
+                    pass
+
+    def command(self, ranks, *arguments):
+        network = "10.213.77.0/24"
+        return ["ip", "netns", "exec", self.spaces[0], self.mpirun, "--host", ",".join(f"{a}:1" for a in self.addresses),
+                "--mca", "plm_rsh_agent", str(self.folder / "agent"), "--mca", "btl", "tcp,self", "--mca", "btl_tcp_if_include", network,
+                "--mca", "oob_tcp_if_include", network, "--wdir", str(self.folder), "-n", str(ranks), program.PROGRAM, *map(str, arguments)]
+
+    def test_a_host_that_is_cut_off(self):
+        look = ["render", "cornell", "--width", "160", "--height", "120", "--threads", "1", "--spp", "16384"]
+        process, _ = self.start_on_ranks(2, *look, "-o", "out.exr", "--resume", "out.ckpt", "--checkpoint-interval", "1s")
+        self.wait_for((self.folder / "out.ckpt").exists, "a checkpoint")
+        in_namespace(self.spaces[1], "link", "set", "cable", "down")
+        start = time.monotonic()
+        self.assertNotEqual(process.wait(60), 0)
+        print(f"ended {time.monotonic() - start:.0f} s after the cable was cut")
+        self.assertIn("cannot be reached any more; continue from out.ckpt", self.errors())
+        look[-1] = "4096"
+        self.succeed(*look, "-o", "out.exr", "--resume", "out.ckpt", timeout=600)
+        self.succeed(*look, "-o", "whole.exr", timeout=600)
+        done = self.succeed("merge", "out.ckpt", "-o", "so_far.exr")
+        if "with 4096 samples" in done.stderr:  # not more than 4096 before the cut
+            self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
+
+
+class Times(RanksTest):
+    """Two ranks with one thread each against one rank with two threads."""
+
+    def test_ranks_cost_at_most_five_percent(self):
+        if (os.cpu_count() or 1) < 2:
+            self.skipTest("needs two processors")
+        scene = pathlib.Path(os.environ.get("RELUME_SCENES", "")) / "sponza" / "sponza.gltf"
+        if "RELUME_SCENES" not in os.environ or not scene.exists():
+            self.skipTest("RELUME_SCENES names no folder with Sponza")
+        look = ["render", str(scene), "--width", "320", "--height", "180", "--spp", "256", "--quiet", "-o", "out.exr"]
+
+        def seconds(command):
+            start = time.monotonic()
+            done = subprocess.run(command, cwd=self.folder, env=environment(), timeout=1500, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return time.monotonic() - start
+
+        one = [program.PROGRAM, *look, "--threads", "2"]
+        two = self.command(2, *look, "--threads", "1")
+        ratios = []
+        for _ in range(3):
+            single = seconds(one)
+            ratios.append(seconds(two) / single)
+        print(f"time of two ranks over one rank: {', '.join(f'{r:.3f}' for r in ratios)}")
+        self.assertLessEqual(statistics.median(ratios), 1.05)
+
+
+if __name__ == "__main__":
+    unittest.main()
