@@ -48,7 +48,9 @@ TEST(SumsFile, KeepsAllBits) {
   write_sums_file(file, image_of_8x4(), sums);
   EXPECT_TRUE(is_sums_file(file));
   std::vector<PixelSums> read(sums.size());
-  const PartInfo info = read_sums_file(file, image_of_8x4(), read);
+  MergedSums expected = image_of_8x4();
+  expected.samples = {};
+  const PartInfo info = read_sums_file(file, expected, read);
   EXPECT_EQ(info.samples.to_string(), "0-15,32-47");
   EXPECT_EQ(std::memcmp(read.data(), sums.data(), sums.size() * sizeof(PixelSums)), 0);
 }
