@@ -100,11 +100,12 @@ void take_values(const Command& command, const Declared& declared) {
   }
 }
 
-/// Whether the command may run on this rank of a launcher. Only `render` shares its work among ranks: the processes of
-/// other commands would write the same files. Throws UsageError on rank 0.
+/// Whether the command may run on this rank of a launcher. Only some share their work among ranks: the processes of
+/// others would write the same files. Throws UsageError on rank 0.
 bool ranks_allow(const Command& command) {
   const std::optional<ranks::Launch> launch = ranks::find_launch();
-  if (command.name == "render" || !launch || launch->size < 2) return true;
+  const bool shares = command.name == "render" || command.name == "experiment";
+  if (shares || !launch || launch->size < 2) return true;
   if (launch->rank > 0) return false;
   throw UsageError(fmt::format("{} runs as one process, but {} ranks were started; start it without mpirun",
                                command.name, launch->size));

@@ -19,6 +19,8 @@
 #include "files/atomic_file.h"
 #include "frame/cuda/device_choice.h"
 #include "frame/launch.h"
+#include "ranks/launcher.h"
+#include "ranks/task_pool.h"
 #include "settings/text_list.h"
 
 namespace relume::cli {
@@ -144,9 +146,10 @@ std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOpti
   return machine;
 }
 
-/// Measures, and writes the result beside those already in the folder.
+/// Measures, and writes the result beside those already in the folder. `writes_index`: on one rank only.
 void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
-                    const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity) {
+                    const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity,
+                    bool writes_index) {
   const std::string name(experiment.name);
   const double start_s = now_s();
   const ExperimentResult result = experiment.run(context);
@@ -156,7 +159,7 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
                {folder / (name + ".json"), to_json(experiment, result, run)}});
   std::error_code stays;
   std::filesystem::remove_all(context.parts_folder, stays);
-  write_index(folder);
+  if (writes_index) write_index(folder);
   print_claims(experiment, result);
   log_info(verbosity,
            fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
@@ -170,12 +173,15 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
   make_output_folder(folder);
   check_outputs(o, list, folder);
   summaries_in(folder);  // reports a foreign file before hours of work, not after
-  const ThreadLimit limit(o.threads);
-  const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
-  ProgressPrinter printer(!verbosity.quiet);
+  ranks::TaskPool pool(list.size());
+  const bool is_first_rank = pool.rank() == 0;
+  const std::optional<ranks::Launch> launch = ranks::find_launch();
+  const ThreadLimit limit(o.threads == 0 && launch && launch->size > 1 ? ranks::threads_of_rank(*launch) : o.threads);
+  const InterruptGuard interrupts(is_first_rank ? interrupt_notice(verbosity, "this step") : "");
+  ProgressPrinter printer(!verbosity.quiet && is_first_rank);
   ExperimentContext context = make_context(o, interrupts.token(), printer);
-  std::vector<std::string> failed;
-  for (const Experiment* experiment : list) {
+  while (const std::optional<size_t> task = pool.next()) {
+    const Experiment* const experiment = list[*task];
     const std::string name(experiment->name);
     context.parts_folder = folder / (name + ".parts");
     if (const auto summary = result_that_stays(o, folder, *experiment)) {
@@ -183,7 +189,7 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
       continue;
     }
     try {
-      run_experiment(*experiment, o, context, folder, printer, verbosity);
+      run_experiment(*experiment, o, context, folder, printer, verbosity, is_first_rank);
     } catch (const ExperimentStopped&) {
       printer.clear();
       log_info(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
@@ -193,9 +199,11 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
       if (list.size() == 1) throw;
       printer.clear();
       warn(fmt::format("{} failed: {}", name, error.what()));  // other experiments continue
-      failed.push_back(name);
+      pool.failed(name);
     }
   }
+  const std::vector<std::string> failed = pool.finish();
+  if (!is_first_rank) return kExitDone;
   write_index(folder);  // also if all of them existed
   if (!failed.empty())
     throw Error(fmt::format("{} of {} experiments failed: {}", failed.size(), list.size(), fmt::join(failed, ", ")));

@@ -52,7 +52,9 @@ class FrameWorker {
   void run() {
     while (!stop_.stop_requested()) {
       const std::optional<Message> message = link_.receive_at_worker(1);
-      if (!message || message->kind != MessageKind::deal) continue;
+      if (!message) continue;
+      if (message->kind == MessageKind::finish) return;  // it came before the hook
+      if (message->kind != MessageKind::deal) continue;
       render(MessageReader(message->content).get<Segment>());
       if (!stop_.stop_requested()) link_.send(0, MessageKind::done);
     }

@@ -11,7 +11,7 @@
 
 #include "core/clock.h"
 #include "files/temporary_file.h"
-#include "ranks/launcher.h"
+#include "relume/error.h"
 
 namespace relume::ranks {
 namespace {
@@ -305,6 +305,16 @@ bool RankLink::receive_next(int from, Peer& peer, double now) {
   peer.chunk = static_cast<uint64_t>(size);
   if (peer.chunk > room || !mpi_->receive(message, target, size, &peer.receive_request)) fail(from);
   return true;
+}
+
+std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch) {
+  if (!launch || launch->size < 2) return std::make_unique<RankLink>();
+  auto link = std::make_unique<RankLink>(load_mpi(launch->library));
+  if (link->size() == launch->size) return link;
+  throw Error(
+      fmt::format("the launcher started {} ranks, but MPI knows {}; use the mpirun of the library that relume's plugin "
+                  "was built with",
+                  launch->size, link->size()));
 }
 
 }  // namespace relume::ranks

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "ranks/launcher.h"
 #include "ranks/message.h"
 #include "ranks/mpi_plugin.h"
 
@@ -88,5 +89,8 @@ class RankLink {
   int exit_code_ = 0;
   std::thread thread_;
 };
+
+/// The link of this process: of one rank without a launcher. Throws Error if MPI is missing or another library's.
+std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch);
 
 }  // namespace relume::ranks

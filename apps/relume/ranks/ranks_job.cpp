@@ -56,16 +56,6 @@ RenderOptions options_of_worker(RenderOptions options) {
   return options;
 }
 
-std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch) {
-  if (!launch || launch->size < 2) return std::make_unique<RankLink>();
-  auto link = std::make_unique<RankLink>(load_mpi(launch->library));
-  if (link->size() == launch->size) return link;
-  throw Error(
-      fmt::format("the launcher started {} ranks, but MPI knows {}; use the mpirun of the library that relume's "
-                  "plugin was built with",
-                  launch->size, link->size()));
-}
-
 int run_worker(const RenderOptions& all, RankLink& link, int threads) {
   int exit_code = cli::kExitFailed;
   const cli::InterruptGuard interrupts("");  // rank 0 decides what an interrupt ends

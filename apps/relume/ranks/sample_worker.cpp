@@ -64,8 +64,13 @@ void SampleWorker::interrupt(const Message& message) {
   if (message.kind == MessageKind::finish) {
     finished_ = true;
     stop_.request_stop();
-  } else if (MessageReader(message.content).get<uint32_t>() == current_) {
+    return;
+  }
+  const auto id = MessageReader(message.content).get<uint32_t>();
+  if (id == current_) {
     stop_.request_stop();
+  } else {
+    cancelled_.insert(id);
   }
 }
 
@@ -73,6 +78,7 @@ std::stop_token SampleWorker::begin(uint32_t id) {
   const std::lock_guard lock(mutex_);
   current_ = id;
   if (!finished_) stop_ = std::stop_source();
+  if (cancelled_.erase(id) > 0) stop_.request_stop();
   return stop_.get_token();
 }
 

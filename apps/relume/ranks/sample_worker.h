@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -75,7 +77,8 @@ class SampleWorker {
   double reported_s_ = 0;
   std::mutex mutex_;  ///< guards what follows
   std::stop_source stop_;
-  uint32_t current_ = 0;  ///< id of the deal in progress; 0: none
+  uint32_t current_ = 0;          ///< id of the deal in progress; 0: none
+  std::set<uint32_t> cancelled_;  ///< deals that were cancelled before they began
   bool finished_ = false;
 };
 
