@@ -75,6 +75,23 @@ across pixels, frames and paths can be combined and compared.
 
 This package contains the static library, its headers and its CMake package.${processor_note}")
 
+foreach(library OPENMPI MPICH)
+  string(TOLOWER ${library} name)
+  if(TARGET relume-mpi-${name})
+    list(APPEND CPACK_COMPONENTS_ALL mpi_${name})
+    set(CPACK_DEBIAN_MPI_${library}_FILE_NAME DEB-DEFAULT)
+    set(CPACK_DEBIAN_MPI_${library}_PACKAGE_NAME relume-mpi-${name})
+    set(CPACK_DEBIAN_MPI_${library}_PACKAGE_SECTION graphics)
+    set(CPACK_DEBIAN_MPI_${library}_PACKAGE_SHLIBDEPS ON)
+    set(CPACK_DEBIAN_MPI_${library}_PACKAGE_DEPENDS "relume (= ${PROJECT_VERSION})")
+    set(CPACK_DEBIAN_MPI_${library}_DESCRIPTION "path tracer that reuses samples across frames (plugin for ${name})
+relume renders glTF scenes by path tracing. Techniques that reuse samples
+across pixels, frames and paths can be combined and compared.
+
+With this package, the ranks of mpirun share one render.${processor_note}")
+  endif()
+endforeach()
+
 if(RELUME_HAS_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
   set(CPACK_DEBIAN_PYTHON_FILE_NAME DEB-DEFAULT)
