@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "cli/command.h"
 #include "core/clock.h"
 #include "files/temporary_file.h"
 #include "relume/error.h"
@@ -58,6 +60,8 @@ struct RankLink::Peer {
   void* receive_request = nullptr;
   void* beat_request = nullptr;
   void* heard_request = nullptr;
+  bool is_closed = false;  ///< whether its last message has arrived
+  bool is_lost = false;    ///< no call of MPI names it any more
   double beat_s = 0;
   double heard_s = 0;
   std::deque<std::pair<Header, Bytes>> queue;  ///< guarded by the link's mutex
@@ -122,6 +126,7 @@ void RankLink::close(int exit_code) {
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
+    if (rank_ != 0) peers_[0]->queue.emplace_back(Header{MessageKind::closed, 0}, Bytes());
     closing_ = true;
   }
   const double start_s = now_s();
@@ -163,13 +168,13 @@ void RankLink::run() {
   }
   if (!works) return;
   while (true) {
-    const bool is_busy = step(now_s());
+    const bool is_busy = step_or_end();
     bool closes = false;
     bool aborts = false;
     {
       const std::lock_guard lock(mutex_);
       aborts = aborting_;
-      closes = closing_ && all_sent();
+      closes = closing_ && all_sent() && all_closed();
     }
     if (aborts) {
       mpi_->abort(exit_code_);
@@ -193,6 +198,25 @@ bool RankLink::all_sent() const {
                      [](const auto& peer) { return peer->queue.empty() && !peer->outgoing && !peer->send_request; });
 }
 
+/// Whether no rank sends any more. MPI could not end before a message that rank 0 does not receive.
+bool RankLink::all_closed() const {
+  return rank_ != 0 || std::all_of(peers_.begin() + 1, peers_.end(),
+                                   [](const auto& peer) { return peer->is_closed || peer->is_lost; });
+}
+
+/// As step(). Ends the process if a message is too large for its memory: rank 0 has its last checkpoint, and notices
+/// that others are lost.
+bool RankLink::step_or_end() {
+  try {
+    return step(now_s());
+  } catch (const std::exception& error) {
+    std::fputs(
+        fmt::format("relume: rank {} on {} cannot receive a message: {}\n", rank_, host_name(), error.what()).c_str(),
+        stderr);
+    end_process(1);
+  }
+}
+
 /// Whether messages are under way.
 bool RankLink::step(double now) {
   beat(now);
@@ -200,8 +224,8 @@ bool RankLink::step(double now) {
   for (int other = 0; other < size_; ++other) {
     if (other == rank_ || (rank_ != 0 && other != 0)) continue;
     Peer& peer = *peers_[static_cast<size_t>(other)];
-    is_busy = send_next(other, peer) || is_busy;
-    is_busy = receive_next(other, peer, now) || is_busy;
+    if (!peer.is_lost) is_busy = send_next(other, peer) || is_busy;
+    if (!peer.is_lost) is_busy = receive_next(other, peer, now) || is_busy;
   }
   return is_busy;
 }
@@ -210,6 +234,7 @@ void RankLink::beat(double now) {
   for (int other = 0; other < size_; ++other) {
     if (other == rank_ || (rank_ != 0 && other != 0)) continue;
     Peer& peer = *peers_[static_cast<size_t>(other)];
+    if (peer.is_lost) continue;
     bool done = false;
     if (peer.beat_request && !mpi_->complete(peer.beat_request, &done)) fail(other);
     if (done) peer.beat_request = nullptr;
@@ -231,13 +256,15 @@ void RankLink::beat(double now) {
   }
 }
 
-/// A rank is lost. Rank 0 decides what follows; others end, because they have no output of their own.
-void RankLink::fail(int rank) {
+/// A rank is lost. Rank 0 decides what follows; others end, because they have no output of their own. Returns false: no
+/// message of that rank is under way.
+bool RankLink::fail(int rank) {
   const std::lock_guard lock(mutex_);
   if (rank_ == 0) {
+    peers_[static_cast<size_t>(rank)]->is_lost = true;
     if (!lost_) lost_ = rank;
     changed_.notify_all();
-    return;
+    return false;
   }
   if (!closing_) {
     std::fputs(fmt::format("relume: rank {} on {} lost the connection to rank 0 and ends; continue with --resume\n",
@@ -251,7 +278,7 @@ void RankLink::fail(int rank) {
 bool RankLink::send_next(int to, Peer& peer) {
   if (peer.send_request) {
     bool done = false;
-    if (!mpi_->complete(peer.send_request, &done)) fail(to);
+    if (!mpi_->complete(peer.send_request, &done)) return fail(to);
     if (!done) return true;
     peer.send_request = nullptr;
     if (!peer.header_sent) {
@@ -272,14 +299,14 @@ bool RankLink::send_next(int to, Peer& peer) {
   const auto& [header, content] = *peer.outgoing;
   const void* const bytes = peer.header_sent ? static_cast<const void*>(content.data() + peer.sent) : &header;
   const uint64_t size = peer.header_sent ? std::min(kChunkBytes, header.bytes - peer.sent) : sizeof(Header);
-  if (!mpi_->send(to, kDataTag, bytes, static_cast<int>(size), &peer.send_request)) fail(to);
+  if (!mpi_->send(to, kDataTag, bytes, static_cast<int>(size), &peer.send_request)) return fail(to);
   return true;
 }
 
 bool RankLink::receive_next(int from, Peer& peer, double now) {
   if (peer.receive_request) {
     bool done = false;
-    if (!mpi_->complete(peer.receive_request, &done)) fail(from);
+    if (!mpi_->complete(peer.receive_request, &done)) return fail(from);
     if (!done) return true;
     peer.receive_request = nullptr;
     peer.heard_s = now;
@@ -290,7 +317,10 @@ bool RankLink::receive_next(int from, Peer& peer, double now) {
     } else {
       peer.received += peer.chunk;
     }
-    if (peer.received == peer.header->bytes) {
+    if (peer.header->kind == MessageKind::closed) {
+      peer.is_closed = true;
+      peer.header.reset();
+    } else if (peer.received == peer.header->bytes) {
       deliver({from, peer.header->kind, std::move(peer.incoming)});
       peer.incoming = {};
       peer.header.reset();
@@ -298,23 +328,25 @@ bool RankLink::receive_next(int from, Peer& peer, double now) {
   }
   int size = 0;
   void* message = nullptr;
-  if (!mpi_->find(from, kDataTag, &size, &message)) fail(from);
+  if (!mpi_->find(from, kDataTag, &size, &message)) return fail(from);
   if (!message) return peer.header.has_value();
   void* const target = peer.header ? static_cast<void*>(peer.incoming.data() + peer.received) : &peer.incoming_header;
   const uint64_t room = peer.header ? peer.header->bytes - peer.received : sizeof(Header);
   peer.chunk = static_cast<uint64_t>(size);
-  if (peer.chunk > room || !mpi_->receive(message, target, size, &peer.receive_request)) fail(from);
+  if (peer.chunk > room || !mpi_->receive(message, target, size, &peer.receive_request)) return fail(from);
   return true;
 }
 
 std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch) {
   if (!launch || launch->size < 2) return std::make_unique<RankLink>();
   auto link = std::make_unique<RankLink>(load_mpi(launch->library));
-  if (link->size() == launch->size) return link;
+  const int size = link->size();
+  if (size == launch->size) return link;
+  link->close(cli::kExitFailed);
   throw Error(
       fmt::format("the launcher started {} ranks, but MPI knows {}; use the mpirun of the library that relume's plugin "
                   "was built with",
-                  launch->size, link->size()));
+                  launch->size, size));
 }
 
 }  // namespace relume::ranks

@@ -64,12 +64,14 @@ class RankLink {
   std::optional<Message> receive(Box& box, double timeout_s);
   void deliver(Message message);
   void run();
+  bool step_or_end();
   bool step(double now);
   void beat(double now);
   bool send_next(int to, Peer& peer);
   bool receive_next(int from, Peer& peer, double now);
-  void fail(int rank);
+  bool fail(int rank);
   bool all_sent() const;
+  bool all_closed() const;
 
   const RelumeMpi* mpi_ = nullptr;
   int rank_ = 0;
@@ -86,7 +88,7 @@ class RankLink {
   bool closing_ = false;
   bool aborting_ = false;
   bool ended_ = false;
-  int exit_code_ = 0;
+  int exit_code_ = 1;  ///< of MPI_Abort
   std::thread thread_;
 };
 

@@ -24,6 +24,7 @@ enum class MessageKind : uint32_t {
   image,     ///< a frame of a sequence
   done,      ///< of a segment
   failed,    ///< the rank cannot work
+  closed,    ///< the rank's last message, which its link keeps to itself
   // To the rank's worker.
   deal,
   cancel,  ///< the deal is no longer needed

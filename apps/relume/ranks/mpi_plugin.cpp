@@ -6,6 +6,13 @@
 
 namespace {
 
+/// Passes on a request that MPI has started; nullptr otherwise, because complete() must not see an undefined one.
+bool pass_on(MPI_Request* started, bool works, void** request) {
+  *request = works ? started : nullptr;
+  if (!works) delete started;
+  return works;
+}
+
 bool begin(int* rank, int* size) {
   int provided = 0;
   if (MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS) return false;
@@ -16,8 +23,8 @@ bool begin(int* rank, int* size) {
 
 bool send(int to, int tag, const void* bytes, int size, void** request) {
   auto* const started = new (std::nothrow) MPI_Request;
-  *request = started;
-  return started && MPI_Isend(bytes, size, MPI_BYTE, to, tag, MPI_COMM_WORLD, started) == MPI_SUCCESS;
+  const bool works = started && MPI_Isend(bytes, size, MPI_BYTE, to, tag, MPI_COMM_WORLD, started) == MPI_SUCCESS;
+  return pass_on(started, works, request);
 }
 
 bool complete(void* request, bool* done) {
@@ -48,10 +55,9 @@ bool find(int from, int tag, int* size, void** message) {
 bool receive(void* message, void* bytes, int size, void** request) {
   auto* const found = static_cast<MPI_Message*>(message);
   auto* const started = new (std::nothrow) MPI_Request;
-  *request = started;
   const bool works = started && MPI_Imrecv(bytes, size, MPI_BYTE, found, started) == MPI_SUCCESS;
   delete found;
-  return works;
+  return pass_on(started, works, request);
 }
 
 bool end() { return MPI_Finalize() == MPI_SUCCESS; }

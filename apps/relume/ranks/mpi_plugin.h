@@ -13,13 +13,13 @@ struct RelumeMpi {
   const char* library;  ///< "Open MPI 4.1.4"
   /// Starts MPI.
   bool (*begin)(int* rank, int* size);
-  /// Starts to send `size` bytes, which must exist until sent() reports true.
+  /// Starts to send `size` bytes, which must exist until complete() reports it. `request`: nullptr if it failed.
   bool (*send)(int to, int tag, const void* bytes, int size, void** request);
   /// Whether a send or a receive is complete; its request then no longer exists.
   bool (*complete)(void* request, bool* done);
   /// Looks for a message of this rank and tag. `message`: nullptr if there is none.
   bool (*find)(int from, int tag, int* size, void** message);
-  /// Starts to receive a message of find().
+  /// Starts to receive a message of find(). `request`: nullptr if it failed.
   bool (*receive)(void* message, void* bytes, int size, void** request);
   /// Ends MPI, once all ranks call it.
   bool (*end)();
