@@ -66,9 +66,12 @@ class FrameWorker {
     const auto warmup = uses_earlier_frames(settings) ? static_cast<size_t>(options_.warmup) : 0;
     const bool continues = position_ == segment.first;
     const size_t begin = continues ? segment.first : segment.first - std::min(segment.first, warmup);
+    if (!continues) {
+      session_.set_time(time_of(begin - std::min(begin, size_t{1})));  // motion is that since the frame before
+      session_.restart(settings.seed);
+    }
     for (size_t frame = begin; frame < segment.first + segment.count; ++frame) {
-      session_.set_time(time_of_image(options_, setup_.plan, setup_.scene_time_s, frame));
-      if (frame == begin && !continues) session_.restart(settings.seed);
+      session_.set_time(time_of(frame));
       session_.begin_image();
       position_.reset();
       RenderLimits limits = stop_criteria(setup_.settings.stop);
@@ -78,6 +81,8 @@ class FrameWorker {
       if (frame >= segment.first) send(frame, begin < segment.first);
     }
   }
+
+  float time_of(size_t frame) const { return time_of_image(options_, setup_.plan, setup_.scene_time_s, frame); }
 
   void send(size_t index, bool warms_up) {
     FrameImage frame;
@@ -165,8 +170,9 @@ class FrameCoordinator {
   void handle(const Message& message, cli::ProgressPrinter& printer) {
     const auto rank = static_cast<size_t>(message.from);
     if (message.kind == MessageKind::hello) {
-      problem_ = hosts_.add(message);
-      ready_[rank] = problem_.empty();
+      const std::string difference = hosts_.add(message);
+      ready_[rank] = difference.empty();
+      if (problem_.empty()) problem_ = difference;
     } else if (message.kind == MessageKind::done) {
       busy_[rank] = false;
       dealer_->finished(message.from);

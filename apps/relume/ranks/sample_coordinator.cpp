@@ -65,7 +65,11 @@ StopReason SampleCoordinator::run(const std::stop_token& stop, const std::functi
       if (start_s_) show(progress());
     }
     if (saving_.valid()) end_saving();
-    save();
+    try {
+      save();
+    } catch (const std::exception& error) {  // the image may be on another disk
+      save_problem_ = error.what();
+    }
   } catch (...) {
     for (int rank = 0; rank < link_.size(); ++rank) link_.send(rank, MessageKind::finish);
     throw;
@@ -98,8 +102,11 @@ void SampleCoordinator::handle(const Message& message) {
   Rank& rank = ranks_[static_cast<size_t>(message.from)];
   switch (message.kind) {
     case MessageKind::hello:
-      problem_ = hosts_.add(message);
-      rank.ready = problem_.empty();
+      if (const std::string difference = hosts_.add(message); difference.empty()) {
+        rank.ready = true;
+      } else if (problem_.empty()) {
+        problem_ = difference;
+      }
       if (!start_s_) start_s_ = now_s();
       break;
     case MessageKind::progress: {
@@ -139,8 +146,8 @@ void SampleCoordinator::merge(int rank, const Message& message) {
       last_block_ = SampleRange{begin, begin + result.rest - 1};
     }
   }
-  if (job_.adapt && !sender.counted && result.blocks + result.rest > 0) {
-    sender.counted = true;
+  if (job_.adapt && result.blocks + result.rest > 0 && sender.lane != result.first / kLaneSamples) {
+    sender.lane = result.first / kLaneSamples;
     ++replicas_;
   }
   job_.image.correlated_frames = std::max(job_.image.correlated_frames, result.correlated_frames);

@@ -47,6 +47,8 @@ class SampleCoordinator {
 
   /// Why the job ended early; empty if it did not.
   const std::string& problem() const { return problem_; }
+  /// Why the last checkpoint could not be written; empty if it was.
+  const std::string& save_problem() const { return save_problem_; }
   /// Samples per pixel of all ranks.
   uint32_t samples() const { return dealer_.done().count() + rest_samples_; }
   /// Adds the samples of incomplete blocks to sums(), after run(). Returns the error of the image of all samples.
@@ -58,7 +60,7 @@ class SampleCoordinator {
     bool ready = false;
     uint32_t deal = 0;  ///< id; 0: idle
     WorkProgress progress;
-    bool counted = false;  ///< whether its replica has samples in the image
+    std::optional<uint32_t> lane;  ///< number of its last replica that has samples in the image
   };
 
   std::optional<StopReason> step(const std::stop_token& stop);
@@ -94,6 +96,7 @@ class SampleCoordinator {
   uint32_t saved_samples_ = 0;
   std::future<void> saving_;
   std::string problem_;
+  std::string save_problem_;
 };
 
 }  // namespace relume::ranks

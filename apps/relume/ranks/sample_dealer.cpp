@@ -9,8 +9,6 @@
 namespace relume::ranks {
 namespace {
 
-/// Sample indices of one replica. They only have to differ from those of others.
-constexpr uint32_t kLaneSamples = 1u << 14;
 /// Deals while the speed of a rank is unknown, in blocks.
 constexpr uint32_t kFirstBlocks = 1;
 /// A deal has at most this part of the samples left per rank, so that ranks end together.

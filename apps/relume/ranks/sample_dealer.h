@@ -10,6 +10,9 @@
 
 namespace relume::ranks {
 
+/// Sample indices of one replica, from a multiple on. They only have to differ from those of others.
+inline constexpr uint32_t kLaneSamples = 1u << 14;
+
 /// Samples for one rank, from a multiple of kBlockSamples on.
 struct Deal {
   uint32_t id = 0;

@@ -191,6 +191,8 @@ RanksEnd run_sample_job(const RanksRun& run) {
   cli::log_info(run.verbosity, fmt::format("{} {} with {}", interrupted ? "interrupted; wrote" : "wrote", file,
                                            cli::samples_text(session.image_samples())));
   write_report(run, reason, error, write_s);
+  if (const std::string& unsaved = coordinator.save_problem(); !unsaved.empty())
+    return {cli::kExitFailed, problem.empty() ? unsaved : fmt::format("{}; {}", problem, unsaved)};
   if (problem.empty()) return {interrupted ? cli::kExitInterrupted : cli::kExitDone};
   const std::string& checkpoint = run.options.checkpoint;
   return {cli::kExitFailed,
