@@ -13,6 +13,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -24,6 +25,9 @@
 
 namespace relume::ranks {
 namespace {
+
+/// Variable with the path of the plugin; empty: the process ignores its launcher.
+constexpr const char* kPlugin = "RELUME_MPI_PLUGIN";
 
 std::optional<int> number_in(const char* variable) {
   const char* const value = std::getenv(variable);
@@ -38,7 +42,7 @@ std::optional<int> number_in(const char* variable) {
 const char* name_of(MpiLibrary library) { return library == MpiLibrary::open_mpi ? "openmpi" : "mpich"; }
 
 std::vector<std::filesystem::path> plugin_files(MpiLibrary library) {
-  if (const char* const file = std::getenv("RELUME_MPI_PLUGIN")) return {file};
+  if (const char* const file = std::getenv(kPlugin)) return {file};
   std::error_code failure;
   const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", failure).parent_path();
   const std::string name = fmt::format("relume-mpi-{}.so", name_of(library));
@@ -98,6 +102,8 @@ void pause_s(int seconds) {
 }  // namespace
 
 std::optional<Launch> find_launch() {
+  // A program under a launcher passes its variables on to the commands that it runs.
+  if (const char* const plugin = std::getenv(kPlugin); plugin && *plugin == '\0') return std::nullopt;
   const auto size = number_in("OMPI_COMM_WORLD_SIZE");
   if (size) {
     return Launch{MpiLibrary::open_mpi, number_in("OMPI_COMM_WORLD_RANK").value_or(0), *size,
@@ -107,9 +113,10 @@ std::optional<Launch> find_launch() {
     return Launch{MpiLibrary::mpich, number_in("PMI_RANK").value_or(0), *ranks,
                   number_in("MPI_LOCALNRANKS").value_or(1)};
   }
-  // srun sets these for every job step; only the type of --mpi shows that the step may use MPI.
+  // srun sets the number for every job step; only PMIX_RANK, from its --mpi, shows that the step may use MPI. Sites
+  // have that as a default, so a step of one task says nothing.
   const auto tasks = number_in("SLURM_STEP_NUM_TASKS");
-  if (std::getenv("PMIX_RANK") && tasks) {
+  if (std::getenv("PMIX_RANK") && tasks && *tasks > 1) {
     return Launch{MpiLibrary::open_mpi, number_in("PMIX_RANK").value_or(0), *tasks, 1};
   }
   return std::nullopt;
@@ -154,7 +161,8 @@ void end_launcher(int after_s) {
   if (fork() != 0) return;
   // Only functions that are safe after a fork of a process with threads.
   setsid();
-  for (const int stream : {0, 1, 2}) close(stream);
+  // Open connections would hide the end of this process from the launcher and other ranks.
+  close_range(0, std::numeric_limits<unsigned>::max(), 0);
   for (const int signal_number : {SIGTERM, SIGTERM, SIGKILL}) {  // Open MPI ends at once at the second
     pause_s(signal_number == SIGKILL ? 3 : after_s);
     after_s = 3;

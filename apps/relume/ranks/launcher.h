@@ -18,7 +18,7 @@ struct Launch {
   int local_size = 1;  ///< ranks on this machine
 };
 
-/// std::nullopt: no launcher started the process.
+/// std::nullopt: no launcher started the process, or RELUME_MPI_PLUGIN is empty, which means to ignore it.
 std::optional<Launch> find_launch();
 
 /// Loads the plugin for the launcher's library from beside the program, ../lib/relume or RELUME_MPI_PLUGIN. Throws

@@ -23,6 +23,7 @@
 #include "ranks/sample_worker.h"
 #include "relume/error.h"
 #include "render/checkpoint.h"
+#include "render/sample_parts.h"
 #include "render/session.h"
 
 namespace relume::ranks {
@@ -103,6 +104,12 @@ int run_coordinator(const RenderOptions& options, const Verbosity& verbosity, Ra
   return cli::kExitFailed;
 }
 
+/// Whether several ranks can continue the render. The scene's own settings are not known yet.
+bool can_be_shared(const RenderOptions& options) {
+  if (options.checkpoint.empty() || !options.sample_range.empty() || !options.display.empty()) return false;
+  return !options.frames.empty() || sums_refusal(resolve(make_plan(options).sources).render).empty();
+}
+
 }  // namespace
 
 bool runs_on_ranks(const RenderOptions& options) {
@@ -113,7 +120,7 @@ bool runs_on_ranks(const RenderOptions& options) {
   if (has_checkpoint && options.sample_range.empty()) {
     return is_sums_file(options.checkpoint) || is_sequence_file(options.checkpoint);
   }
-  return launch && !options.checkpoint.empty() && options.sample_range.empty() && options.display.empty();
+  return launch && !has_checkpoint && can_be_shared(options);
 }
 
 int run_on_ranks(const RenderOptions& options, const Verbosity& verbosity) {
