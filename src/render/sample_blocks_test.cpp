@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
+#include "render/sample_parts.h"
 #include "render/session.h"
 #include "render/summed_layers.h"
 
@@ -70,6 +71,34 @@ TEST(SampleBlocks, OfOneSessionInAnyOrderAreOneRender) {
   expect_same_image(parts, whole);
   EXPECT_EQ(parts.statistics().rays, whole.statistics().rays);
   EXPECT_EQ(parts.image_samples(), 40);
+}
+
+TEST(SampleBlocks, AreOneRenderForAllTechniquesThatDoNotAdapt) {
+  std::vector<RenderSettings> list;
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm}) {
+    list.push_back(summing_settings());
+    list.back().estimator = estimator;
+  }
+  list.push_back(summing_settings());
+  list.back().reuse = ReuseChoice::ris;
+  list.push_back(summing_settings());
+  list.back().stratify = false;
+  for (const RenderSettings& settings : list) {
+    SCOPED_TRACE(&settings - list.data());
+    ASSERT_FALSE(samples_adapt(settings));
+    Session whole = cornell(settings);
+    render(whole, 24);
+    Session parts = cornell(settings);
+    std::vector<PixelSums> total(kPixels);
+    for (const uint32_t first : {16u, 0u}) {
+      begin_samples(parts, first);
+      render(parts, first == 0 ? 16 : 8);
+      take_samples(parts, total);
+    }
+    std::vector<PixelSums> expected(kPixels);
+    take_samples(whole, expected);
+    EXPECT_EQ(std::memcmp(total.data(), expected.data(), kPixels * sizeof(PixelSums)), 0);
+  }
 }
 
 TEST(SampleBlocks, ContinueAfterTheirSumsAreTaken) {
