@@ -3,13 +3,16 @@
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
+import sys
 import time
 import unittest
 import uuid
 
 import program
 
+SKIPPED = 77  # ctest's exit code for skipped tests
 FOLDER = pathlib.Path(program.PROGRAM).resolve().parent
 # Tests run as root in containers, on machines with fewer processors than ranks. Ranks of small images spin less when they yield.
 OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
@@ -44,8 +47,12 @@ class RanksTest(program.ProgramTest):
         return [self.mpirun, "-n", str(ranks), program.PROGRAM, *map(str, arguments)]
 
     def on_ranks(self, ranks, *arguments, timeout=120, **variables):
-        return subprocess.run(self.command(ranks, *arguments), cwd=self.folder, env=environment(**variables), timeout=timeout,
-                              capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        mark = uuid.uuid4().hex
+        try:
+            return subprocess.run(self.command(ranks, *arguments), cwd=self.folder, env=environment(RELUME_TEST_MARK=mark, **variables), timeout=timeout,
+                                  capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        finally:
+            end_processes(mark)
 
     def succeed_on_ranks(self, ranks, *arguments, **options):
         done = self.on_ranks(ranks, *arguments, **options)
@@ -59,7 +66,8 @@ class RanksTest(program.ProgramTest):
         self.addCleanup(errors.close)
         process = subprocess.Popen(self.command(ranks, *arguments), cwd=self.folder, env=environment(RELUME_TEST_MARK=mark, **variables),
                                    stdin=subprocess.DEVNULL, stdout=errors, stderr=errors, start_new_session=True)
-        self.addCleanup(lambda: process.poll() is None and process.kill())
+        self.addCleanup(process.wait, 30)
+        self.addCleanup(end_processes, mark)
         return process, mark
 
     def errors(self):
@@ -72,15 +80,37 @@ class RanksTest(program.ProgramTest):
             time.sleep(0.02)
 
 
-def rank_process(mark, rank):
-    """Number of the process of a rank; None before it has started."""
-    wanted = {f"RELUME_TEST_MARK={mark}".encode()}
-    ranks = {f"{name}={rank}".encode() for name in ("OMPI_COMM_WORLD_RANK", "PMI_RANK")}
+def marked_processes(mark):
+    """Environments of the processes with this mark, by their number."""
+    processes = {}
     for folder in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             variables = set((folder / "environ").read_bytes().split(b"\0"))
         except OSError:
             continue
-        if wanted <= variables and variables & ranks:
-            return int(folder.name)
-    return None
+        if f"RELUME_TEST_MARK={mark}".encode() in variables:
+            processes[int(folder.name)] = variables
+    return processes
+
+
+def end_processes(mark):
+    """Ends mpirun and ranks that still run, as after a time-out, which ends mpirun only."""
+    for number in marked_processes(mark):
+        try:
+            os.kill(number, signal.SIGKILL)
+        except OSError:
+            pass  # ended meanwhile
+
+
+def rank_process(mark, rank):
+    """Number of the process of a rank; None before it has started."""
+    ranks = {f"{name}={rank}".encode() for name in ("OMPI_COMM_WORLD_RANK", "PMI_RANK")}
+    return next((number for number, variables in marked_processes(mark).items() if variables & ranks), None)
+
+
+def main():
+    """As unittest.main(), but ends with SKIPPED if no test ran."""
+    done = unittest.main(module="__main__", exit=False, verbosity=2).result
+    if done.wasSuccessful() and done.testsRun == len(done.skipped):
+        sys.exit(SKIPPED)
+    sys.exit(not done.wasSuccessful())

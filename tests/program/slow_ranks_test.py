@@ -7,11 +7,10 @@ import shutil
 import statistics
 import subprocess
 import time
-import unittest
 
 import program
 from program import exr_pixels
-from ranks import RanksTest, environment
+from ranks import RanksTest, environment, main
 
 AGENT = """#!/bin/sh
 # Open MPI's launch agent: HOST COMMAND…
@@ -22,7 +21,7 @@ exec ip netns exec $(cat {folder}/$host) /bin/sh -c "$*"
 
 
 def in_namespace(name, *command):
-    subprocess.run(["ip", "-n", name, *command], check=True, capture_output=True)
+    subprocess.run(["ip", "-n", name, *command], check=True, capture_output=True, timeout=30)
 
 
 class Hosts(RanksTest):
@@ -36,10 +35,13 @@ class Hosts(RanksTest):
         self.spaces = [f"rla{tag}", f"rlb{tag}"]
         self.addresses = ["10.213.77.1", "10.213.77.2"]
         for space in self.spaces:
-            if subprocess.run(["ip", "netns", "add", space], check=False, capture_output=True).returncode != 0:
+            if subprocess.run(["ip", "netns", "add", space], check=False, capture_output=True, timeout=30).returncode != 0:
                 self.skipTest("network namespaces need privileges")
-            self.addCleanup(subprocess.run, ["ip", "netns", "del", space], check=False)
-        subprocess.run(["ip", "link", "add", "cable", "netns", self.spaces[0], "type", "veth", "peer", "name", "cable", "netns", self.spaces[1]], check=True)
+            self.addCleanup(subprocess.run, ["ip", "netns", "del", space], check=False, timeout=30)
+        cable = ["ip", "link", "add", "cable", "netns", self.spaces[0], "type", "veth", "peer", "name", "cable", "netns", self.spaces[1]]
+        done = subprocess.run(cable, check=False, capture_output=True, text=True, timeout=30)
+        if done.returncode != 0:
+            self.skipTest(f"the system has no pairs of virtual network devices: {done.stderr.strip()}")
         for space, address in zip(self.spaces, self.addresses):
             in_namespace(space, "addr", "add", f"{address}/24", "dev", "cable")
             in_namespace(space, "link", "set", "cable", "up")
@@ -53,7 +55,7 @@ class Hosts(RanksTest):
     def end_daemons(self):
         """Ends what still runs in the namespaces: the daemon of a host that was cut off."""
         for space in self.spaces:
-            for number in subprocess.run(["ip", "netns", "pids", space], check=False, capture_output=True, text=True).stdout.split():
+            for number in subprocess.run(["ip", "netns", "pids", space], check=False, capture_output=True, text=True, timeout=30).stdout.split():
                 try:
                     os.kill(int(number), 9)
                 except OSError:
@@ -110,4 +112,4 @@ class Times(RanksTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

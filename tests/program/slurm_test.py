@@ -12,6 +12,7 @@ import unittest
 
 import program
 from program import ProgramTest, exr_pixels
+from ranks import main
 
 CONFIGURATION = """
 ClusterName=relume
@@ -97,8 +98,16 @@ class Cluster(ProgramTest):
         output = open(self.cluster / f"{command[0]}.out", "wb")
         self.addCleanup(output.close)
         process = subprocess.Popen(command, env=self.environment, stdin=subprocess.DEVNULL, stdout=output, stderr=output)
-        self.addCleanup(process.wait, 30)
-        self.addCleanup(process.terminate)
+        self.addCleanup(self.end, process)
+
+    @staticmethod
+    def end(process):
+        process.terminate()
+        try:
+            process.wait(30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait(30)
 
     def ask(self, *command, timeout=30):
         return subprocess.run(command, env=self.environment, cwd=self.folder, capture_output=True, text=True, timeout=timeout, check=False).stdout
@@ -134,4 +143,4 @@ class Cluster(ProgramTest):
 
 if __name__ == "__main__":
     print(f"runs {program.PROGRAM}", file=sys.stderr)
-    unittest.main()
+    main()
