@@ -76,6 +76,7 @@ class Images(RanksTest):
     def test_what_cannot_be_shared_is_refused_once(self):
         self.refused(2, "a denoised image is no mean", "render", "cornell", *SMALL, "-o", "no.exr", "--denoise", "svgf")
         self.refused(2, "remove it", "render", "cornell", *SMALL, "-o", "no.exr", "--sample-range", "0-15")
+        self.refused(2, "--stats describes one process", "render", "turntable", *SMALL, "-o", "no.####.exr", "--frames", "0-1", "--stats", "no.json")
         self.refused(2, "scenes runs as one process", "scenes")
         self.refused(1, "nowhere.glb", "render", "nowhere.glb", *SMALL, "-o", "no.exr")
         self.assertEqual(self.files(), [])

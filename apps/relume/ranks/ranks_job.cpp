@@ -44,6 +44,8 @@ void check_options(const RenderOptions& options) {
     throw cli::UsageError("--sample-range is for separate jobs; ranks share all samples, so remove it");
   if (!options.display.empty())
     throw cli::UsageError("--display shows the image of one process; remove it for a render on several ranks");
+  if (!options.stats.empty() && !options.frames.empty())
+    throw cli::UsageError("--stats describes one process; remove it for a sequence on several ranks");
 }
 
 /// The options of a rank that writes nothing: the folders of the outputs may be missing on its machine.
@@ -107,7 +109,8 @@ int run_coordinator(const RenderOptions& options, const Verbosity& verbosity, Ra
 /// Whether several ranks can continue the render. The scene's own settings are not known yet.
 bool can_be_shared(const RenderOptions& options) {
   if (options.checkpoint.empty() || !options.sample_range.empty() || !options.display.empty()) return false;
-  return !options.frames.empty() || sums_refusal(resolve(make_plan(options).sources).render).empty();
+  if (!options.frames.empty()) return options.stats.empty();
+  return sums_refusal(resolve(make_plan(options).sources).render).empty();
 }
 
 }  // namespace
