@@ -72,7 +72,7 @@ Measured mean_of_paths(const CompiledScene& scene, Poison poison, bool next_even
 
 TEST(MarkovChainSession, PoisonedTablesKeepTheMeanOfPathTracing) {
   const CompiledScene scene(find_builtin_scene("cornell")->build(), {.camera = {}, .width = 24, .height = 24});
-  const Measured expected = mean_of_paths(scene, Poison::none, true, 128);
+  const Measured expected = mean_of_paths(scene, Poison::none, true, 256);
   EXPECT_LT(expected.error, 0.02 * expected.mean);
   for (const Poison poison : {Poison::narrow, Poison::garbage}) {
     for (const bool next_event : {true, false}) {

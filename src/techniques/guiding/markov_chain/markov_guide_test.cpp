@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -180,7 +181,7 @@ std::array<Estimate, kFunctions> estimates(const SurfacePoint& sp, uint32_t samp
       result[k].variance += x * x / samples;
     }
   }
-  for (Estimate& e : result) e.variance -= e.mean * e.mean;
+  for (Estimate& e : result) e.variance = std::max(e.variance - e.mean * e.mean, 0.0);  // not negative by rounding
   return result;
 }
 
