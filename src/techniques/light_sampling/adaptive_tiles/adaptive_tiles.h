@@ -1,6 +1,6 @@
-// Light selection from lists of screen tiles, which hold the lights that were useful to their pixels in the last frame,
-// and from all lights by power and use ([Rtxpt26], "NEE-AT"). Both are counts of proxies: equally likely entries, of
-// which a light may have several.
+// Light selection from lists of screen tiles, which hold the lights that were useful to their pixels in the last
+// frames, and from all lights by power and use ([Rtxpt26], "NEE-AT"). Both are counts of proxies: equally likely
+// entries, of which a light may have several.
 #pragma once
 
 #include "sampling/choose.h"

@@ -11,10 +11,18 @@ namespace {
 
 constexpr uint32_t kTileSeed = 0x3c6ef372u;
 constexpr uint32_t kFeedbackSeed = 0xa54ff53au;
+constexpr uint32_t kKeptSeed = 0x510e527fu;
+constexpr float kDecay = 0.8f;  // of contributions, per frame
 
 TileOptions options_of(const AdaptiveTilesSettings& s) {
   return {static_cast<uint32_t>(s.tile_size), static_cast<uint32_t>(s.list_size), static_cast<uint32_t>(s.radius),
           s.jitter, s.depth_tolerance};
+}
+
+/// A camera for raster positions in pixels of the frame.
+CameraView in_pixels(CameraView camera, const FrameContext& frame) {
+  camera.resolution = {static_cast<float>(frame.width()), static_cast<float>(frame.height())};
+  return camera;
 }
 
 }  // namespace
@@ -25,12 +33,20 @@ bool AdaptiveTilesPass::run(const FrameContext& frame) {
   has_taken_feedback_ = std::exchange(prepared_, false);
   snapshot_.begin_frame(frame.backend, frame.begins_epoch, tiles_);
   // The feedback of an abandoned frame is incomplete and is overwritten.
-  if (!has_taken_feedback_) count_lights(frame);
+  if (!has_taken_feedback_) {
+    keep_lights(frame);
+    count_lights(frame);
+  }
   if (!has_taken_feedback_ || lights_changed) {
     tiles_.build_proxies({frame.backend, "neeat.lights", scratch_}, power_.view(), counts_.view(), used_,
                          settings_.feedback);
   }
-  if (!has_taken_feedback_) fill_lists(frame);
+  if (!has_taken_feedback_) {
+    fill_lists(frame);
+    kept_.swap(feedback_);
+    kept_camera_ = feedback_camera_;
+    merged_ = false;
+  }
   has_taken_feedback_ = true;
   receive_feedback(frame);
   set_selector();
@@ -55,12 +71,13 @@ void AdaptiveTilesPass::drop_inconsistent(const FrameContext& frame) {
       return tiles.consistent(frame.width(), frame.height(), light_count);
     };
     consistent = is_consistent(tiles_) && is_consistent(snapshot_.of(tiles_)) && is_undamaged(feedback_camera_) &&
-                 has_exact_counts(frame);
+                 (kept_.empty() || is_undamaged(kept_camera_)) && has_exact_counts(frame);
   });
   if (consistent) return;
   tiles_ = LearnedTiles(feedback_.memory());
   snapshot_.reset();
   feedback_.clear();
+  kept_.clear();
   counts_.clear();
   used_ = 0;
   prepared_ = false;
@@ -70,6 +87,22 @@ bool AdaptiveTilesPass::has_exact_counts(const FrameContext& frame) const {
   uint64_t total = 0;
   for (const uint32_t count : counts_.read()) total += count;
   return total == used_ && used_ <= frame.pixels();
+}
+
+void AdaptiveTilesPass::keep_lights(const FrameContext& frame) {
+  if (!has_feedback(frame) || kept_.size() != feedback_.size()) return kept_.clear();
+  if (merged_) return;
+  KeepLightsKernel kernel;
+  kernel.feedback = feedback_.mutable_view();
+  kernel.before = kept_.view();
+  kernel.camera = in_pixels(feedback_camera_, frame);
+  kernel.camera_before = in_pixels(kept_camera_, frame);
+  kernel.power = power_.view();
+  kernel.depth_tolerance = settings_.depth_tolerance;
+  kernel.decay = kDecay;
+  kernel.seed = hash(frame.index.seed, frame.number, kKeptSeed);
+  frame.launch("neeat.feedback", kernel);
+  merged_ = true;
 }
 
 void AdaptiveTilesPass::count_lights(const FrameContext& frame) {
@@ -121,7 +154,7 @@ std::vector<PassStatistic> AdaptiveTilesPass::statistics() const {
           {"lights-a-tile", static_cast<double>(distinct) / std::max(grid.count(), 1u)},
           {"pixels-with-a-light", static_cast<double>(used_)},
           {"list-bytes", static_cast<double>(tiles_.memory_bytes())},
-          {"feedback-bytes", static_cast<double>(feedback_.memory_bytes())}};
+          {"feedback-bytes", static_cast<double>(feedback_.memory_bytes() + kept_.memory_bytes())}};
 }
 
 std::vector<PassRecords> AdaptiveTilesPass::records() const {
@@ -154,7 +187,10 @@ void AdaptiveTilesPass::save(std::ostream& out) const {
   write_value(out, static_cast<uint8_t>(prepared_));
   write_value(out, feedback_camera_);
   write_value(out, used_);
+  write_value(out, kept_camera_);
+  write_value(out, static_cast<uint8_t>(merged_));
   write_array(out, feedback_);
+  write_array(out, kept_);
   write_array(out, counts_);
   tiles_.save(out);
   snapshot_.save(out);
@@ -166,7 +202,12 @@ void AdaptiveTilesPass::load(std::istream& in) {
   prepared_ = prepared != 0;
   read_value(in, feedback_camera_);
   read_value(in, used_);
+  read_value(in, kept_camera_);
+  uint8_t merged = 0;
+  read_value(in, merged);
+  merged_ = merged != 0;
   read_array(in, feedback_);
+  read_array(in, kept_);
   read_array(in, counts_);
   tiles_.load(in);
   snapshot_.load(in, LearnedTiles(feedback_.memory()));
@@ -176,7 +217,7 @@ void AdaptiveTilesPass::load(std::istream& in) {
 
 size_t AdaptiveTilesPass::memory_bytes() const {
   return tiles_.memory_bytes() + next_.memory_bytes() + snapshot_.memory_bytes() + feedback_.memory_bytes() +
-         counts_.memory_bytes() + power_.memory_bytes() + scratch_.memory_bytes();
+         kept_.memory_bytes() + counts_.memory_bytes() + power_.memory_bytes() + scratch_.memory_bytes();
 }
 
 }  // namespace relume

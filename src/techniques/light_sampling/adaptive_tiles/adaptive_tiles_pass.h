@@ -11,7 +11,7 @@
 
 namespace relume {
 
-/// Builds lists and proxies from the feedback of the last frame's paths, and receives that of this frame's.
+/// Builds lists and proxies from the feedback of the last frames' paths, and receives that of this frame's.
 class AdaptiveTilesPass final : public Pass {
  public:
   /// `octree`: recording of guided paths; nullptr: none. `epochs`: several frames may choose from the same lists,
@@ -25,6 +25,7 @@ class AdaptiveTilesPass final : public Pass {
         tiles_(memory),
         next_(memory),
         feedback_(memory),
+        kept_(memory),
         counts_(memory),
         power_(memory) {
     selector_.kind = LightSelectorKind::adaptive_tiles;
@@ -54,6 +55,8 @@ class AdaptiveTilesPass final : public Pass {
   void drop_inconsistent(const FrameContext& frame);
   /// Whether the counts have the stored sum; false after damage. Reads them on the host.
   bool has_exact_counts(const FrameContext& frame) const;
+  /// Adds the feedback of the frame before to that of the last frame.
+  void keep_lights(const FrameContext& frame);
   /// Counts the lights in the feedback of the last frame.
   void count_lights(const FrameContext& frame);
   void fill_lists(const FrameContext& frame);
@@ -73,12 +76,15 @@ class AdaptiveTilesPass final : public Pass {
   Snapshot<LearnedTiles> snapshot_;
   Array<LightFeedback> feedback_;  ///< by pixel, of the last frame until receive_feedback()
   CameraView feedback_camera_ = {};
+  Array<LightFeedback> kept_;  ///< by pixel, of the frame before; of the last frame after receive_feedback()
+  CameraView kept_camera_ = {};
   Array<uint32_t> counts_;  ///< use by light in the feedback that the lists include
   uint32_t used_ = 0;       ///< sum of the counts
   Array<AliasEntry> power_;
   PrimitiveScratch scratch_;
   bool prepared_ = false;            ///< whether the lists already include the feedback of the last complete frame
   bool has_taken_feedback_ = false;  ///< the same, within a frame
+  bool merged_ = false;              ///< whether `feedback_` includes `kept_`
   bool loaded_ = false;              ///< whether a loaded checkpoint is still unchecked
   bool built_ = false;               ///< whether the power of lights is complete
 };

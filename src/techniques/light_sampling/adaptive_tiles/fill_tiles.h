@@ -1,4 +1,4 @@
-// Kernels that count the use of lights in the last frame, and fill the lists of tiles.
+// Kernels that keep the lights of pixels over frames, count the use of lights, and fill the lists of tiles.
 #pragma once
 
 #include "core/fixed_point.h"
@@ -7,6 +7,63 @@
 #include "techniques/light_sampling/light_selection/light_feedback.h"
 
 namespace relume {
+
+/// Adds the feedback of the frame before to that of the last frame, which it replaces. A pixel keeps a light in
+/// proportion to the sum of its contributions over frames, of which each frame counts `decay` as much as the next. A
+/// contribution is divided by the probability of its sample, so the choice does not depend on how often paths try a
+/// light; and a pixel keeps its light in frames that find none. Without this, the light of most pixels would displace
+/// all others from a list.
+struct KeepLightsKernel {
+  static constexpr float kLeast = 1e-30f;  ///< weight, above denormal numbers
+
+  View<LightFeedback> feedback;      ///< by pixel
+  View<const LightFeedback> before;  ///< of the frame before, complete: with what it kept
+  CameraView camera = {};            ///< of the last frame
+  CameraView camera_before = {};     ///< both with the size of the image as resolution
+  View<const AliasEntry> power;      ///< by light
+  float depth_tolerance = 1;
+  float decay = 0;
+  uint32_t seed = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * static_cast<uint32_t>(camera.resolution.x) + x;
+    LightFeedback& f = feedback[pixel];
+    const LightFeedback* const old = f.has_surface() ? earlier(f) : unchanged(pixel);
+    if (old == nullptr) return;
+    const LightId id = old->id();
+    const bool is_sampled = id < power.size && power[id].pmf > 0.0f;
+    if (!f.has_surface()) f.position = f.previous_position = old->position;
+    if (!is_sampled || !(old->weight > 0.0f)) return;
+    f.offer(id, !old->is_direct(), relume::max(old->weight * decay, kLeast), to_unit_float(hash(seed, pixel)));
+  }
+
+ private:
+  RELUME_HD static uint32_t pixel_at(const CameraView& c, const Vec2& raster) {
+    return static_cast<uint32_t>(raster.y) * static_cast<uint32_t>(c.resolution.x) + static_cast<uint32_t>(raster.x);
+  }
+
+  /// Feedback of the pixel that saw the surface in the frame before; nullptr if it saw another, by distance.
+  RELUME_HD const LightFeedback* earlier(const LightFeedback& f) const {
+    Vec2 raster;
+    float distance;
+    if (!raster_of(camera_before, f.previous_position, &raster, &distance)) return nullptr;
+    const LightFeedback& old = before[pixel_at(camera_before, raster)];
+    if (!old.has_surface()) return nullptr;
+    TileDepths depths;
+    depths.add(distance_from(camera_before, old.position));
+    return depths.holds(distance, depth_tolerance) ? &old : nullptr;
+  }
+
+  /// For a pixel without a surface: perhaps it had no path in the last frame. Its feedback of the frame before, if the
+  /// camera still sees that surface there.
+  RELUME_HD const LightFeedback* unchanged(uint32_t pixel) const {
+    const LightFeedback& old = before[pixel];
+    Vec2 raster;
+    float distance;
+    if (!old.has_surface() || !raster_of(camera, old.position, &raster, &distance)) return nullptr;
+    return pixel_at(camera, raster) == pixel ? &old : nullptr;
+  }
+};
 
 /// Counts the pixels whose feedback holds each light.
 struct CountUsedLightsKernel {

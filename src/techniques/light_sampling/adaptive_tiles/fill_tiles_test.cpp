@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -213,6 +214,94 @@ TEST_F(FilledTiles, AreInconsistentWithADamagedCamera) {
     EXPECT_FALSE(filled({}).consistent(kWidth, kHeight, kLights)) << bad;
     std::swap(damaged, camera_);
   }
+}
+
+/// Feedback of two frames by the same camera, with the first in place of an older one.
+class KeptLights : public FilledTiles {
+ protected:
+  KeptLights() : before_(feedback_) {}
+
+  void keep(float decay, uint32_t seed = 1) {
+    KeepLightsKernel kernel;
+    kernel.feedback = mutable_view_of(feedback_);
+    kernel.before = view_of(before_);
+    kernel.camera = kernel.camera_before = camera_;
+    kernel.power = view_of(power_);
+    kernel.depth_tolerance = 1.5f;
+    kernel.decay = decay;
+    kernel.seed = seed;
+    for (uint32_t y = 0; y < kHeight; ++y)
+      for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
+  }
+  LightFeedback& old(uint32_t x, uint32_t y) { return before_[y * kWidth + x]; }
+
+  std::vector<LightFeedback> before_;
+};
+
+TEST_F(KeptLights, CompeteByContributionsOfAllFrames) {
+  for (LightFeedback& f : before_) f.offer(1, false, 3, 0);
+  for (LightFeedback& f : feedback_) f.offer(2, true, 1, 0);
+  keep(0.5f);
+  int old = 0;
+  for (const LightFeedback& f : feedback_) {
+    EXPECT_EQ(f.weight, 2.5f);
+    EXPECT_EQ(f.is_direct(), f.id() == 1);
+    old += f.id() == 1 ? 1 : 0;
+  }
+  const double pixels = kWidth * kHeight;
+  EXPECT_NEAR(old / pixels, 1.5 / 2.5, 5 * std::sqrt(0.24 / pixels));
+}
+
+TEST_F(KeptLights, StayWhileNoOtherIsFound) {
+  for (LightFeedback& f : before_) f.offer(1, false, 3, 0);
+  for (uint32_t frame = 0; frame < 1000; ++frame) {
+    keep(0.8f, frame);
+    before_ = feedback_;
+    for (LightFeedback& f : feedback_) {
+      f.light = kNoLight;
+      f.weight = 0;
+    }
+  }
+  for (const LightFeedback& f : before_) EXPECT_EQ(f.light, 1u);
+  // The first light that is found replaces them.
+  for (LightFeedback& f : feedback_) f.offer(2, false, 1e-6f, 0);
+  keep(0.8f);
+  for (const LightFeedback& f : feedback_) EXPECT_EQ(f.light, 2u);
+}
+
+TEST_F(KeptLights, FollowSurfaces) {
+  for (uint32_t y = 0; y < kHeight; ++y)
+    for (uint32_t x = 0; x < kWidth; ++x) old(x, y).offer(x, false, 1, 0);
+  meet(3, 4, place(3, 4), place(9, 4));
+  meet(5, 4, place(5, 4), camera_.position + 2.0f * (place(5, 4) - camera_.position));  // another surface
+  meet(7, 4, place(7, 4), camera_.position + Vec3(0, 0, 1));                            // was outside the image
+  old(8, 4).position = Vec3(kInfinity);
+  keep(0.8f);
+  EXPECT_EQ(at(2, 4).light, 2u);
+  EXPECT_EQ(at(3, 4).light, 9u);
+  for (const uint32_t x : {5u, 7u, 8u}) EXPECT_EQ(at(x, 4).light, kNoLight) << x;
+}
+
+/// Pixels without a path keep the surface that the camera still sees there.
+TEST_F(KeptLights, OutlastFramesWithoutAPath) {
+  for (LightFeedback& f : before_) f.offer(1, false, 1, 0);
+  for (LightFeedback& f : feedback_) f = {};
+  old(3, 4).position = place(4, 4);
+  keep(0.8f);
+  EXPECT_EQ(at(2, 4).light, 1u);
+  EXPECT_EQ(at(2, 4).position, place(2, 4));
+  EXPECT_EQ(at(2, 4).previous_position, place(2, 4));
+  EXPECT_EQ(at(3, 4).light, kNoLight);
+  EXPECT_FALSE(at(3, 4).has_surface());
+}
+
+TEST_F(KeptLights, AreOnlyThoseThatLightSelectionChooses) {
+  power_[9].pmf = 0;
+  for (LightFeedback& f : before_) f.offer(kLights, false, 1, 0);
+  old(3, 4) = old(2, 4);
+  old(3, 4).light = 9;
+  keep(0.8f);
+  for (const LightFeedback& f : feedback_) EXPECT_EQ(f.light, kNoLight);
 }
 
 TEST(ProxyCounts, BlendPowerAndUse) {

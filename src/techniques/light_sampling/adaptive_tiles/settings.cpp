@@ -10,7 +10,7 @@ SettingList describe(AdaptiveTilesSettings& s) {
        {.min = 0, .max = 0.95}},
       {"feedback",
        &s.feedback,
-       "Weight of the use of lights in the last frame for samples from all lights, otherwise by power",
+       "Weight of the use of lights in the last frames for samples from all lights, otherwise by power",
        {.min = 0, .max = 0.95}},
       {"tile-size", &s.tile_size, "Edge of a tile", {.min = 2, .max = 64, .unit = "pixels"}},
       {"list-size",

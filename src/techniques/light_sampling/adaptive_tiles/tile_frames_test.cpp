@@ -77,12 +77,18 @@ double frame_error(const RenderSettings& settings, int first) {
   return sum / kFrames;
 }
 
-/// By power, one sample in 104 goes to the lamp of the stall. By the use of all lights, about one in ten does, and with
-/// lists about one in three: variances of 103, 9 and 2 times the squared mean.
+/// Power gives the lamp of the stall one sample in 104. The use of all lights gives it about one in ten, and lists
+/// about one in three: variances of 103, 9 and 2 times the squared mean. All pixels have found their lamp by then.
 TEST(TileFrames, FindTheLampsOfATile) {
-  const double tiles = frame_error(settings_of(LightSelectionChoice::neeat), 8);
-  EXPECT_GT(frame_error(settings_of(LightSelectionChoice::power), 8), 5 * tiles);
-  EXPECT_GT(frame_error(settings_of(LightSelectionChoice::neeat, 0), 8), 1.5 * tiles);
+  double squared_mean = 0;
+  for (const Rgb& c : truth().pixels) squared_mean += static_cast<double>(glm::dot(c, c));
+  const double tiles = frame_error(settings_of(LightSelectionChoice::neeat), 64) / squared_mean;
+  const double use = frame_error(settings_of(LightSelectionChoice::neeat, 0), 64) / squared_mean;
+  const double power = frame_error(settings_of(LightSelectionChoice::power), 64) / squared_mean;
+  EXPECT_LT(tiles, 2.6);
+  EXPECT_LT(use, 14);
+  EXPECT_GT(use, 3 * tiles);
+  EXPECT_GT(power, 20 * tiles);
 }
 
 double mean_luminance(const Image& image) {

@@ -8,7 +8,7 @@
 namespace relume {
 
 /// A reservoir of one light: chosen among the unblocked connections of the pixel's path, by their contributions. With
-/// the first surface of the path.
+/// the first surface of the path. Passes may add reservoirs of earlier frames.
 struct LightFeedback {
   static constexpr uint32_t kLater = 0x80000000u;  ///< flag in `light`: connected to a vertex after the first
 
