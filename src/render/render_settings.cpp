@@ -69,9 +69,9 @@ SettingList describe_slots(RenderSettings& s) {
        "merging, which adds photon mapping to bdpt and blurs the light that it merges",
        {.biases = true}},
       {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc", "neeat", "mcls"}),
-       "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, from a cache of "
-       "lights that were visible nearby in the last frame, from lists of lights that were useful to the pixels of a "
-       "screen tile (NEE-AT), or from Markov chains that remember lights which contributed nearby"},
+       "Light sampling: uniform, by power, with a light BVH, from per-cell lists of visible lights, or learned from "
+       "earlier frames. vlc: lights that were visible nearby; neeat: lists of lights that were useful to the pixels of "
+       "a screen tile (NEE-AT); mcls: Markov chains that remember lights which contributed nearby"},
       {"guide", choice(s.guide, {"bsdf", "cdq", "mcpg"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding): cdq stores it in quadtrees, mcpg as lobes of Markov chains"},

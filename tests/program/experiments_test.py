@@ -137,9 +137,9 @@ class Survey(ProgramTest):
         listed = self.succeed("survey", "--list").stdout
         self.assertIn("reuse=restir-di", listed)
         self.assertRegex(listed, "scene +mine")
-        done = run("survey", "--scenes", "mein", "-o", "out", cwd=self.folder)
+        done = run("survey", "--scenes", "corridr", "-o", "out", cwd=self.folder)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("the survey has no scene 'mein'; did you mean 'mine'", done.stderr)
+        self.assertIn("the survey has no scene 'corridr'; did you mean 'corridor'", done.stderr)
         done = run("survey", "--techniques", "cdq", "-o", "out", cwd=self.folder)
         self.assertIn("the survey has no technique 'cdq'", done.stderr)
 
