@@ -172,8 +172,8 @@ std::string checkpoint_key(const RenderSettings& settings) {
   relevant.time_s = 0;
   const PixelWindow& crop = settings.crop;
   const SampleSettings& samples = settings.samples;
-  return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "") +
-         (samples.sums ? "\nexact sums" : "") +
+  return settings_to_json(describe(relevant)) + (samples.sums ? "\nexact sums" : "") +
+         (settings.auxiliary ? "\nauxiliary buffers" : "") +
          (samples.first > 0 ? fmt::format("\nsamples from {}", samples.first) : "") +
          (crop.empty() ? "" : fmt::format("\ncrop {},{},{},{}", crop.x, crop.y, crop.width, crop.height));
 }
