@@ -56,7 +56,8 @@ class MarkovCells {
 
   /// Winners are not saved: those of earlier frames lose against all later ones.
   void save(std::ostream& out) const {
-    write_value(out, Header{grid_.adaptive_slots, vertices_, pixels_, static_cells_, grid_.static_level, prepared_});
+    write_value(out,
+                Header{grid_.adaptive_slots, vertices_, pixels_, static_cells_, grid_.static_level, taken_, prepared_});
     write_array(out, slots_);
     write_array(out, records_);
   }
@@ -82,6 +83,7 @@ class MarkovCells {
     pixels_ = header.pixels;
     static_cells_ = header.static_cells;
     grid_.static_level = header.static_level;
+    taken_ = header.taken;
     prepared_ = header.prepared != 0;
   }
 
@@ -99,6 +101,7 @@ class MarkovCells {
     uint32_t pixels = 0;
     int static_cells = 0;
     int static_level = 0;
+    uint32_t taken = 0;
     uint32_t prepared = 0;
   };
 
@@ -127,7 +130,8 @@ class MarkovCells {
       fill(frame.backend, name_, winners_.mutable_view(), MarkovPriority::kNone);
       stamp_ = 0;
     }
-    const MarkovPriority priority{++stamp_, hash(frame.index.seed, frame.number, kOrderSeed)};
+    // Not the frame's number, which starts over if the scene changes after an abandoned frame.
+    const MarkovPriority priority{++stamp_, hash(frame.index.seed, ++taken_, kOrderSeed)};
     const Grid all{static_cast<uint32_t>(records_.size()), 1, kTile};
     frame.launch(name_, ElectWritersKernel<ChainState>{records_.view(), winners_.mutable_view(), priority}, all);
     frame.launch(name_,
@@ -159,6 +163,7 @@ class MarkovCells {
   uint32_t pixels_ = 0;
   int static_cells_ = 0;    ///< setting that `grid_.static_level` follows
   uint32_t stamp_ = 0;      ///< as MarkovPriority::stamp, of the last frame
+  uint32_t taken_ = 0;      ///< number of frames whose records the states include
   bool prepared_ = false;   ///< whether the states already include the records of the last complete frame
   bool has_taken_ = false;  ///< the same, during a frame
 };
