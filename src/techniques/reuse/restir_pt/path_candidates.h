@@ -261,14 +261,15 @@ struct PathCandidateKernel {
     const Instance& instance = context.scene.instances[record.hit.instance];
     if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk)) return;
     ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPaths);
-    CandidateTracer tracer{.context = context,
-                           .rule = rule,
-                           .walk = walk,
-                           .sampler = sampler,
-                           .numbers = numbers,
-                           .indirect_weight = context.indirect.weight(x, y),
-                           .chosen = {.pixel = pixel, .sequence = index.sequence, .element = index.sample_of(x, y)},
-                           .hit = record.hit};
+    CandidateTracer tracer{
+        .context = context,
+        .rule = rule,
+        .walk = walk,
+        .sampler = sampler,
+        .numbers = numbers,
+        .indirect_weight = context.indirect.weight(x, y),
+        .chosen = {.pixel = pixel, .seed = index.seed, .sequence = index.sequence, .element = index.sample_of(x, y)},
+        .hit = record.hit};
     tracer.trace();
     image.rays[pixel] += tracer.rays;
     finish(pixel, tracer);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -71,6 +72,25 @@ TEST_P(PathShift, IsTheIdentityWithinAPixel) {
   // Rounding may move a ray to the other side of an edge, or a density across a bound.
   EXPECT_LE(other, paths / 200) << "of " << paths;
   RecordProperty("replayed", replayed);
+}
+
+/// Frames after a movement of the camera have another seed, and perhaps another sequence.
+TEST_P(PathShift, KeepsItsRandomNumbersInLaterFrames) {
+  TracedPaths traced = trace();
+  const SampleIndex later{.seed = 8, .sequence = 5, .sample = 0, .frame = 4, .age = 0};
+  const SampleIndex own = std::exchange(traced.shifter.index, later);
+  int defined = 0;
+  for (uint32_t p = 0; p + 1 < TracedPaths::kPixels; ++p) {
+    if (!traced.has_path(p) || !traced.records[p + 1].valid()) continue;
+    traced.shifter.index = own;
+    const Shifted first = traced.shifted(p, p + 1);
+    traced.shifter.index = later;
+    const Shifted second = traced.shifted(p, p + 1);
+    EXPECT_EQ(first.result, second.result);
+    EXPECT_EQ(first.value, second.value);
+    defined += first.result == ShiftResult::defined ? 1 : 0;
+  }
+  EXPECT_GT(defined, 10);
 }
 
 /// A path that is shifted to another pixel and back is itself. The product of both Jacobians is one.

@@ -25,7 +25,8 @@ struct StoredPath {
   static constexpr uint32_t kMostLength = 0x7ff;
 
   uint32_t pixel = 0;          ///< whose random numbers made the path
-  uint32_t sequence = 0;       ///< SampleIndex::sequence of these numbers
+  uint32_t seed = 0;           ///< SampleIndex::seed of these numbers
+  uint32_t sequence = 0;       ///< SampleIndex::sequence of them
   uint32_t element = 0;        ///< SampleIndex::sample_of() them
   uint32_t shape = 0;          ///< length, joint and end
   uint32_t instance = kNoHit;  ///< surface of the joint; kNoHit: none
@@ -57,15 +58,17 @@ struct StoredPath {
 };
 
 using PathReservoir = Reservoir<StoredPath>;
-static_assert(sizeof(PathReservoir) == 112, "README.md states the memory per pixel");
+static_assert(sizeof(PathReservoir) == 116, "README.md states the memory per pixel");
 
 /// Purposes of ChoiceNumbers.
 inline constexpr uint32_t kChoosesPaths = 0x50540001u;
 inline constexpr uint32_t kChoosesPathHistory = 0x50540002u;
 inline constexpr uint32_t kChoosesPathNeighbours = 0x50540003u;
 
-/// Random numbers of a stored path. `index`: of any frame since the seed was set.
+/// Random numbers of a stored path. `index`: of any frame. Its seed is not used: it can differ from that of the path's
+/// frame, as after movements of the camera.
 RELUME_HD inline Sampler sampler_of(SampleIndex index, uint32_t width, const StoredPath& path) {
+  index.seed = path.seed;
   index.sequence = path.sequence;
   index.sample = path.element;
   index.taken = {};

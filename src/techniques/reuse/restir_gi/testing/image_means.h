@@ -26,10 +26,10 @@ inline std::vector<double> means_of(const Image& image) {
   return means;
 }
 
-/// means_of() images after the camera has moved in each of the first frames, then rested. The images contain the last
-/// `kept` frames.
-inline std::vector<Measured> after_moves(const Scene& scene, const RenderSettings& settings, int seeds, int moving,
-                                         int kept) {
+/// means_of() images of each of the seeds 1, 2, … after the camera has moved in each of the first frames, then rested.
+/// The images contain the last `kept` frames. The seed is the last index.
+inline std::vector<std::vector<double>> values_after_moves(const Scene& scene, const RenderSettings& settings,
+                                                           int seeds, int moving, int kept) {
   Session session(Scene(scene), settings);
   std::vector<std::vector<double>> values(1 + kReuseBlocks * kReuseBlocks);
   for (int seed = 1; seed <= seeds; ++seed) {
@@ -45,6 +45,13 @@ inline std::vector<Measured> after_moves(const Scene& scene, const RenderSetting
     const std::vector<double> means = means_of(session.image());
     for (size_t k = 0; k < means.size(); ++k) values[k].push_back(means[k]);
   }
+  return values;
+}
+
+/// The means over seeds of values_after_moves().
+inline std::vector<Measured> after_moves(const Scene& scene, const RenderSettings& settings, int seeds, int moving,
+                                         int kept) {
+  const std::vector<std::vector<double>> values = values_after_moves(scene, settings, seeds, moving, kept);
   std::vector<Measured> result;
   result.reserve(values.size());
   for (const std::vector<double>& of_one : values) result.push_back(measured_over(of_one));
