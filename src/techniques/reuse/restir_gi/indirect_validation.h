@@ -52,6 +52,7 @@ struct IndirectValidationKernel {
     const Reconnection c = reconnect(receiver, place_of(scene, vertex));
     if (!(c.cosine > 0.0f)) return Rgb(0);
     SampleIndex repeated = index;
+    repeated.seed = vertex.seed;  // that of the frame can differ, as after movements of the camera
     repeated.sequence = vertex.sequence;
     repeated.sample = vertex.element;
     repeated.taken = {};

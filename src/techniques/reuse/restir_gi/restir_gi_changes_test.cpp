@@ -87,5 +87,21 @@ TEST(RestirGiValidation, ChangesNothingAtRest) {
   EXPECT_EQ(at_rest(settings_of(ReuseCorrection::exact, 1)).rays, exact.rays) << "needs no validation";
 }
 
+/// The image after movements of the camera, each of which gives the frames another seed.
+Image after_moves(int validate) {
+  RenderSettings settings = settings_of(ReuseCorrection::lagging, validate);
+  settings.history = HistoryChoice::accumulate;
+  Session session(testing::posts(), settings);
+  CameraPose pose = session.camera();
+  for (int i = 0; i < 6; ++i) {
+    pose.to_world[3].x += 0.01f;
+    session.set_camera(pose);
+    session.render_frame();
+  }
+  return session.image();
+}
+
+TEST(RestirGiValidation, RepeatsPathsOfEarlierSeeds) { EXPECT_EQ(after_moves(1).pixels, after_moves(0).pixels); }
+
 }  // namespace
 }  // namespace relume

@@ -24,6 +24,7 @@ struct IndirectVertex {
   float alpha = 0;        ///< of the narrowest lobe; 0 with delta lobes, 1 without glossy ones
   Rgb radiance{0};        ///< towards the primary hit, without the surface's own emission
   uint32_t pixel = 0;     ///< of the path that found the light
+  uint32_t seed = 0;      ///< SampleIndex::seed of that path
   uint32_t sequence = 0;  ///< SampleIndex::sequence of that path
   uint32_t element = 0;   ///< SampleIndex::sample_of() that path
 
@@ -141,6 +142,7 @@ struct IndirectSampleOutput {
     IndirectSample& sample = samples[pixel];
     sample = {};
     sample.vertex.pixel = pixel;
+    sample.vertex.seed = index.seed;
     sample.vertex.sequence = index.sequence;
     sample.vertex.element = index.sample_of(x, y);
     IndirectSamplePolicy policy;
