@@ -148,15 +148,16 @@ TEST(Merge, VarianceFallsWithTheNumberOfSamples) {
   const PartRenderer renderer = cornell(small_settings(), {"variance"});
   const Files parts = write_parts(renderer, folder, 8);
   merge_images(parts, folder / "out.exr");
-  double estimated = 0;
-  for (const float variance : read_exr(folder / "out.exr").find("variance.Y")->values)
-    estimated += static_cast<double>(variance);
+  const auto sum_of_variances = [](const std::filesystem::path& path) {
+    const ExrFile file = read_exr(path);
+    double sum = 0;
+    for (const float variance : file.find("variance.Y")->values) sum += static_cast<double>(variance);
+    return sum;
+  };
   double of_parts = 0;
-  for (const std::filesystem::path& part : parts) {
-    for (const float variance : read_exr(part).find("variance.Y")->values) of_parts += static_cast<double>(variance);
-  }
+  for (const std::filesystem::path& part : parts) of_parts += sum_of_variances(part);
   // The variance of the mean of eight parts is an eighth of that of a part.
-  EXPECT_NEAR(estimated * 64 / of_parts, 1, 0.15);
+  EXPECT_NEAR(sum_of_variances(folder / "out.exr") * 64 / of_parts, 1, 0.15);
 }
 
 TEST(Merge, RefusesWhatDoesNotBelongTogether) {
