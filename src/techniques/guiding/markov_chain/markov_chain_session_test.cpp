@@ -164,6 +164,7 @@ TEST(MarkovChainSession, LearnedTablesKeepTheMeanOfPathTracing) {
 TEST(MarkovChainSession, LowersTheNoiseWithoutNextEventEstimation) {
   // Few directions of the BSDF meet the lamp. Guided ones find it almost always.
   RenderSettings guided = settings_of(GuideChoice::mcpg, LightSelectionChoice::power, false);
+  guided.mcpg.bsdf_fraction = 0.15f;
   RenderSettings plain = guided;
   plain.mcpg.bsdf_fraction = 1;
   const Scene scene = lit_floor();

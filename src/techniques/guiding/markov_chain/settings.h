@@ -6,7 +6,7 @@
 namespace relume {
 
 struct MarkovChainSettings {
-  float bsdf_fraction = 0.15f;
+  float bsdf_fraction = 0.5f;
   float prior = 0.2f;
   float least_alpha = 0.01f;
   int most_count = 1024;

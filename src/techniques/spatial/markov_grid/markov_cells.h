@@ -130,8 +130,8 @@ class MarkovCells {
       fill(frame.backend, name_, winners_.mutable_view(), MarkovPriority::kNone);
       stamp_ = 0;
     }
-    // Not the frame's number, which starts over if the scene changes after an abandoned frame.
-    const MarkovPriority priority{++stamp_, hash(frame.index.seed, ++taken_, kOrderSeed)};
+    // Not the frame's number and seed, which change with the scene after an abandoned frame.
+    const MarkovPriority priority{++stamp_, hash(++taken_, kOrderSeed)};
     const Grid all{static_cast<uint32_t>(records_.size()), 1, kTile};
     frame.launch(name_, ElectWritersKernel<ChainState>{records_.view(), winners_.mutable_view(), priority}, all);
     frame.launch(name_,
