@@ -24,10 +24,25 @@ double stated_bias(const std::string& slot, const std::string& value) {
   return found == biases.end() ? 0 : found->second;
 }
 
-/// Fits are clamped to black, which adds energy with few bright samples.
-constexpr double kFitsOverSplats = 0.02;
+/// Additional bias of a denoiser over a noisy choice.
+struct PairBias {
+  std::string_view denoiser;
+  std::string_view noisy;
+  double bias;
+};
+constexpr PairBias kPairBiases[] = {
+    {"bmfr", "light", 0.02},  // fits are clamped to black, which adds energy with few bright samples
+    // Neighbours reject rare, bright samples.
+    {"svgf", "mcpg", 0.03},
+    {"asvgf", "mcpg", 0.03},
+};
 
-bool fits_over_splats(const Choice& a, const Choice& b) { return a.value == "light" && b.value == "bmfr"; }
+double pair_bias(std::string_view denoiser, std::string_view noisy) {
+  for (const PairBias& pair : kPairBiases) {
+    if (pair.denoiser == denoiser && pair.noisy == noisy) return pair.bias;
+  }
+  return 0;
+}
 
 /// A table of every choice against every other.
 std::string matrix(const std::function<std::string(size_t row, size_t column)>& cell) {
@@ -63,21 +78,26 @@ std::string bias_list() {
     if (choice.bias <= 0) continue;
     text += fmt::format("{}`{}={}` {:.0f} %", text.empty() ? "" : ", ", choice.slot, choice.value, 100 * choice.bias);
   }
-  return text + fmt::format(", `bmfr` over `light` {:.0f} % more", 100 * kFitsOverSplats);
+  for (const PairBias& pair : kPairBiases)
+    text += fmt::format(", `{}` over `{}` {:.0f} % more", pair.denoiser, pair.noisy, 100 * pair.bias);
+  return text;
 }
 
 }  // namespace
 
 double bias_of(const Choice& a, const Choice& b) {
-  return a.bias + b.bias + (fits_over_splats(a, b) || fits_over_splats(b, a) ? kFitsOverSplats : 0.0);
+  return a.bias + b.bias + pair_bias(a.value, b.value) + pair_bias(b.value, a.value);
 }
 
 double bias_of(RenderSettings settings) {
   double bias = 0;
   // Slots, and other settings with a stated bias of their own.
   for (const Setting& setting : describe(settings)) bias += stated_bias(setting.name, to_string(setting));
-  const bool fits_splats = settings.estimator == EstimatorChoice::light && settings.denoise == DenoiseChoice::bmfr;
-  return bias + (fits_splats ? kFitsOverSplats : 0.0);
+  const SettingList slots = describe_slots(settings);
+  const std::string denoiser = to_string(require_setting(slots, "denoise", ""));
+  for (const std::string_view slot : {"estimator", "guide"})
+    bias += pair_bias(denoiser, to_string(require_setting(slots, slot, "")));
+  return bias;
 }
 
 const std::vector<Choice>& all_choices() {
