@@ -78,8 +78,9 @@ std::string bias_list() {
     if (choice.bias <= 0) continue;
     text += fmt::format("{}`{}={}` {:.0f} %", text.empty() ? "" : ", ", choice.slot, choice.value, 100 * choice.bias);
   }
+  text += ". In addition";
   for (const PairBias& pair : kPairBiases)
-    text += fmt::format(", `{}` over `{}` {:.0f} % more", pair.denoiser, pair.noisy, 100 * pair.bias);
+    text += fmt::format(", `{}` over `{}` {:.0f} %", pair.denoiser, pair.noisy, 100 * pair.bias);
   return text;
 }
 
