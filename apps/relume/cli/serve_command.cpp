@@ -60,7 +60,7 @@ Command serve_command(Verbosity& verbosity) {
   const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "serve",
-      .summary = "View and edit a scene in a browser, on machines without a screen.",
+      .summary = "View a scene in a browser, for machines without a screen.",
       .examples =
           {
               {"relume serve scene.glb", "open the printed address; it contains the token that viewers need"},

@@ -1,9 +1,11 @@
 #include "techniques/reuse/restir_pt/settings.h"
 
+#include "techniques/reuse/reservoir/reuse_settings.h"
+
 namespace relume {
 
 SettingList describe(RestirPtSettings& s) {
-  return {
+  SettingList list = {
       {"shift", choice(s.shift, {"reconnection", "replay", "hybrid"}),
        "How paths move between pixels. reconnection: their second vertex is kept and connected; replay: their random "
        "numbers are kept; hybrid: random numbers up to the first connectible pair of vertices, all vertices after it"},
@@ -16,33 +18,29 @@ SettingList describe(RestirPtSettings& s) {
        "survive such changes, with bias there; basic: the same with weights that ignore occlusion, darker near edges; "
        "constant: the same with weights by confidence alone, at half the cost, darker where paths cannot move",
        {.biases = true}},
-      {"feedback", choice(s.feedback, {"temporal", "spatial"}),
-       "Reservoirs that the next frame reuses: those before (temporal) or after (spatial) the reuse of neighbouring "
-       "pixels"},
-      {"cap",
-       &s.cap,
-       "Maximum weight of a reservoir's history, in frames; 0: no reuse of earlier frames",
-       {.min = 0, .max = 1000}},
-      {"neighbours",
-       &s.neighbours,
-       "Number of neighbouring pixels whose reservoirs a pixel reuses, with up to two shifts of paths each; 0: none",
-       {.min = 0, .max = kMostReuseNeighbours}},
-      {"radius", &s.radius, "Maximum distance of these neighbours", {.min = 1, .max = 1000, .unit = "pixels"}},
-      {"roughness",
-       &s.roughness,
-       "Minimum roughness of both vertices of a connectible pair, with connect distance-2022",
-       {.min = 0, .max = 1}},
-      {"distance",
-       &s.distance,
-       "Minimum distance of the vertices of a connectible pair, with connect distance-2022; it must suit the scene's "
-       "size",
-       {.min = 0, .max = 1e6, .unit = "m"}},
-      {"footprint",
-       &s.footprint,
-       "Minimum area over which a path's direction spreads at a connectible vertex, as a fraction of the area at the "
-       "primary hit over which a uniform direction from the camera spreads, with connect footprint",
-       {.min = 0, .max = 1}},
   };
+  declare_reuse(
+      list, s,
+      "Number of neighbouring pixels whose reservoirs a pixel reuses, with up to two shifts of paths each; 0: none");
+  list.insert(
+      list.end(),
+      {
+          {"roughness",
+           &s.roughness,
+           "Minimum roughness of both vertices of a connectible pair, with connect distance-2022",
+           {.min = 0, .max = 1}},
+          {"distance",
+           &s.distance,
+           "Minimum distance of the vertices of a connectible pair, with connect distance-2022; it must suit the "
+           "scene's size",
+           {.min = 0, .max = 1e6, .unit = "m"}},
+          {"footprint",
+           &s.footprint,
+           "Minimum area over which a path's direction spreads at a connectible vertex, as a fraction of the area at "
+           "the primary hit over which a uniform direction from the camera spreads, with connect footprint",
+           {.min = 0, .max = 1}},
+      });
+  return list;
 }
 
 }  // namespace relume
