@@ -1,7 +1,7 @@
 if(RELUME_BUILD_TESTS)
   enable_testing()
   find_package(GTest REQUIRED)
-  include(GoogleTest)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
 endif()
 
 # Time limit of a test in seconds. Sanitizers take about ten times longer, and so may the emulated device.
@@ -34,24 +34,59 @@ function(relume_use_test_headers target)
   target_precompile_headers(${target} REUSE_FROM relume_test_headers)
 endfunction()
 
-# relume_add_tests(NAME [COST n] source...): builds a GoogleTest program from the *_test.cpp files of a folder, with a
-# ctest per test. Suites whose name begins with "Slow" carry the label "slow". ctest starts tests of a higher COST first
-# (default: 0), so that short ones fill the cores at the end.
+# relume_list_suites(TARGET PREFIX text [SLOW pattern...] [OMIT pattern...] [ALONE pattern...] [MOST n] [COST seconds]
+# [TIMEOUT seconds] [PROPERTIES name value...]): adds the ctest entries of a GoogleTest program. The tests of a suite share
+# entries of at most about MOST tests (64). Slow tests have an entry each, and so have those of ALONE suites, which change
+# or measure state of their process. COST: estimated seconds of a test; ctest starts long entries first, so that short ones
+# fill the cores at the end. TIMEOUT: of one test; further tests of an entry add a sixtieth each.
+set(RELUME_LIST_SUITES ${CMAKE_CURRENT_LIST_DIR}/list_suites.py)
+function(relume_list_suites target)
+  cmake_parse_arguments(arg "" "PREFIX;MOST;COST;TIMEOUT" "SLOW;OMIT;ALONE;PROPERTIES" ${ARGN})
+  if(NOT DEFINED arg_MOST)
+    set(arg_MOST 64)
+  endif()
+  if(NOT DEFINED arg_COST)
+    set(arg_COST 0.05)
+  endif()
+  if(NOT DEFINED arg_TIMEOUT)
+    set(arg_TIMEOUT ${RELUME_TEST_TIMEOUT})
+  endif()
+  set(entries ${CMAKE_CURRENT_BINARY_DIR}/${target}_entries.cmake)
+  set(included ${CMAKE_CURRENT_BINARY_DIR}/${target}_included.cmake)
+  get_target_property(emulator ${target} CROSSCOMPILING_EMULATOR)
+  if(NOT emulator)
+    set(emulator "")
+  endif()
+  set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${RELUME_LIST_SUITES})
+  add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${entries} VERBATIM
+    COMMAND ${Python3_EXECUTABLE} ${RELUME_LIST_SUITES} $<TARGET_FILE:${target}> ${entries}
+      --prefix ${arg_PREFIX} --directory ${CMAKE_CURRENT_BINARY_DIR} --most ${arg_MOST} --cost ${arg_COST}
+      --timeout ${arg_TIMEOUT} --slow-timeout ${RELUME_SLOW_TEST_TIMEOUT} "--slow=${arg_SLOW}" "--omit=${arg_OMIT}"
+      "--alone=${arg_ALONE}" "--emulator=${emulator}" "--properties=${arg_PROPERTIES}")
+  file(WRITE ${included} "if(EXISTS \"${entries}\")
+  include(\"${entries}\")
+else()
+  add_test(${target}_not_built ${target}_not_built)
+endif()
+")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${included})
+endfunction()
+
+# relume_add_tests(NAME [COST seconds] source... [ALONE pattern...]): builds a GoogleTest program from the *_test.cpp files
+# of a folder, with ctest entries for its suites (relume_list_suites). Suites whose name begins with "Slow" carry the
+# label "slow".
 function(relume_add_tests name)
   if(NOT RELUME_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(arg "" COST "" ${ARGN})
+  cmake_parse_arguments(arg "" COST ALONE ${ARGN})
   if(NOT DEFINED arg_COST)
-    set(arg_COST 0)
+    set(arg_COST 0.05)
   endif()
   add_executable(${name}_tests ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name}_tests PRIVATE relume_lab relume relume_testing relume_flags GTest::gtest_main)
   relume_use_test_headers(${name}_tests)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow*
-    PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT} COST ${arg_COST})
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER Slow* TEST_LIST ${name}_slow
-    PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
+  relume_list_suites(${name}_tests PREFIX ${name}. SLOW Slow* ALONE ${arg_ALONE} COST ${arg_COST})
 endfunction()
 
 # relume_not_hot_tests(NAME...): compiles test programs with -Og (relume_not_hot). For tests that leave the computing to

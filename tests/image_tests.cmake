@@ -1,14 +1,18 @@
-# relume_add_image_tests(NAME source...): adds rendering tests with a ctest each, except those with "Shared" in their
-# name. Those with "Slow" in their name carry the label "slow". COST starts them before unit tests, so that short
-# tests fill the cores at the end.
+# relume_add_image_tests(NAME [MOST n] [COST seconds] source... [ALONE pattern...]): adds rendering tests with ctest entries
+# for their suites (relume_list_suites), except those with "Shared" in their name. Those with "Slow" in their name carry
+# the label "slow". COST (0.5) starts them before unit tests. MOST (8): they take longer than unit tests.
 function(relume_add_image_tests name)
-  add_executable(${name}_tests ${ARGN})
+  cmake_parse_arguments(arg "" "MOST;COST" ALONE ${ARGN})
+  if(NOT DEFINED arg_MOST)
+    set(arg_MOST 8)
+  endif()
+  if(NOT DEFINED arg_COST)
+    set(arg_COST 0.5)
+  endif()
+  add_executable(${name}_tests ${arg_UNPARSED_ARGUMENTS})
   target_link_libraries(${name}_tests PRIVATE test_support relume_testing relume_flags GTest::gtest_main)
   relume_use_test_headers(${name}_tests)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -*Slow*:*Shared*
-    PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT} COST 5)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER *Slow*-*Shared* TEST_LIST ${name}_slow
-    PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
+  relume_list_suites(${name}_tests PREFIX ${name}. SLOW *Slow* OMIT *Shared* ALONE ${arg_ALONE} MOST ${arg_MOST} COST ${arg_COST})
 endfunction()
 
 # relume_share_processes(NAME SUITE COUNT property...): runs the tests Shared/SUITE or SharedSUITE of NAME_tests in
@@ -37,10 +41,9 @@ function(relume_emulate name)
   get_target_property(libraries ${name}_tests LINK_LIBRARIES)
   list(REMOVE_ITEM libraries GTest::gtest_main)
   target_link_libraries(${target} PRIVATE ${libraries} relume_emulated_main)
-  list(JOIN ARGN : quick)
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX emulated.${name}.
-    TEST_FILTER -*Shared*:*TenThousandFrames*:${quick}
-    PROPERTIES TIMEOUT ${RELUME_EMULATED_TEST_TIMEOUT} LABELS slow SKIP_RETURN_CODE 77)
+  # A process each, because a process is skipped if no session ran on the device.
+  relume_list_suites(${target} PREFIX emulated.${name}. OMIT *Shared* *TenThousandFrames* ${ARGN} ALONE *
+    TIMEOUT ${RELUME_EMULATED_TEST_TIMEOUT} PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
   foreach(test ${ARGN})
     add_test(NAME emulated.${name}.${test} COMMAND ${target} --gtest_filter=${test})
     set_tests_properties(emulated.${name}.${test} PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT} COST 20
