@@ -30,7 +30,7 @@ endfunction()
 
 # relume_emulate(NAME test...): runs the tests of NAME_tests a second time, with their sessions on the emulated device
 # (device/emulated_main.cpp), as the ctests emulated.NAME.*. They carry the label "slow", except the given ones. Those of
-# ten thousand frames are left to the host.
+# ten thousand frames and the long sequences of TechniqueDeterminism are left to the host.
 function(relume_emulate name)
   if(NOT TARGET relume_emulated_main)
     return()
@@ -42,7 +42,7 @@ function(relume_emulate name)
   list(REMOVE_ITEM libraries GTest::gtest_main)
   target_link_libraries(${target} PRIVATE ${libraries} relume_emulated_main)
   # A process each, because a process is skipped if no session ran on the device.
-  relume_list_suites(${target} PREFIX emulated.${name}. OMIT *Shared* *TenThousandFrames* ${ARGN} ALONE *
+  relume_list_suites(${target} PREFIX emulated.${name}. OMIT *Shared* *TenThousandFrames* SlowAll/TechniqueDeterminism.* ${ARGN} ALONE *
     TIMEOUT ${RELUME_EMULATED_TEST_TIMEOUT} PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
   foreach(test ${ARGN})
     add_test(NAME emulated.${name}.${test} COMMAND ${target} --gtest_filter=${test})

@@ -2,14 +2,18 @@
 // a resume. Covers all choices of all slots.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "determinism/moving_frames.h"
 #include "determinism/same_bits.h"
 #include "materials/ltc.h"
 #include "sampling/blue_noise.h"
@@ -45,11 +49,29 @@ void limit_host_access(testing::WalledMemory& memory) {
   memory.limit_host_access(64, {sizeof(HashGridTally), directions, blue_noise});
 }
 
-class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
- protected:
-  static constexpr int kFrames = 24;
+/// A technique with the length of its sequence and the size of its images.
+struct TechniqueCase : DeterminismCheck {
+  int frames = 0;
+  int width = 0;
+  int height = 0;
+};
 
-  static Session session(int threads) { return Session(build("turntable"), settings_of(GetParam(), threads)); }
+/// Hashes of the frames of a sequence, and the tiles that the passes of each launched.
+struct Sequence {
+  std::vector<uint64_t> frames;
+  std::vector<size_t> tiles;
+};
+
+class TechniqueDeterminism : public ::testing::TestWithParam<TechniqueCase> {
+ protected:
+  static int frames() { return GetParam().frames; }
+  static RenderSettings settings(int threads) {
+    RenderSettings s = settings_of(GetParam(), threads);
+    s.width = GetParam().width;
+    s.height = GetParam().height;
+    return s;
+  }
+  static Session session(int threads) { return Session(build("turntable"), settings(threads)); }
   /// Renders frames [first, last) of the sequence.
   static void render(Session& session, int first, int last) {
     const int of_an_image = GetParam().frames_of_an_image;
@@ -76,6 +98,19 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
     on_tile(session, {});
     return tiles;
   }
+  /// The whole sequence with one thread, rendered once per process.
+  static const Sequence& of_one_thread() {
+    static std::map<std::pair<std::string, int>, Sequence> known;
+    const std::pair key(GetParam().name, frames());
+    if (const auto found = known.find(key); found != known.end()) return found->second;
+    Sequence sequence;
+    Session rendered = session(1);
+    for (int frame = 0; frame < frames(); ++frame) {
+      sequence.tiles.push_back(count_tiles(rendered, frame));
+      sequence.frames.push_back(frame_hash(rendered));
+    }
+    return known.emplace(key, std::move(sequence)).first->second;
+  }
   /// Starts a frame and requests a stop after `tiles` tiles have started. Returns whether the frame was stopped rather
   /// than completed.
   static bool abandon_at_tile(Session& session, size_t tiles) {
@@ -101,34 +136,31 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
   }
 };
 
-/// Compares five threads with one; ResumedEqualsUninterrupted compares two with one.
+/// Compares five threads with one; the tests below compare two with one.
 TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
-  const auto frames = [&](int threads) {
-    Session rendered = session(threads);
-    render(rendered, 0, kFrames);
-    return bits_of(rendered);
-  };
-  EXPECT_EQ(frames(5), frames(1));
+  Session rendered = session(5);
+  render(rendered, 0, frames());
+  EXPECT_EQ(frame_hash(rendered), of_one_thread().frames.back());
 }
 
-// Abandons each frame twice: at a tile, whose index increases between frames, and after a pass.
+// Abandons each frame twice: at a tile, whose index increases between frames, and after a pass, whose index does, too.
 TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNoTrace) {
-  Session whole = session(2);
+  const Sequence& whole = of_one_thread();
   Session interrupted = session(2);
-  const size_t passes = pass_declarations(whole).size();
+  const size_t passes = pass_declarations(interrupted).size();
+  const auto count = static_cast<size_t>(frames());
   size_t at_tiles = 0;
   size_t after_passes = 0;
-  for (int frame = 0; frame < kFrames; ++frame) {
-    const size_t tiles = count_tiles(whole, frame);
+  for (int frame = 0; frame < frames(); ++frame) {
     if (frame % GetParam().frames_of_an_image == 0)
       interrupted.set_time(0.05f * static_cast<float>(frame / GetParam().frames_of_an_image));
     const auto number = static_cast<size_t>(frame);
-    const bool at_tile = abandon_at_tile(interrupted, number * tiles / kFrames);
-    const bool after_pass = at_tile && abandon_after_pass(interrupted, number % passes);
+    const bool at_tile = abandon_at_tile(interrupted, number * whole.tiles[number] / count);
+    const bool after_pass = at_tile && abandon_after_pass(interrupted, number * passes / count);
     if (after_pass) interrupted.render_frame();
     at_tiles += at_tile ? 1 : 0;
     after_passes += after_pass ? 1 : 0;
-    ASSERT_EQ(bits_of(interrupted), bits_of(whole)) << "frame " << frame;
+    ASSERT_EQ(frame_hash(interrupted), whole.frames[number]) << "frame " << frame;
   }
   EXPECT_GT(at_tiles, 3u);
   EXPECT_GT(after_passes, 3u);
@@ -136,11 +168,11 @@ TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNoTrace) {
 
 /// Tests that render several seeds in one session rely on this.
 TEST_P(TechniqueDeterminism, RestartEqualsAFreshSession) {
-  RenderSettings settings = settings_of(GetParam(), 2);
-  Session used(build("turntable"), settings);
+  RenderSettings of_two = settings(2);
+  Session used(build("turntable"), of_two);
   const CameraPose start = used.camera();
-  for (int frame = 0; frame < 9; ++frame) {
-    if (frame == 5) {
+  for (int frame = 0; frame < frames() / 2; ++frame) {
+    if (frame == frames() / 4) {
       CameraPose moved = start;
       moved.to_world[3] += 0.1f * moved.to_world[0];
       used.set_camera(moved);
@@ -148,10 +180,10 @@ TEST_P(TechniqueDeterminism, RestartEqualsAFreshSession) {
     used.render_frame();
   }
   used.set_camera(start);
-  settings.seed = 5;
-  used.restart(settings.seed);
-  Session fresh(build("turntable"), settings);
-  for (int frame = 0; frame < 5; ++frame) {
+  of_two.seed = 5;
+  used.restart(of_two.seed);
+  Session fresh(build("turntable"), of_two);
+  for (int frame = 0; frame < frames() / 4; ++frame) {
     used.render_frame();
     fresh.render_frame();
     ASSERT_EQ(bits_of(used), bits_of(fresh)) << "frame " << frame;
@@ -162,10 +194,12 @@ TEST_P(TechniqueDeterminism, EditsAfterAnAbandonedFrameAreAsWithoutIt) {
   Session whole = session(2);
   Session interrupted = session(2);
   const CameraPose camera = whole.camera();
-  for (int frame = 0; frame < 9; ++frame) {
+  const int edits = frames() / 2;
+  for (int frame = 0; frame < edits; ++frame) {
     const size_t tiles = count_tiles(whole, frame);
     render(interrupted, frame, frame + 1);
-    if (!abandon_at_tile(interrupted, tiles * static_cast<size_t>(frame + 1) / 12)) whole.render_frame();
+    if (!abandon_at_tile(interrupted, tiles * static_cast<size_t>(frame + 1) / static_cast<size_t>(edits + 3)))
+      whole.render_frame();
     for (Session* each : {&whole, &interrupted}) {
       CameraPose moved = camera;
       moved.to_world[3].x += 0.02f * static_cast<float>(frame);
@@ -183,11 +217,12 @@ TEST_P(TechniqueDeterminism, EditsAfterAnAbandonedFrameAreAsWithoutIt) {
 TEST_P(TechniqueDeterminism, ResumedAfterAnAbandonedFrameEqualsUninterrupted) {
   const std::filesystem::path file = checkpoint_file("abandoned_" + std::string(GetParam().name));
   Session whole = session(2);
-  render(whole, 0, 12);
-  const size_t tiles = count_tiles(whole, 12);
+  const int half = frames() / 2;
+  render(whole, 0, half);
+  const size_t tiles = count_tiles(whole, half);
   {
     Session first = session(2);
-    render(first, 0, 13);
+    render(first, 0, half + 1);
     bool stopped = false;
     for (const size_t share : {2u, 3u, 6u}) {  // a late stop completes the frame
       stopped = stopped || abandon_at_tile(first, tiles / share);
@@ -208,24 +243,26 @@ TEST_P(TechniqueDeterminism, ResumedAfterAnAbandonedFrameEqualsUninterrupted) {
 
 TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
   const std::filesystem::path file = checkpoint_file(GetParam().name);
-  Session whole = session(2);
-  render(whole, 0, kFrames);
+  const int saved = frames() / 2 + 1;  // within an image
   {
     Session first = session(1);
-    render(first, 0, 14);
+    render(first, 0, saved);
     first.save_checkpoint(file);
   }
   Session second = session(2);
   second.load_checkpoint(file);
-  render(second, 14, kFrames);
-  EXPECT_EQ(bits_of(second), bits_of(whole));
+  render(second, saved, frames());
+  EXPECT_EQ(frame_hash(second), of_one_thread().frames.back());
   std::filesystem::remove(file);
 }
+
+/// Tests that depend on neither the number of frames nor the size of images.
+class TechniqueMemory : public TechniqueDeterminism {};
 
 /// Renders on memory that is closed to the host between launches, where kernels may access no other memory. In a frame,
 /// host code may open only small blocks there, and tables of constants. Loops over vectors of the host are not
 /// detected.
-TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
+TEST_P(TechniqueMemory, HostAndKernelsKeepToTheirMemory) {
 #if !__has_builtin(__builtin_clear_padding)
   GTEST_SKIP() << "the compiler cannot clear padding, which may look like an address";
 #endif
@@ -234,11 +271,11 @@ TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
   const std::filesystem::path file = checkpoint_file("walled_" + std::string(GetParam().name));
   for (const bool scalar : {false, true}) {
     testing::WalledMemory memory;
-    RenderSettings settings = settings_of(GetParam(), 2);
-    settings.scalar_kernels = scalar;
-    settings.accel = scalar ? AccelChoice::bvh : AccelChoice::embree;  // the forms of a device, and those of the host
+    RenderSettings of_two = settings(2);
+    of_two.scalar_kernels = scalar;
+    of_two.accel = scalar ? AccelChoice::bvh : AccelChoice::embree;  // the forms of a device, and those of the host
     {
-      Session walled = make_session(build("turntable"), settings, memory);
+      Session walled = make_session(build("turntable"), of_two, memory);
       watch_accesses(walled, memory);
       render(walled, 0, kShown, memory);
       walled.statistics();
@@ -246,7 +283,7 @@ TEST_P(TechniqueDeterminism, HostAndKernelsKeepToTheirMemory) {
       walled.save_checkpoint(file);
       walled.load_checkpoint(file);
       render(walled, kShown, kShown + 2, memory);
-      Session plain(build("turntable"), settings);
+      Session plain(build("turntable"), of_two);
       render(plain, 0, kShown + 2);
       EXPECT_EQ(bits_of(walled), bits_of(plain));
     }
@@ -305,7 +342,7 @@ std::map<std::string, size_t> host_work(const DeterminismCheck& technique, int w
 }
 
 /// Backend::run() opens the walls. A loop over pixels there would access a block that has a byte per pixel or more.
-TEST_P(TechniqueDeterminism, TimedHostCodeAccessesNoPixels) {
+TEST_P(TechniqueMemory, TimedHostCodeAccessesNoPixels) {
   if (is_host_replaced()) GTEST_SKIP() << kWatchedOnTheHost;
   constexpr int kWidth = 31;
   constexpr int kHeight = 17;
@@ -319,8 +356,21 @@ TEST_P(TechniqueDeterminism, TimedHostCodeAccessesNoPixels) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(technique_checks().determinism),
-                         [](const auto& instance) { return instance.param.name; });
+/// Sequences of at least two images.
+std::vector<TechniqueCase> cases(int frames, int width, int height) {
+  std::vector<TechniqueCase> list;
+  for (const DeterminismCheck& technique : technique_checks().determinism)
+    list.push_back({technique, std::max(frames, 2 * technique.frames_of_an_image), width, height});
+  return list;
+}
+
+std::string case_name(const ::testing::TestParamInfo<TechniqueCase>& instance) { return instance.param.name; }
+
+// The images have several tiles in both directions, and sizes that are not multiples of tiles. In slow sequences,
+// caches and guides learn for longer, and frames are abandoned at more tiles and after more passes.
+INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(cases(12, 37, 21)), case_name);
+INSTANTIATE_TEST_SUITE_P(All, TechniqueMemory, ::testing::ValuesIn(cases(12, 37, 21)), case_name);
+INSTANTIATE_TEST_SUITE_P(SlowAll, TechniqueDeterminism, ::testing::ValuesIn(cases(24, 61, 33)), case_name);
 
 TEST(TechniqueDeterminismList, HasEveryChoiceOfEverySlot) {
   RenderSettings defaults;
