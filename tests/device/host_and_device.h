@@ -15,9 +15,17 @@
 
 namespace relume::support {
 
+/// Pixels of an image.
+struct ImageSize {
+  int width = 64;
+  int height = 36;
+};
+
 /// Small images of a technique in the forms of a device.
-inline RenderSettings device_settings(const DeterminismCheck& technique) {
+inline RenderSettings device_settings(const DeterminismCheck& technique, const ImageSize& size = {}) {
   RenderSettings s = moving_settings(technique);
+  s.width = size.width;
+  s.height = size.height;
   s.accel = AccelChoice::bvh;
   s.scalar_kernels = true;
   return s;
@@ -26,8 +34,10 @@ inline RenderSettings device_settings(const DeterminismCheck& technique) {
 /// A session on the host and one on the emulated device, of one scene.
 class HostAndDevice {
  public:
-  explicit HostAndDevice(const Scene& scene, const std::vector<const ptx::Module*>& code = {&ptx::all_kernels})
-      : host_(scene, first_settings()),
+  explicit HostAndDevice(const Scene& scene, const std::vector<const ptx::Module*>& code = {&ptx::all_kernels},
+                         const ImageSize& size = {})
+      : size_(size),
+        host_(scene, first_settings()),
         on_device_(make_session(scene, first_settings(), std::make_unique<testing::EmulatedDevice>(walls_, code))) {
     watch_accesses(on_device_, walls_);
   }
@@ -42,13 +52,14 @@ class HostAndDevice {
 
   /// Whether all frames of a technique have the same bits. `frame_s`: as for moving_frames().
   bool agrees(const DeterminismCheck& technique, float frame_s = 0) {
-    const RenderSettings settings = device_settings(technique);
+    const RenderSettings settings = device_settings(technique, size_);
     return moving_frames(host_, settings, frame_s) == moving_frames(on_device_, settings, frame_s);
   }
 
  private:
-  static RenderSettings first_settings() { return device_settings(technique_checks().determinism.front()); }
+  RenderSettings first_settings() const { return device_settings(technique_checks().determinism.front(), size_); }
 
+  ImageSize size_;
   testing::WalledMemory walls_;
   Session host_;
   Session on_device_;
