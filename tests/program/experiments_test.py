@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs every small experiment, and checks the outputs listed by the index. Verdicts require full runs (docs/results.md):
-images of 32 × 18 pixels are not conclusive."""
+"""Runs small experiments, and checks the outputs listed by the index: in the quick tests one of each kind of measurement, in
+the slow tests all others. Verdicts require full runs (docs/results.md): images of 32 × 18 pixels are not conclusive."""
 
 import json
 import os
@@ -12,6 +12,8 @@ import unittest
 from program import ProgramTest, run
 
 PUBLISHED = pathlib.Path(__file__).resolve().parents[2] / "docs/results/experiments"
+# For each file of lab/experiments/measure, an experiment that uses it; for learning_modes.h, that is vlc-adaptation in Options.
+ONE_OF_EACH_KIND = ("apg-depth", "caustics", "combination", "guide-cost", "psf-variance", "readapt", "restir-bias", "restir-correlation", "upscaling")
 VERDICTS = {"holds", "does not hold", "undecided", "not measured"}
 
 
@@ -21,13 +23,8 @@ class Experiments(ProgramTest):
         self.assertGreater(len(listed), 16)
         return listed
 
-
-class AllExperiments(Experiments):
-    """Each test runs a third of the experiments, so that the tests can run in parallel. One thread each: the small images
-    have few tiles, for which a second thread would mostly wait."""
-
-    def run_part(self, part):
-        names = self.names()[part::3]
+    def check(self, names):
+        """Runs experiments with one thread: the small images have few tiles, for which a second thread would mostly wait."""
         environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
         self.succeed("experiment", "run", *names, "--quick", "--threads", "1", "-o", "out", timeout=1500, env=environment)
         index = (self.folder / "out/index.html").read_text()
@@ -47,14 +44,27 @@ class AllExperiments(Experiments):
                 self.assertIn(f"{name}.html", index)
                 self.assertIn(f"\n## {name}\n", tables)
 
+
+class OneOfEachKind(Experiments):
+    def test_they_run(self):
+        self.assertEqual(set(ONE_OF_EACH_KIND) - set(self.names()), set())
+        self.check(ONE_OF_EACH_KIND)
+
+
+class OtherExperiments(Experiments):
+    """Each test runs a third, so that the tests can run in parallel."""
+
+    def check_part(self, part):
+        self.check([name for name in self.names() if name not in ONE_OF_EACH_KIND][part::3])
+
     def test_first(self):
-        self.run_part(0)
+        self.check_part(0)
 
     def test_second(self):
-        self.run_part(1)
+        self.check_part(1)
 
     def test_third(self):
-        self.run_part(2)
+        self.check_part(2)
 
 
 class Options(Experiments):
