@@ -32,14 +32,14 @@ inline const auto kWays = ::testing::Values(
     Way{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform}, kPower,
     Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
     Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
-    Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
-    Way{"neeat", EstimatorChoice::path, LightSelectionChoice::neeat, GuideChoice::bsdf, 8},
-    Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8}, kVlcCdq,
-    Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt,
-    Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2});
+    Way{"neeat", EstimatorChoice::path, LightSelectionChoice::neeat, GuideChoice::bsdf, 8}, kVlcCdq,
+    Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt);
 
-/// Further pairs of techniques, in other combinations.
+/// Parts of pairs above, and other pairs.
 inline const auto kOtherWays = ::testing::Values(
+    Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
+    Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
+    Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
     Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
     Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
     Way{"bdpt_neeat", EstimatorChoice::bdpt, LightSelectionChoice::neeat, GuideChoice::bsdf, 8},
