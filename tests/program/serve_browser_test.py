@@ -28,7 +28,9 @@ return sum / (data.length / 4 * 3);
 class Browser(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.server = Server("cornell", "--width", 640, "--height", 360, "--max-bounces", 3)
+        # It renders during the whole test: one thread, where no rates are required.
+        threads = () if QUIET else ("--threads", 1)
+        cls.server = Server("cornell", "--width", 640, "--height", 360, "--max-bounces", 3, *threads)
         cls.addClassCleanup(cls.server.close)
         folder = tempfile.TemporaryDirectory(prefix="relume_")
         cls.addClassCleanup(folder.cleanup)

@@ -21,6 +21,7 @@ SECONDS_OF_STEPS = 6 if "RELUME_SANITIZED" in os.environ else 1  # where every s
 ATTEMPTS = 3  # a busy machine is slow occasionally, a command without checks always
 ROOM = ["cornell", "--width", "96", "--height", "96"]
 LAYERS = ["--aov", "heatmap,variance"]
+LISTS = ["--lights", "static-lists", "--static-lists.rays", "65536"]  # take seconds to prepare
 
 
 def cpu_seconds(pid):
@@ -134,8 +135,7 @@ class Stopping(StoppingTest):
         self.fail("it ended before it rendered")
 
     def test_preparation_ends_with_the_time(self):
-        lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
-        done = self.succeed("render", "warehouse", "-o", "out.exr", *SMALL, *lists, "--time", "1s", "--stats", "s.json", "--resume", "a.ckpt")
+        done = self.succeed("render", "warehouse", "-o", "out.exr", *SMALL, *LISTS, "--time", "1s", "--stats", "s.json", "--resume", "a.ckpt")
         self.assertIn("warning: rendering stopped before the light lists were complete: the image is noisier and no checkpoint was written; raise --time", done.stderr)
         self.assertEqual((self.stats()["stopped_by"], self.stats()["samples_per_pixel"]), ("time", 1))
         self.assertLess(self.stats()["render_s"], 1 + SECONDS_TO_ANSWER)
@@ -315,23 +315,35 @@ class InterruptTest(StoppingTest):
         self.fail(f"slow, or does not say what it finishes: {answers}")
 
 
-class InterruptedRenders(InterruptTest):
-    def test_interrupts_are_answered_while_a_scene_is_loaded_built_prepared_and_rendered(self):
-        large = (0, 0.2, 1, 2)  # loading and building take a second or two
-        small = (0, 0.2, 0.8)
-        for delays, scene in ((large, ["city"]), (large, ["cover"]), (small, ["mine", "--guide", "cdq"]), (small, ["warehouse", "--lights", "static-lists", "--static-lists.rays", "65536"])):
-            for delay_s in delays:
-                with self.subTest(scene=scene, delay_s=delay_s):
-                    self.assert_answers(delay_s, "render", *scene, "--width", "160", "--height", "90", "--spp", "1000000", "-o", "out.exr",
-                                        has_long_steps=scene[0] in ("city", "cover"))
+class RenderTest(InterruptTest):
+    def check(self, delays, *scene):
+        """Interrupts a render after each delay, while its scene is loaded, built, prepared or rendered."""
+        for delay_s in delays:
+            with self.subTest(scene=scene, delay_s=delay_s):
+                self.assert_answers(delay_s, "render", *scene, "--width", "160", "--height", "90", "--spp", "1000000", "-o", "out.exr",
+                                    has_long_steps=scene[0] in ("city", "cover"))
+
+
+class InterruptedRenders(RenderTest):
+    def test_interrupts_are_answered(self):
+        self.check((0.2, 1), "city")  # loading and building take a second or two
+        self.check((0.2,), "mine", "--guide", "cdq")
+        self.check((0.8,), "warehouse", *LISTS)
+
+
+class InterruptedAtOtherTimes(RenderTest):
+    def test_interrupts_are_answered_after_any_delay(self):
+        self.check((0, 2), "city")
+        self.check((0, 0.2, 1, 2), "cover")
+        self.check((0, 0.8), "mine", "--guide", "cdq")
+        self.check((0, 0.2), "warehouse", *LISTS)
 
 
 class InterruptedCommands(InterruptTest):
     def test_interrupts_of_other_commands_are_answered(self):
         self.succeed("render", "warehouse", "-o", "r.exr", *SMALL, "--spp", "1")
-        lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
-        compare = ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--reference", "r.exr", "-o", "page"]
-        for command in (compare, ["compare", "warehouse", *SMALL, *lists, "--techniques", "default", "--timing", "4"], ["compare", "city", *SMALL, "--cache-dir", "cache", "-o", "page"],
+        compare = ["compare", "warehouse", *SMALL, *LISTS, "--techniques", "default", "--reference", "r.exr", "-o", "page"]
+        for command in (compare, ["compare", "warehouse", *SMALL, *LISTS, "--techniques", "default", "--timing", "4"], ["compare", "city", *SMALL, "--cache-dir", "cache", "-o", "page"],
                         ["export", "cover", "-o", "cover.gltf"], ["info", "cover"], ["experiment", "run", "guide-cost", "--cache-dir", "cache", "-o", "pages"]):
             for delay_s in (0, 1.5 if "city" in command else 0.8):
                 with self.subTest(command=command[:2], delay_s=delay_s):

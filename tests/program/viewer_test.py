@@ -178,29 +178,32 @@ class Flights(Viewer):
         self.assertEqual(split["exposure"], start["exposure"] + 0.5)
 
 
-class Settings(Viewer):
-    def test_every_choice_of_every_slot_is_taken_live(self):
-        choices = self.slots()
-        script = "pace moving\nset static-lists.rays 64\n"  # short preparation on a busy machine
-        script += self.all_defaults(choices) + "frames 1\n"
-        tried = []
-        for slot, values in choices.items():
-            for value in values:
-                # Messages vanish after some seconds, which can be one frame on a busy machine.
-                script += f"try {slot} {value}\nreport\nframes 2\nreport\n"
-                tried.append((slot, value))
-            script += f"set {slot} {values[0]}\nframes 1\n"
-        reports = self.view("cornell", script, "--width", 160, "--height", 120)
-        self.assertEqual(len(reports), 2 * len(tried) + 1)
-        refused = set()
-        for (slot, value), at_once, rendered in zip(tried, reports[::2], reports[1::2]):
-            self.assertGreater(rendered["mean_luminance"], 0, (slot, value))
-            if rendered["slots"][slot] != value:
-                refused.add((slot, value))
-                self.assertIn("Open Image Denoise", at_once["messages"][-1])
-        # All choices combine with defaults; the only rejections are choices missing from this build.
-        self.assertEqual(refused, self.missing_choices())
+class SlotTest(Viewer):
+    def all_defaults(self, choices):
+        return "".join(f"set {slot} {values[0]}\n" for slot, values in choices.items())
 
+    def missing_choices(self):
+        """Choices whose libraries this build lacks."""
+        done = run("render", "furnace", "-o", "denoised.png", *SMALL, "--spp", "1", "--denoise", "oidn", cwd=self.folder)
+        return set() if done.returncode == 0 else {("denoise", "oidn")}
+
+    def slots(self):
+        """Slots and their choices in the help; the default comes first, so that each choice is tested with the
+        defaults."""
+        settings = self.succeed("settings", "--markdown").stdout
+        section = settings.split("## Slots")[1].split("\n## ")[0]
+        result = {}
+        for line in section.splitlines():
+            cells = [cell.strip() for cell in line.split("|")]
+            if len(cells) > 4 and cells[1].startswith("`--"):
+                values = cells[2].replace("one of ", "").replace("`", "").split(", ")
+                default = cells[3].strip("`")
+                result[cells[1].strip("`-")] = sorted(values, key=lambda v: v != default)
+        self.assertIn("lights", result)
+        return result
+
+
+class RefusedPairs(SlotTest):
     def test_the_pairs_that_are_refused_are_those_of_the_table(self):
         table, sentences = combination_table()
         choices = self.slots()
@@ -223,13 +226,29 @@ class Settings(Viewer):
                 self.assertTrue(said in sentences or "Open Image Denoise" in said, f"{pair}: {said}")
         self.assertEqual(refused, expected)
 
-    def all_defaults(self, choices):
-        return "".join(f"set {slot} {values[0]}\n" for slot, values in choices.items())
 
-    def missing_choices(self):
-        """Choices whose libraries this build lacks."""
-        done = run("render", "furnace", "-o", "denoised.png", *SMALL, "--spp", "1", "--denoise", "oidn", cwd=self.folder)
-        return set() if done.returncode == 0 else {("denoise", "oidn")}
+class Settings(SlotTest):
+    def test_every_choice_of_every_slot_is_taken_live(self):
+        choices = self.slots()
+        script = "pace moving\nset static-lists.rays 64\n"  # short preparation on a busy machine
+        script += self.all_defaults(choices) + "frames 1\n"
+        tried = []
+        for slot, values in choices.items():
+            for value in values:
+                # Messages vanish after some seconds, which can be one frame on a busy machine.
+                script += f"try {slot} {value}\nreport\nframes 2\nreport\n"
+                tried.append((slot, value))
+            script += f"set {slot} {values[0]}\nframes 1\n"
+        reports = self.view("cornell", script, "--width", 160, "--height", 120)
+        self.assertEqual(len(reports), 2 * len(tried) + 1)
+        refused = set()
+        for (slot, value), at_once, rendered in zip(tried, reports[::2], reports[1::2]):
+            self.assertGreater(rendered["mean_luminance"], 0, (slot, value))
+            if rendered["slots"][slot] != value:
+                refused.add((slot, value))
+                self.assertIn("Open Image Denoise", at_once["messages"][-1])
+        # All choices combine with defaults; the only rejections are choices missing from this build.
+        self.assertEqual(refused, self.missing_choices())
 
     def test_every_setting_is_accepted(self):
         """Sets every setting to its current value, to test the names."""
@@ -259,21 +278,6 @@ class Settings(Viewer):
         self.assertGreater(len(report["pass_ms"]), 3)
         self.assertAlmostEqual(sum(report["pass_ms"].values()) / report["frame_ms"], 1, delta=0.02)
         self.assertGreaterEqual(report["graph_frames"], 4)
-
-    def slots(self):
-        """Slots and their choices in the help; the default comes first, so that each choice is tested with the
-        defaults."""
-        settings = self.succeed("settings", "--markdown").stdout
-        section = settings.split("## Slots")[1].split("\n## ")[0]
-        result = {}
-        for line in section.splitlines():
-            cells = [cell.strip() for cell in line.split("|")]
-            if len(cells) > 4 and cells[1].startswith("`--"):
-                values = cells[2].replace("one of ", "").replace("`", "").split(", ")
-                default = cells[3].strip("`")
-                result[cells[1].strip("`-")] = sorted(values, key=lambda v: v != default)
-        self.assertIn("lights", result)
-        return result
 
     def test_buffers_sides_and_files(self):
         script = ("pace off\nframes 2\nreport\nbuffer depth\nframes 2\nreport\nbuffer image\nsplit on\nset-b lights uniform\nframes 3\n"
@@ -354,7 +358,7 @@ class Settings(Viewer):
 
 
 class Rates(Viewer):
-    THREADS = 0  # all
+    THREADS = 0 if QUIET else 1  # 0: all
 
     def check(self, scene, target_hz, least_width):
         # The first seconds adapt the size; then the camera moves, longer if rates are required.
