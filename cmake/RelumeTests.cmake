@@ -1,7 +1,8 @@
 if(RELUME_BUILD_TESTS)
   enable_testing()
   find_package(GTest REQUIRED)
-  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  # Not find_package(Python3), which would keep python/ from choosing an interpreter with numpy.
+  find_program(RELUME_TEST_PYTHON python3 REQUIRED DOC "Interpreter of cmake/list_suites.py")
 endif()
 
 # Time limit of a test in seconds. Sanitizers take about ten times longer, and so may the emulated device.
@@ -59,7 +60,7 @@ function(relume_list_suites target)
   endif()
   set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${RELUME_LIST_SUITES})
   add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${entries} VERBATIM
-    COMMAND ${Python3_EXECUTABLE} ${RELUME_LIST_SUITES} $<TARGET_FILE:${target}> ${entries}
+    COMMAND ${RELUME_TEST_PYTHON} ${RELUME_LIST_SUITES} $<TARGET_FILE:${target}> ${entries}
       --prefix ${arg_PREFIX} --directory ${CMAKE_CURRENT_BINARY_DIR} --most ${arg_MOST} --cost ${arg_COST}
       --timeout ${arg_TIMEOUT} --slow-timeout ${RELUME_SLOW_TEST_TIMEOUT} "--slow=${arg_SLOW}" "--omit=${arg_OMIT}"
       "--alone=${arg_ALONE}" "--emulator=${emulator}" "--properties=${arg_PROPERTIES}")
