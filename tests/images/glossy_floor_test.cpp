@@ -140,7 +140,7 @@ void expect_less_error(float roughness, double svgf, double bmfr) {
 
 TEST(GlossyFloor, HasLessErrorIfPolished) { expect_less_error(0.1f, 0.6, 0.6); }
 // Wide lobes blur reflections, so that the gain is lower.
-TEST(GlossyFloor, HasLessErrorIfSatin) { expect_less_error(0.25f, 0.7, 0.65); }
+TEST(SlowGlossyFloor, HasLessErrorIfSatin) { expect_less_error(0.25f, 0.7, 0.65); }
 
 }  // namespace
 }  // namespace relume::support

@@ -92,6 +92,7 @@ constexpr auto kBvh = AccelChoice::bvh;
 
 // Every estimator, and both scenes with either acceleration structure.
 const Case kQuick[] = {
+    {"plate path", turning_plate, kPath, kEmbree, 32, 24, 64, 0.15, 0.06},
     {"plate path lens", turning_plate, kPath, kEmbree, 32, 24, 64, 0.15, 0.06, 0.1f},
     {"plate light", turning_plate, kLight, kBvh, 32, 24, 64, 0.3, 0.1},
     {"plate vcm", turning_plate, kVcm, kEmbree, 32, 24, 64, 0.2, 0.1},
