@@ -7,7 +7,6 @@
 #include "device/kernels.h"
 #include "frame/launch.h"
 #include "frame/primitives/fill.h"
-#include "frame/primitives/reduce.h"
 #include "relume/error.h"
 
 namespace relume::testing {
@@ -75,13 +74,6 @@ TEST_F(EmulatedDeviceTest, StopsBetweenBands) {
   backend_.on_tile({});
   EXPECT_TRUE(launch(backend_, "fill", kernel, kCount, 1, std::stop_source().get_token()));
   EXPECT_EQ(sum_of_values(), 3u * kCount);
-}
-
-TEST_F(EmulatedDeviceTest, RunsPrimitives) {
-  constexpr uint32_t kCount = 10'000;
-  values_.assign(kCount, 3);
-  PrimitiveScratch scratch;
-  EXPECT_EQ(sum({backend_, "sum", scratch}, values_.view()), 3u * kCount);
 }
 
 TEST_F(EmulatedDeviceTest, ReportsKernelsWithoutAnEntry) {

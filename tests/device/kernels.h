@@ -11,5 +11,7 @@ extern const Module all_kernels;
 extern const Module contracted;
 /// The kernel in small_numbers.h.
 extern const Module small_numbers;
+/// Kernels of primitives that only tests launch.
+extern const Module primitives;
 
 }  // namespace ptx
