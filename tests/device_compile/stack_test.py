@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Stack that a thread of each kernel needs on a device. RELUME_PTX: the device code; RELUME_CLANG_VERSION: of its
 compiler; RELUME_CXXFILT: demangles its names. RELUME_PTXAS: CUDA's assembler, if it is compared too, for the GPUs of
-RELUME_ARCHITECTURE; RELUME_KERNEL_RESOURCES: the file for its table of registers, stacks and spills, which the test also
-prints."""
+RELUME_ARCHITECTURE and the kernels of RELUME_PART, "index/count"; RELUME_KERNEL_RESOURCES: the file for its table of
+registers, stacks and spills, which the test also prints."""
 
 import os
 import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 FOLDER = pathlib.Path(__file__).resolve().parent
@@ -16,6 +17,7 @@ sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
 
 from assembler_report import Usage, parse_report, spilling, table
 from parser import parse
+from split_ptx import split
 from stack_sizes import stack_sizes
 
 # Bytes. A GPU reserves the largest stack for each thread that it can hold: 270,000 on one with 132 multiprocessors.
@@ -106,6 +108,14 @@ def demangled(names):
     return [line.replace("relume::", "") for line in lines.splitlines()]
 
 
+def assembler_report(text):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "part.ptx"
+        path.write_text(text, encoding="utf-8")
+        command = [os.environ["RELUME_PTXAS"], f"-arch={os.environ['RELUME_ARCHITECTURE']}", "-v", path, "-o", os.devnull]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stderr
+
+
 def bound_of(kernel):
     return SLACK * next((bound for pattern, bound in BOUNDS if re.search(pattern, kernel)), OTHERS)
 
@@ -123,6 +133,18 @@ class Chains(unittest.TestCase):
     def test_calls_of_addresses_are_refused(self):
         with self.assertRaisesRegex(ValueError, "line 5 calls a function by its address"):
             stack_sizes(parse(INDIRECT_CALL, "module.ptx"))
+
+
+class Parts(unittest.TestCase):
+    def test_parts_have_each_entry_once_and_what_it_calls(self):
+        parts = [stack_sizes(parse(part, "part.ptx")) for part in split(MODULE, 2)]
+        self.assertEqual(sorted(name for part in parts for name in part), ["k", "none"])
+        self.assertEqual({name: chain for part in parts for name, chain in part.items()},
+                         stack_sizes(parse(MODULE, "module.ptx")))
+
+    def test_parts_lack_functions_that_they_do_not_call(self):
+        without, = [part for part in split(MODULE, 2) if ".entry none" in part]
+        self.assertNotIn(".func", without)
 
 
 class Report(unittest.TestCase):
@@ -154,7 +176,8 @@ class Stack(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         path = os.environ["RELUME_PTX"]
-        chains = stack_sizes(parse(pathlib.Path(path).read_text(encoding="utf-8"), path))
+        cls.text = pathlib.Path(path).read_text(encoding="utf-8")
+        chains = stack_sizes(parse(cls.text, path))
         cls.kernels = dict(zip(chains, demangled(chains)))
         cls.chains = chains
 
@@ -173,17 +196,18 @@ class Stack(unittest.TestCase):
 
     @unittest.skipUnless(os.environ.get("RELUME_PTXAS"), "without CUDA's assembler")
     def test_the_assembler_needs_as_much(self):
-        architecture = f"-arch={os.environ['RELUME_ARCHITECTURE']}"
-        command = [os.environ["RELUME_PTXAS"], architecture, "-v", os.environ["RELUME_PTX"], "-o", os.devnull]
-        report = subprocess.run(command, check=True, capture_output=True, text=True).stderr
-        kernels, functions = parse_report(report)
+        index, count = map(int, os.environ["RELUME_PART"].split("/"))
+        part = split(self.text, count)[index]
+        kernels, functions = parse_report(assembler_report(part))
         self.write_table({**kernels, **functions})
         found = {name: usage.stack for name, usage in kernels.items()}
-        self.assertEqual(set(found), set(self.chains))
+        expected = stack_sizes(parse(part, "part.ptx"))
+        self.assertEqual(expected, {name: self.chains[name] for name in expected}, "the part lacks calls")
+        self.assertEqual(set(found), set(expected))
         more = {self.kernels[n]: (size, self.chains[n].size) for n, size in found.items()
                 if size > self.chains[n].size + ASSEMBLER_TOLERANCE}
         self.assertEqual(more, {}, "the chains lack calls")
-        large = [n for n, kernel in self.kernels.items() if any(re.search(pattern, kernel) for pattern, _ in BOUNDS)]
+        large = [n for n in expected if any(re.search(pattern, self.kernels[n]) for pattern, _ in BOUNDS)]
         less = {self.kernels[n]: (found[n], self.chains[n].size) for n in large
                 if found[n] < ASSEMBLER_LEAST_SHARE * self.chains[n].size}
         self.assertEqual(less, {}, "the report lacks sizes, or the chains have too much")
