@@ -1,10 +1,11 @@
 #include "compare/comparison.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "compare/rounds.h"
+#include "compare/comparing.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
 #include "relume/error.h"
@@ -40,49 +41,33 @@ void check_finite(const std::string& file, const Image& image) {
   throw Error(fmt::format("{}: the image has no finite pixel; check its source", file));
 }
 
-class Comparing {
- public:
-  Comparing(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
-            const ComparisonProgress& progress)
-      : scene_(scene), stop_(stop), progress_(progress) {
-    result_.options = options;
-    result_.scene_hash = scene_hash(scene);
-    result_.triangles = placed_triangles(scene);
-  }
+}  // namespace
 
-  std::optional<Comparison> run() {
-    prepare();
-    if (!make_references() || !measure_contenders()) return std::nullopt;
-    measure_images();
-    judge_references();
-    result_.reference = std::move(references_.back());
-    result_.notes = limits_of(result_);
-    return std::move(result_);
-  }
+Comparing::Comparing(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
+                     const ComparisonProgress& progress, SharedWork* shared)
+    : scene_(scene), stop_(stop), progress_(progress), shared_(shared) {
+  result_.options = options;
+  if (shared) result_.ranks = shared->ranks();
+  result_.scene_hash = scene_hash(scene);
+  result_.triangles = placed_triangles(scene);
+}
 
- private:
-  const ComparisonOptions& options() const { return result_.options; }
-  std::function<void(double)> stage(std::string name) const {
-    return [this, name = std::move(name)](double fraction) {
-      if (progress_) progress_(name, fraction);
-    };
-  }
+std::optional<Comparison> Comparing::run() {
+  prepare();
+  const bool done = shared_ ? share_references() && share_contenders() : make_references() && measure_contenders();
+  if (!done || (shared_ && !shared_->is_first())) return std::nullopt;
+  measure_images();
+  judge_references();
+  result_.reference = std::move(references_.back());
+  result_.notes = limits_of(result_);
+  return std::move(result_);
+}
 
-  void prepare();
-  void read_images();
-  bool make_references();
-  bool measure_contenders();
-  void measure_images();
-  void judge_references();
-
-  const Scene& scene_;
-  const std::stop_token& stop_;
-  const ComparisonProgress& progress_;
-  std::vector<AllSettings> settings_;  ///< of each contender
-  std::vector<Image> images_;          ///< the external images
-  std::vector<Reference> references_;
-  Comparison result_;
-};
+std::function<void(double)> Comparing::stage(std::string name) const {
+  return [this, name = std::move(name)](double fraction) {
+    if (progress_) progress_(name, fraction);
+  };
+}
 
 void Comparing::prepare() {
   const ComparisonOptions& o = options();
@@ -95,6 +80,7 @@ void Comparing::prepare() {
                                   .differences = differences_from_defaults(settings, common)});
     settings_.push_back(std::move(settings));
   }
+  ensembles_.resize(settings_.size());
   ReferenceSettings reference = resolve_reference(o.common, settings_, o.reference_settings);
   result_.reference_settings = std::move(reference.settings);
   result_.reference_left_out = std::move(reference.left_out);
@@ -117,12 +103,20 @@ void Comparing::read_images() {
   check_finite(o.reference_file.string(), references_.back().image);
 }
 
-bool Comparing::make_references() {
+std::vector<float> Comparing::reference_times() const {
+  const std::vector<float>& times = options().times_s;
+  return times.empty() ? std::vector<float>{result_.reference_settings.render.time_s} : times;
+}
+
+ReferenceRenderer Comparing::reference_renderer() const {
   const ComparisonOptions& o = options();
+  return {scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder, o.program};
+}
+
+bool Comparing::make_references() {
   if (!references_.empty()) return true;
-  ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder, o.program);
-  const std::vector<float> times =
-      o.times_s.empty() ? std::vector<float>{result_.reference_settings.render.time_s} : o.times_s;
+  ReferenceRenderer renderer = reference_renderer();
+  const std::vector<float> times = reference_times();
   const auto progress = stage("reference");
   for (size_t i = 0; i < times.size(); ++i) {
     const float previous = times[i > 0 ? i - 1 : 0];
@@ -135,14 +129,34 @@ bool Comparing::make_references() {
   return true;
 }
 
+/// Builds the sessions of `count` contenders; fewer if a stop was requested.
+Sessions Comparing::sessions_of(size_t first, size_t count, const std::stop_token& stop) const {
+  Sessions sessions;
+  for (size_t i = first; i < first + count && !stop.stop_requested(); ++i) {
+    sessions.push_back(std::make_unique<TimedSession>(scene_, settings_[i].render, options().clock));
+    sessions.back()->session().shorten_preparation_on(stop);
+  }
+  return sessions;
+}
+
+void Comparing::add_repetition(size_t contender, Repetition repetition, Image image) {
+  ContenderResult& result = result_.contenders[contender];
+  ensembles_[contender].add(image);
+  result.repetitions.push_back(std::move(repetition));
+  if (result.repetitions.size() == 1) result.image = image;
+  if (options().keep_images) result.images.push_back(std::move(image));
+}
+
+void Comparing::split_errors() {
+  const Reference& last = references_.back();
+  for (size_t i = 0; i < ensembles_.size() && options().repetitions > 1; ++i)
+    result_.contenders[i].split = ensembles_[i].split(last.image, last.mse);
+}
+
 bool Comparing::measure_contenders() {
   const ComparisonOptions& o = options();
-  Sessions sessions;
-  for (const AllSettings& settings : settings_) {
-    if (stop_.stop_requested()) return false;
-    sessions.push_back(std::make_unique<TimedSession>(scene_, settings.render, o.clock));
-    sessions.back()->session().shorten_preparation_on(stop_);
-  }
+  const Sessions sessions = sessions_of(0, settings_.size(), stop_);
+  if (sessions.size() < settings_.size()) return false;
   if (!sessions.empty()) result_.threads = sessions.front()->session().statistics().threads;
   FramePlan plan{.frames = {}, .samples = static_cast<double>(o.spp)};
   if (o.budget_s > 0 && !sessions.empty()) {
@@ -151,7 +165,6 @@ bool Comparing::measure_contenders() {
     plan.frames = equal->frames;
     result_.budget_spread = equal->spread();
   }
-  std::vector<Ensemble> ensembles(sessions.size());
   const auto progress = stage("contenders");
   for (int repetition = 0; repetition < o.repetitions && !sessions.empty(); ++repetition) {
     std::vector<Repetition> results;
@@ -160,16 +173,9 @@ bool Comparing::measure_contenders() {
         sessions, o, plan, references_, repetition, stop_, results, images,
         [&](double fraction) { progress((repetition + fraction) / static_cast<double>(o.repetitions)); });
     if (!done) return false;
-    for (size_t i = 0; i < sessions.size(); ++i) {
-      ensembles[i].add(images[i]);
-      result_.contenders[i].repetitions.push_back(std::move(results[i]));
-      if (repetition == 0) result_.contenders[i].image = images[i];
-      if (o.keep_images) result_.contenders[i].images.push_back(std::move(images[i]));
-    }
+    for (size_t i = 0; i < sessions.size(); ++i) add_repetition(i, std::move(results[i]), std::move(images[i]));
   }
-  const Reference& last = references_.back();
-  for (size_t i = 0; i < sessions.size() && o.repetitions > 1; ++i)
-    result_.contenders[i].split = ensembles[i].split(last.image, last.mse);
+  split_errors();
   return true;
 }
 
@@ -205,11 +211,9 @@ void Comparing::judge_references() {
   }
 }
 
-}  // namespace
-
 std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
-                                  const ComparisonProgress& progress) {
-  return Comparing(scene, options, stop, progress).run();
+                                  const ComparisonProgress& progress, SharedWork* shared) {
+  return Comparing(scene, options, stop, progress, shared).run();
 }
 
 double frame_ms(const Repetition& repetition) {

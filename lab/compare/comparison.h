@@ -12,6 +12,7 @@
 
 #include "compare/contender.h"
 #include "compare/reference.h"
+#include "compare/shared_work.h"
 #include "compare/timed_session.h"
 #include "metrics/ensemble.h"
 
@@ -98,6 +99,7 @@ struct Comparison {
   uint64_t scene_hash = 0;
   size_t triangles = 0;
   int threads = 0;           ///< 0: only images were compared
+  int ranks = 1;             ///< that rendered at the same time
   double budget_spread = 0;  ///< EqualTime::spread() of the contenders; 0 at equal samples
   std::vector<ContenderResult> contenders;
   std::vector<std::string> notes;  ///< limits_of() the comparison
@@ -108,8 +110,12 @@ using ComparisonProgress = std::function<void(const std::string& stage, double f
 
 /// Runs the comparison. Returns std::nullopt if `stop` was requested first; the next call continues unfinished
 /// references. Throws Error.
+///
+/// With `shared`, all of its ranks call this with equal arguments, and the first one returns the comparison, with the
+/// images and errors of one process. Tasks are the halves of references, then the repetitions: at equal samples of one
+/// contender, at equal time of all contenders in alternation, on one rank per machine.
 std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
-                                  const ComparisonProgress& progress);
+                                  const ComparisonProgress& progress, SharedWork* shared = nullptr);
 
 /// Limits of the comparison, one sentence each.
 std::vector<std::string> limits_of(const Comparison& comparison);

@@ -116,6 +116,7 @@ std::string to_json(const Comparison& c, const std::vector<std::pair<std::string
   json["machine"] = Json::object();
   for (const auto& [name, value] : machine) json["machine"][name] = value;
   if (rendered) json["machine"]["threads"] = c.threads;
+  if (c.ranks > 1) json["machine"]["ranks"] = c.ranks;
   const bool known = c.reference.spp > 0;
   const bool moves = is_animation(c.options);
   json["reference"] = {{"samples_per_pixel", known ? Json(c.reference.spp) : Json()},

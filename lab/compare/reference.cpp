@@ -82,6 +82,11 @@ void save(const std::filesystem::path& file, const Image& a, const Image& b, con
   write_exr(file, exr);
 }
 
+/// Checkpoint of half 0 or 1 of a reference that `file` will hold.
+std::filesystem::path checkpoint_of(std::filesystem::path file, int half) {
+  return file.replace_extension(half == 0 ? ".a.ckpt" : ".b.ckpt");
+}
+
 }  // namespace
 
 Image read_whole_image(const std::filesystem::path& file) {
@@ -145,8 +150,8 @@ Session& ReferenceRenderer::session() {
   return *session_;
 }
 
-bool ReferenceRenderer::render_half(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
-                                    const ReferenceProgress& progress) {
+bool ReferenceRenderer::render_samples(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
+                                       const ReferenceProgress& progress) {
   Session& s = session();
   if (std::error_code failure; std::filesystem::exists(checkpoint, failure)) s.load_checkpoint(checkpoint);
   double saved_s = now_s();
@@ -156,7 +161,7 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
     // Adaptive sampling completes a frame once it has begun.
     if (stop.stop_requested() || !s.render_frame(stop)) break;
     changed = true;
-    if (progress) progress(0.5 * half + 0.5 * s.frames_since_change() / wanted);
+    if (progress) progress(static_cast<double>(s.frames_since_change()) / wanted);
     if (now_s() - saved_s > kCheckpointInterval_s) {
       s.save_checkpoint(checkpoint);
       saved_s = now_s();
@@ -168,49 +173,77 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
   return s.frames_since_change() >= wanted;
 }
 
-std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,
-                                                   const std::optional<CameraPose>& camera, const std::stop_token& stop,
-                                                   const ReferenceProgress& progress) {
+std::optional<Reference> ReferenceRenderer::find(float time_s, float previous_time_s,
+                                                 const std::optional<CameraPose>& camera) const {
+  const std::filesystem::path target = file(time_s, previous_time_s, camera);
+  if (std::error_code failure; !std::filesystem::exists(target, failure)) return std::nullopt;
+  const ExrFile exr = read_exr(target);
+  if (exr.width != settings_.width || exr.height != settings_.height) {
+    throw Error(fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file to render it again",
+                            target.string(), exr.width, exr.height, settings_.width, settings_.height));
+  }
+  Reference reference;
+  reference.spp = 2 * half_spp_;
+  estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);
+  reference.surface = surface_from(exr.channels, target.string());
+  reference.cached = true;
+  return reference;
+}
+
+std::optional<ReferenceHalf> ReferenceRenderer::render_half(int half, float time_s, float previous_time_s,
+                                                            const std::optional<CameraPose>& camera,
+                                                            const std::stop_token& stop,
+                                                            const ReferenceProgress& progress) {
+  Session& s = session();
+  s.set_camera(camera);
+  s.set_time(previous_time_s);
+  s.restart(kSeeds[static_cast<size_t>(half)]);
+  if (time_s != previous_time_s) s.set_time(time_s);
+  if (!render_samples(half, checkpoint_of(file(time_s, previous_time_s, camera), half), stop, progress))
+    return std::nullopt;
+  ReferenceHalf result{.image = s.image()};
+  if (half > 0) return result;
+  for (const char* name : {"motion", "depth", "normal"}) {
+    for (ExrChannel& channel : s.aov(name)) result.surface.push_back(std::move(channel));
+  }
+  return result;
+}
+
+Reference ReferenceRenderer::combine(float time_s, float previous_time_s, const std::optional<CameraPose>& camera,
+                                     std::array<ReferenceHalf, 2> halves) const {
   const std::filesystem::path target = file(time_s, previous_time_s, camera);
   Reference reference;
   reference.spp = 2 * half_spp_;
-  if (std::error_code failure; std::filesystem::exists(target, failure)) {
-    const ExrFile exr = read_exr(target);
-    if (exr.width != settings_.width || exr.height != settings_.height) {
-      throw Error(fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file to render it again",
-                              target.string(), exr.width, exr.height, settings_.width, settings_.height));
-    }
-    estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);
-    reference.surface = surface_from(exr.channels, target.string());
-    reference.cached = true;
-    return reference;
-  }
-  const double start_s = now_s();
-  Session& s = session();
-  std::array<Image, 2> halves;
-  std::array<std::filesystem::path, 2> checkpoints;
-  std::vector<ExrChannel> surface;
-  for (size_t half = 0; half < 2; ++half) {
-    checkpoints[half] = target;
-    checkpoints[half].replace_extension(half == 0 ? ".a.ckpt" : ".b.ckpt");
-    s.set_camera(camera);
-    s.set_time(previous_time_s);
-    s.restart(kSeeds[half]);
-    if (time_s != previous_time_s) s.set_time(time_s);
-    if (!render_half(static_cast<int>(half), checkpoints[half], stop, progress)) return std::nullopt;
-    halves[half] = s.image();
-    if (half > 0) continue;
-    for (const char* name : {"motion", "depth", "normal"}) {
-      for (ExrChannel& channel : s.aov(name)) surface.push_back(std::move(channel));
-    }
-  }
-  estimate_error(halves[0], halves[1], reference);
-  save(target, halves[0], halves[1], reference, surface, settings_);
-  for (const std::filesystem::path& checkpoint : checkpoints) {
+  estimate_error(halves[0].image, halves[1].image, reference);
+  reference.surface = surface_from(halves[0].surface, target.string());
+  save(target, halves[0].image, halves[1].image, reference, std::move(halves[0].surface), settings_);
+  remove_checkpoints(time_s, previous_time_s, camera);
+  return reference;
+}
+
+void ReferenceRenderer::remove_checkpoints(float time_s, float previous_time_s,
+                                           const std::optional<CameraPose>& camera) const {
+  for (const int half : {0, 1}) {
     std::error_code ignored;
-    std::filesystem::remove(checkpoint, ignored);
+    std::filesystem::remove(checkpoint_of(file(time_s, previous_time_s, camera), half), ignored);
   }
-  reference.surface = surface_from(surface, target.string());
+}
+
+std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,
+                                                   const std::optional<CameraPose>& camera, const std::stop_token& stop,
+                                                   const ReferenceProgress& progress) {
+  if (std::optional<Reference> known = find(time_s, previous_time_s, camera)) return known;
+  const double start_s = now_s();
+  std::array<ReferenceHalf, 2> halves;
+  for (const int half : {0, 1}) {
+    std::optional<ReferenceHalf> rendered =
+        render_half(half, time_s, previous_time_s, camera, stop, [&](double fraction) {
+          if (progress) progress(0.5 * half + 0.5 * fraction);
+        });
+    if (!rendered) return std::nullopt;
+    halves[static_cast<size_t>(half)] = std::move(*rendered);
+  }
+  Reference reference = combine(time_s, previous_time_s, camera, std::move(halves));
   reference.render_s = now_s() - start_s;
   return reference;
 }

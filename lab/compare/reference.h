@@ -1,6 +1,7 @@
 // References: rendered once, with an estimate of their own error, and cached in a folder.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "metrics/temporal.h"
 #include "relume/image_io.h"
@@ -25,6 +27,12 @@ struct Reference {
   bool cached = false;
   double render_s = 0;         ///< in this run
   SurfaceMotion surface = {};  ///< surfaces at the pixels, and their motion since `previous_time_s`
+};
+
+/// One of a reference's two images with independent seeds.
+struct ReferenceHalf {
+  Image image;
+  std::vector<ExrChannel> surface = {};  ///< motion, depth and normal; of the first half only
 };
 
 /// Called after every frame with the completed fraction, in [0, 1].
@@ -49,13 +57,27 @@ class ReferenceRenderer {
     return render(time_s, time_s, std::nullopt, stop, progress);
   }
 
+  // The steps of render(), for halves that other processes render.
+
+  /// The reference from its file; std::nullopt if there is none.
+  std::optional<Reference> find(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;
+  /// Renders half 0 or 1. Returns std::nullopt if `stop` was requested first.
+  std::optional<ReferenceHalf> render_half(int half, float time_s, float previous_time_s,
+                                           const std::optional<CameraPose>& camera, const std::stop_token& stop,
+                                           const ReferenceProgress& progress);
+  /// The reference of two halves; writes its file, and removes their checkpoints.
+  Reference combine(float time_s, float previous_time_s, const std::optional<CameraPose>& camera,
+                    std::array<ReferenceHalf, 2> halves) const;
+  /// Removes checkpoints of halves that another process has combined.
+  void remove_checkpoints(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;
+
   const RenderSettings& settings() const { return settings_; }
   /// File in which this reference is, or will be, cached.
   std::filesystem::path file(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;
 
  private:
-  bool render_half(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
-                   const ReferenceProgress& progress);
+  bool render_samples(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
+                      const ReferenceProgress& progress);
   Session& session();
 
   const Scene& scene_;

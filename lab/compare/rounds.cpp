@@ -207,8 +207,7 @@ bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, 
                     const std::function<void(double)>& progress) {
   for (const auto& session : sessions) {
     if (!options.times_s.empty()) session->session().set_time(options.times_s.front());
-    const int last_seed = render_settings(session->session()).seed;
-    session->restart(repetition == 0 ? last_seed : last_seed + 1);
+    session->restart(session->first_seed() + repetition);
   }
   results.assign(sessions.size(), {});
   Recorder recorder(sessions, options, references, results);

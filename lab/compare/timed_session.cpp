@@ -29,7 +29,9 @@ size_t nearest_count(const std::vector<double>& cumulative, double time_s) {
 double wall_clock(const Session&) { return now_s(); }
 
 TimedSession::TimedSession(const Scene& scene, const RenderSettings& settings, FrameClock clock)
-    : session_(scene, settings), clock_(clock ? std::move(clock) : FrameClock(wall_clock)) {}
+    : session_(scene, settings),
+      first_seed_(settings.seed),
+      clock_(clock ? std::move(clock) : FrameClock(wall_clock)) {}
 
 void TimedSession::restart(int seed) {
   session_.restart(seed);

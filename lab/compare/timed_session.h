@@ -22,6 +22,8 @@ class TimedSession {
   void restart(int seed);
   void render_frame();
 
+  int first_seed() const { return first_seed_; }  ///< that of the settings
+
   uint32_t frames() const { return static_cast<uint32_t>(frame_s_.size()); }
   const std::vector<double>& frame_s() const { return frame_s_; }
   double time_s() const { return time_s_; }
@@ -36,6 +38,7 @@ class TimedSession {
 
  private:
   Session session_;
+  int first_seed_;
   FrameClock clock_;
   std::vector<double> frame_s_;
   double time_s_ = 0;

@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import signal
 
 from program import exr_channels, exr_pixels, exr_strings
@@ -163,6 +164,66 @@ class Experiments(RanksTest):
         self.assertEqual(results, sorted(["index.html", "index.md", *(f"{name}{end}" for name in names for end in (".html", ".json"))]))
 
 
+class Comparisons(RanksTest):
+    look = ["compare", "cornell", *SMALL, "--techniques", "default,few=max-bounces:1", "--repeat", "3", "--reference-spp", "16"]
+
+    def result(self, folder):
+        return json.loads((self.folder / folder / "compare.json").read_text())
+
+    def figures(self, folder):
+        """All of a comparison except times, the machine, and notes, which may concern times."""
+        result = self.result(folder)
+        del result["machine"], result["notes"]
+        for contender in result["contenders"]:
+            for name in ("passes", "time_s", "ms_per_frame"):
+                del contender[name]
+            for repetition in contender["repetitions"]:
+                for point in repetition["points"]:
+                    del point["time_s"]
+        return result
+
+    def test_figures_are_those_of_one_process(self):
+        self.succeed(*self.look, "--spp", "4", "--cache-dir", "a", "-o", "one")
+        done = self.succeed_on_ranks(2, *self.look, "--spp", "4", "--cache-dir", "b", "-o", "two")
+        self.assertEqual(done.stderr.count("wrote two/compare.html"), 1, done.stderr)
+        self.assertEqual(self.figures("two"), self.figures("one"))
+        self.assertEqual(self.result("two")["machine"]["ranks"], 2)
+        self.assertEqual(sum("parallel load" in note for note in self.result("two")["notes"]), 1)
+        self.assertIn("under parallel load", done.stderr)
+        self.assertEqual(done.stdout, (self.folder / "two/compare.csv").read_text())
+        self.assertEqual([file.suffix for file in (self.folder / "b").rglob("*") if file.is_file()], [".exr"])
+
+    def test_equal_time_is_measured_on_one_rank_of_a_machine(self):
+        done = self.succeed_on_ranks(3, *self.look, "--budget", "50ms", "--cache-dir", "a", "-o", "out")
+        result = self.result("out")
+        self.assertEqual((result["mode"], result["repetitions"]), ("equal-time", 3))
+        self.assertEqual([len(contender["repetitions"]) for contender in result["contenders"]], [3, 3])
+        self.assertNotIn("parallel load", done.stderr)
+
+    def test_errors_are_printed_once(self):
+        for code, sentence, arguments in ((2, "--timing measures one process", [*self.look, "--timing", "4"]), (2, "choose one", [*self.look, "--spp", "4", "--budget", "1s"]),
+                                          (1, "nowhere.glb", ["compare", "nowhere.glb", *SMALL])):
+            done = self.on_ranks(2, *arguments)
+            self.assertEqual(len(re.findall(r"^relume: ", done.stderr, re.MULTILINE)), 1, done.stderr)
+            self.assertIn(sentence, done.stderr)
+            self.assertEqual(done.returncode, code, done.stderr)
+        self.assertEqual(self.files(), [])
+
+
+class LostComparisons(RanksTest):
+    def test_a_lost_rank_ends_the_job_and_leaves_the_reference(self):
+        look = ["compare", "cornell", *SMALL, "--techniques", "default,few=max-bounces:1", "--repeat", "2", "--reference-spp", "64", "--cache-dir", "cache", "-o", "out"]
+        process, mark = self.start_on_ranks(2, *look, "--spp", "1000000")
+        self.wait_for(lambda: any(self.folder.glob("cache/**/reference-*.exr")), "a reference")
+        victim = rank_process(mark, 1)
+        self.assertIsNotNone(victim)
+        os.kill(victim, signal.SIGKILL)
+        self.assertNotEqual(process.wait(60), 0)
+        self.assertFalse((self.folder / "out/compare.json").exists())
+        self.succeed_on_ranks(2, *look, "--spp", "4", timeout=400)
+        self.assertTrue(json.loads((self.folder / "out/compare.json").read_text())["reference"]["cached"])
+
+
 class MpichImages(Images):
     library = "mpich"
 
@@ -172,6 +233,14 @@ class MpichSequences(Sequences):
 
 
 class MpichLost(Lost):
+    library = "mpich"
+
+
+class MpichComparisons(Comparisons):
+    library = "mpich"
+
+
+class MpichLostComparisons(LostComparisons):
     library = "mpich"
 
 

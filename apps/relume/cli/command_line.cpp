@@ -104,7 +104,7 @@ void take_values(const Command& command, const Declared& declared) {
 /// others would write the same files. Throws UsageError on rank 0.
 bool ranks_allow(const Command& command) {
   const std::optional<ranks::Launch> launch = ranks::find_launch();
-  const bool shares = command.name == "render" || command.name == "experiment";
+  const bool shares = command.name == "render" || command.name == "compare" || command.name == "experiment";
   if (shares || !launch || launch->size < 2) return true;
   if (launch->rank > 0) return false;
   throw UsageError(fmt::format("{} runs as one process, but {} ranks were started; start it without mpirun",

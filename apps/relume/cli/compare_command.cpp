@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -21,6 +22,9 @@
 #include "files/atomic_file.h"
 #include "files/bytes.h"
 #include "files/extension.h"
+#include "frame/launch.h"
+#include "ranks/launcher.h"
+#include "ranks/task_pool.h"
 #include "render/build_pipeline.h"
 
 namespace relume::cli {
@@ -155,11 +159,13 @@ void check_timing(const CompareOptions& o) {
 
 /// Shows on a terminal the current step. Returns std::nullopt if interrupted.
 std::optional<Comparison> compare_with_progress(const Scene& scene, const ComparisonOptions& options,
-                                                const std::stop_token& stop, const Verbosity& verbosity) {
+                                                const std::stop_token& stop, const Verbosity& verbosity,
+                                                SharedWork* ranks) {
   ProgressPrinter printer(!verbosity.quiet);
   const PreparationProgress preparation(!verbosity.quiet);
-  return compare(scene, options, stop,
-                 [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
+  return compare(
+      scene, options, stop, [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); },
+      ranks);
 }
 
 int run_timing(const CompareOptions& o, const ComparisonOptions& options, const Scene& scene,
@@ -210,18 +216,17 @@ std::vector<std::string> devices_of(const ComparisonOptions& options) {
   return devices;
 }
 
-int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
-  if (o.timed_frames > 0) check_timing(o);
+/// Compares and writes. `ranks`: those that share the work, of which this is the first; nullptr: this process alone.
+int compare_and_write(const CompareOptions& o, const Verbosity& verbosity, SharedWork* ranks) {
   ComparisonOptions options = comparison_options(o);
   const Scene scene = open_compared_scene(o, options, verbosity);
-  if (o.timed_frames > 0) return run_timing(o, options, scene, verbosity);
   const OutputFiles files = output_files(o);  // a missing scene leaves no folder
   check_roles(files, o, options, scene);
 
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
-  const std::stop_token stop = interrupts.token();
   const double start_s = now_s();
-  const std::optional<Comparison> comparison = compare_with_progress(scene, options, stop, verbosity);
+  const std::optional<Comparison> comparison =
+      compare_with_progress(scene, options, interrupts.token(), verbosity, ranks);
   if (!comparison) {
     log_info(verbosity, "interrupted; the same command reuses finished references and continues an unfinished one");
     return kExitInterrupted;
@@ -234,6 +239,42 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   std::fputs(to_csv(*comparison).c_str(), stdout);
   log_info(verbosity, fmt::format("wrote {} in {}", files.page.string(), format_duration(now_s() - start_s)));
   return kExitDone;
+}
+
+/// Runs tasks of the first rank, which alone writes and prints.
+int compare_as_worker(const CompareOptions& o, SharedWork& ranks) {
+  const Verbosity quiet{.quiet = true};
+  ComparisonOptions options = comparison_options(o);
+  const Scene scene = open_compared_scene(o, options, quiet);
+  const InterruptGuard interrupts("");  // the first rank decides what an interrupt ends
+  compare_with_progress(scene, options, {}, quiet, &ranks);
+  return kExitDone;
+}
+
+int compare_on_ranks(const CompareOptions& o, const Verbosity& verbosity, ranks::Launch launch) {
+  std::optional<ranks::TaskPool> pool;
+  try {
+    pool.emplace("the same command reuses finished references");
+  } catch (const Error&) {
+    if (launch.rank == 0) throw;
+    return kExitFailed;  // rank 0 has the same error
+  }
+  return pool->run_and_end([&] {
+    if (o.timed_frames > 0) throw UsageError("--timing measures one process; start it without mpirun");
+    if (o.budget_s > 0) launch.local_size = 1;  // only one rank of a machine is timed
+    const ThreadLimit limit(ranks::threads_of_rank(launch));
+    return pool->is_first() ? compare_and_write(o, verbosity, &*pool) : compare_as_worker(o, *pool);
+  });
+}
+
+int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
+  const std::optional<ranks::Launch> launch = ranks::find_launch();
+  if (launch && launch->size > 1) return compare_on_ranks(o, verbosity, *launch);
+  if (o.timed_frames == 0) return compare_and_write(o, verbosity, nullptr);
+  check_timing(o);
+  ComparisonOptions options = comparison_options(o);
+  const Scene scene = open_compared_scene(o, options, verbosity);
+  return run_timing(o, options, scene, verbosity);
 }
 
 std::vector<Option> declare(CompareOptions& o) {

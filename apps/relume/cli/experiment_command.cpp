@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -76,14 +80,13 @@ void check_outputs(const ExperimentOptions& o, const std::vector<const Experimen
   }
 }
 
-ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token& stop, ProgressPrinter& printer) {
+ExperimentContext make_context(const ExperimentOptions& o, ProgressPrinter& printer) {
   ExperimentContext context;
   context.quick = o.quick;
   context.cache_folder = reference_folder(o.cache_folder);
   context.scene_folder = o.scenes;
   context.program = program_stamp();
   context.device = o.device;
-  context.stop = stop;
   context.progress = [&printer](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); };
   return context;
 }
@@ -165,6 +168,38 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
            fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
 }
 
+/// What a rank may do.
+struct RankRights {
+  bool throws;        ///< an error is that of the command
+  bool writes_index;  ///< on one rank only
+};
+
+/// Measures an experiment unless its result stays. Returns its name if it failed; std::nullopt if it was interrupted.
+std::optional<std::string> run_task(const Experiment& experiment, const ExperimentOptions& o,
+                                    ExperimentContext& context, const std::filesystem::path& folder,
+                                    ProgressPrinter& printer, const Verbosity& verbosity, const RankRights& rights) {
+  const std::string name(experiment.name);
+  context.parts_folder = folder / (name + ".parts");
+  if (const auto summary = result_that_stays(o, folder, experiment)) {
+    tell_that_it_stays(*summary, folder, context, verbosity);
+    return "";
+  }
+  try {
+    run_experiment(experiment, o, context, folder, printer, verbosity, rights.writes_index);
+    return "";
+  } catch (const ExperimentStopped&) {
+    printer.clear();
+    log_info(verbosity, fmt::format("interrupted {}; the same command{} continues it", name,
+                                    !rights.throws && !o.goes_on ? " with --continue" : ""));
+    return std::nullopt;
+  } catch (const std::exception& error) {
+    if (rights.throws) throw;
+    printer.clear();
+    warn(fmt::format("{} failed: {}", name, error.what()));  // other experiments continue
+    return name;
+  }
+}
+
 int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(wanted);
   ExperimentOptions o = wanted;
@@ -173,38 +208,27 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
   make_output_folder(folder);
   check_outputs(o, list, folder);
   summaries_in(folder);  // reports a foreign file before hours of work, not after
-  ranks::TaskPool pool(list.size());
-  const bool is_first_rank = pool.rank() == 0;
+  ranks::TaskPool pool("run what is missing again");
+  const bool is_first_rank = pool.is_first();
   const std::optional<ranks::Launch> launch = ranks::find_launch();
   const ThreadLimit limit(o.threads == 0 && launch && launch->size > 1 ? ranks::threads_of_rank(*launch) : o.threads);
   const InterruptGuard interrupts(is_first_rank ? interrupt_notice(verbosity, "this step") : "");
   ProgressPrinter printer(!verbosity.quiet && is_first_rank);
-  ExperimentContext context = make_context(o, interrupts.token(), printer);
-  while (const std::optional<size_t> task = pool.next()) {
-    const Experiment* const experiment = list[*task];
-    const std::string name(experiment->name);
-    context.parts_folder = folder / (name + ".parts");
-    if (const auto summary = result_that_stays(o, folder, *experiment)) {
-      tell_that_it_stays(*summary, folder, context, verbosity);
-      continue;
-    }
-    try {
-      run_experiment(*experiment, o, context, folder, printer, verbosity, is_first_rank);
-    } catch (const ExperimentStopped&) {
-      printer.clear();
-      log_info(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
-                                      list.size() > 1 && !o.goes_on ? " with --continue" : ""));
-      return kExitInterrupted;
-    } catch (const std::exception& error) {
-      if (list.size() == 1) throw;
-      printer.clear();
-      warn(fmt::format("{} failed: {}", name, error.what()));  // other experiments continue
-      pool.failed(name);
-    }
-  }
-  const std::vector<std::string> failed = pool.finish();
-  if (!is_first_rank) return kExitDone;
+  ExperimentContext context = make_context(o, printer);
+  SharedTasks tasks{.tasks = std::vector<size_t>(list.size()), .run = {}};
+  std::iota(tasks.tasks.begin(), tasks.tasks.end(), size_t{0});
+  // Its result is the name of an experiment that failed.
+  tasks.run = [&](size_t task, const std::stop_token& stop, const SharedTasks::Progress&) {
+    context.stop = stop;
+    return run_task(*list[task], o, context, folder, printer, verbosity, {list.size() == 1, is_first_rank});
+  };
+  const std::optional<std::vector<std::string>> results = pool.gather(tasks, interrupts.token());
+  if (!results || !is_first_rank) return pool.end(kExitInterrupted);
   write_index(folder);  // also if all of them existed
+  std::vector<std::string> failed;
+  std::copy_if(results->begin(), results->end(), std::back_inserter(failed),
+               [](const std::string& name) { return !name.empty(); });
+  pool.end(failed.empty() ? kExitDone : kExitFailed);
   if (!failed.empty())
     throw Error(fmt::format("{} of {} experiments failed: {}", failed.size(), list.size(), fmt::join(failed, ", ")));
   return kExitDone;

@@ -21,6 +21,7 @@ enum class MessageKind : uint32_t {
   hello,     ///< the scene is loaded
   progress,  ///< of work in progress
   samples,   ///< sums of a deal
+  result,    ///< of a task
   image,     ///< a frame of a sequence
   done,      ///< of a segment
   failed,    ///< the rank cannot work
@@ -30,6 +31,7 @@ enum class MessageKind : uint32_t {
   cancel,  ///< the deal is no longer needed
   finish,  ///< no work is left
   end,     ///< all output is written
+  shared,  ///< data of rank 0 for all
 };
 
 inline bool is_for_coordinator(MessageKind kind) { return kind < MessageKind::deal; }

@@ -1,0 +1,72 @@
+#include "ranks/task_dealer.h"
+
+#include <gtest/gtest.h>
+
+namespace relume::ranks {
+namespace {
+
+TEST(TaskDealer, EachRankGetsTheNextTask) {
+  TaskDealer dealer(3, 2, false);
+  EXPECT_TRUE(dealer.deal().empty()) << "no rank waits so far";
+  dealer.wait(1, "a");
+  const auto first = dealer.deal();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].rank, 1);
+  EXPECT_EQ(first[0].task, 0u);
+  dealer.wait(0, "a");
+  dealer.note_result();
+  dealer.wait(1, "a");
+  EXPECT_EQ(dealer.deal().size(), 2u);
+  dealer.wait(0, "a");
+  dealer.note_result();
+  EXPECT_FALSE(dealer.is_over()) << "rank 1 works";
+  dealer.note_progress(1, 0.5);
+  EXPECT_NEAR(dealer.fraction(), 2.5 / 3, 1e-12);
+  dealer.note_result();
+  dealer.wait(1, "a");
+  EXPECT_TRUE(dealer.is_over());
+  EXPECT_TRUE(dealer.is_complete());
+}
+
+TEST(TaskDealer, TimedTasksGoToOneRankOfEachHost) {
+  TaskDealer dealer(4, 4, true);
+  dealer.wait(2, "b");
+  dealer.wait(1, "a");
+  dealer.wait(0, "a");
+  dealer.wait(3, "b");
+  std::vector<int> ranks;
+  for (const TaskDealer::Deal& deal : dealer.deal()) ranks.push_back(deal.rank);
+  EXPECT_EQ(ranks, (std::vector<int>{1, 2}));
+  EXPECT_TRUE(dealer.deal().empty()) << "both hosts are busy";
+  dealer.wait(1, "a");
+  const auto next = dealer.deal();
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].rank, 1);
+  EXPECT_EQ(next[0].task, 2u);
+}
+
+TEST(TaskDealer, ACancelledStageWaitsForWorkingRanks) {
+  TaskDealer dealer(5, 3, false);
+  for (const int rank : {0, 1}) dealer.wait(rank, "a");
+  EXPECT_EQ(dealer.deal().size(), 2u);
+  dealer.leave(2);
+  dealer.cancel();
+  dealer.wait(0, "a");
+  EXPECT_TRUE(dealer.deal().empty());
+  EXPECT_FALSE(dealer.is_over());
+  dealer.wait(1, "a");
+  EXPECT_TRUE(dealer.is_over());
+  EXPECT_FALSE(dealer.is_complete());
+}
+
+TEST(TaskDealer, AStageWithoutTasksEndsWhenAllRanksHaveReported) {
+  TaskDealer dealer(0, 2, false);
+  dealer.wait(0, "a");
+  EXPECT_FALSE(dealer.is_over());
+  dealer.wait(1, "b");
+  EXPECT_TRUE(dealer.is_over());
+  EXPECT_TRUE(dealer.is_complete());
+}
+
+}  // namespace
+}  // namespace relume::ranks
