@@ -1,15 +1,16 @@
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "cli/command.h"
 #include "render/settings.h"
-#include "scene_io/scene_format.h"
 #include "serve/serve_job.h"
 
 namespace relume::cli {
 namespace {
 
 std::vector<Option> declare(ServeOptions& o) {
-  return {
+  std::vector<Option> options = {
       {{"bind", &o.bind,
         "Numeric address to listen on. Only loopback addresses are safe without a proxy that adds TLS"},
        "ADDRESS"},
@@ -20,26 +21,12 @@ std::vector<Option> declare(ServeOptions& o) {
        Completion::none,
        true},
       {{"viewers", &o.viewers, "Browsers that may watch at the same time; one of them steers", {.min = 1, .max = 64}}},
-      {{"preset", &o.preset, "Named settings; flags override them; without a chosen technique, interactive"},
-       "NAME",
-       0,
-       Completion::preset},
-      {{"settings", &o.settings_file, "Settings from a JSON file, or from an EXR that relume rendered"},
-       "FILE",
-       0,
-       Completion::file},
-      {{"ocio", &o.ocio,
-        "Show the image through a view of an OpenColorIO configuration. It replaces the tone map of scene, --preset "
-        "and --settings"},
-       "CONFIG:VIEW",
-       0,
-       Completion::file},
-      {{"target",
-        &o.target_hz,
-        "Rendered frames per second to hold by scaling the resolution",
-        {.min = 1, .max = 240}}},
-      {{"watch", &o.watch, "Reload the scene when its files change, with the same camera and settings"}},
   };
+  for (Option& option : viewer_options(o,
+                                       "Show the image through a view of an OpenColorIO configuration. It replaces the "
+                                       "tone map of scene, --preset and --settings"))
+    options.push_back(std::move(option));
+  return options;
 }
 
 int run([[maybe_unused]] const ServeOptions& options, [[maybe_unused]] const Verbosity& verbosity) {
@@ -58,26 +45,17 @@ Command serve_command(Verbosity& verbosity) {
   // Both live as long as the command.
   const auto options = std::make_shared<ServeOptions>();
   const auto defaults = std::make_shared<AllSettings>();
-  Command command{
-      .name = "serve",
-      .summary = "View a scene in a browser, for machines without a screen.",
-      .examples =
-          {
-              {"relume serve scene.glb", "open the printed address; it contains the token that viewers need"},
-              {"relume serve city --target 15", "scale the resolution to render 15 frames per second"},
-              {"relume serve cornell --port 0 --width 640 --height 360", "any free port, an image of fixed size"},
-          },
-      .arguments = {{"SCENE", &options->scene, scene_format_names() + " file, or a built-in scene (default: cornell)",
-                     false, Completion::scene}},
-      .options = declare(*options),
-      .setting_groups = setting_groups(*defaults),
-      .setting_flags = &options->flags,
-      .run = [options, defaults, &verbosity] { return run(*options, verbosity); },
-      .folders = {kBookmarkFolder},
-      .essentials = {"bind", "port", "host", "viewers", "width", "height", "target", "camera", "env", "exposure",
-                     "denoise", "preset", "settings", "watch"},
+  Command command = viewer_command(*options, *defaults, declare(*options), verbosity);
+  command.name = "serve";
+  command.summary = "View a scene in a browser, for machines without a screen.";
+  command.examples = {
+      {"relume serve scene.glb", "open the printed address; it contains the token that viewers need"},
+      {"relume serve city --target 15", "scale the resolution to render 15 frames per second"},
+      {"relume serve cornell --port 0 --width 640 --height 360", "any free port, an image of fixed size"},
   };
-  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  command.run = [options, defaults, &verbosity] { return run(*options, verbosity); };
+  command.essentials = {"bind",   "port", "host",     "viewers", "width",  "height",   "target",
+                        "camera", "env",  "exposure", "denoise", "preset", "settings", "watch"};
   return command;
 }
 

@@ -13,8 +13,6 @@
 #include "cli/console.h"
 #include "cli/ocio_option.h"
 #include "cli/platform.h"
-#include "cli/scene_source.h"
-#include "core/clock.h"
 #include "relume/error.h"
 #include "render/settings.h"
 #include "serve/allowed_hosts.h"
@@ -22,7 +20,6 @@
 #include "serve/model.h"
 #include "serve/server.h"
 #include "serve/token.h"
-#include "viewer/model/start_settings.h"
 
 namespace relume::cli {
 namespace {
@@ -61,30 +58,6 @@ void announce(const ServeOptions& options, int port, const std::string& token) {
   std::fflush(stdout);
 }
 
-/// The scene and its settings.
-struct Start {
-  std::shared_ptr<const viewer::LoadedScene> scene;
-  AllSettings settings;
-};
-
-Start load(const ServeOptions& options, SettingSources sources, const Verbosity& verbosity) {
-  const double start_s = now_s();
-  const auto read_from = std::filesystem::file_time_type::clock::now();
-  // On a low-priority thread, since rendering later uses the threads that it starts: the network keeps priority.
-  auto loading = std::async(std::launch::async, [&] {
-    lower_thread_priority();
-    return open_scene(options.scene);
-  });
-  Scene scene = loading.get();
-  sources.scene_json = scene.settings_json;
-  sources.scene_place = options.scene;
-  const AllSettings settings = viewer::resolve_start(sources);
-  choose_variant(scene, settings.scene.variant);
-  warn_all(verbosity, scene);
-  viewer::LoadedScene loaded{options.scene, std::move(scene), now_s() - start_s, read_from};
-  return {std::make_shared<const viewer::LoadedScene>(std::move(loaded)), settings};
-}
-
 /// Ends the process at once if the rendering thread is still busy, since its frame has no use.
 void stop_rendering(serve::Model& model) {
   auto stopped = std::async(std::launch::async, [&model] { model.renderer().stop(); });
@@ -96,8 +69,7 @@ void stop_rendering(serve::Model& model) {
 }  // namespace
 
 int run_serve(const ServeOptions& options, const Verbosity& verbosity) {
-  SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  resolve(sources);  // reports errors of these before loading
+  const SettingSources sources = setting_sources(options);
   const viewer::OcioDisplay ocio(make_ocio_view(options.ocio, options.flags));
   serve::Inbox inbox;
   const std::string token = serve::make_token();
@@ -107,10 +79,10 @@ int run_serve(const ServeOptions& options, const Verbosity& verbosity) {
                         .viewers = options.viewers,
                         .token = token},
                        inbox);
-  const Start start = load(options, sources, verbosity);
+  const ViewerStart start = load_viewer_start(options, sources, verbosity);
   const InterruptGuard interrupt("");
   serve::Model model({.settings = start.settings,
-                      .fixed_size = viewer::chooses_size(sources),
+                      .fixed_size = start.chooses_size,
                       .target_hz = options.target_hz,
                       .watch = options.watch},
                      start.scene, ocio, inbox, server);

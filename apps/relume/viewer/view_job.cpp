@@ -2,7 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <future>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,14 +10,10 @@
 #include "cli/file_roles.h"
 #include "cli/image.h"
 #include "cli/ocio_option.h"
-#include "cli/platform.h"
-#include "cli/scene_source.h"
-#include "core/clock.h"
 #include "files/atomic_file.h"
 #include "render/settings.h"
 #include "viewer/app.h"
 #include "viewer/model/script.h"
-#include "viewer/model/start_settings.h"
 #include "viewer/window.h"
 
 namespace relume::cli {
@@ -71,9 +67,7 @@ FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptS
 }  // namespace
 
 int run_view(const ViewOptions& options, const Verbosity& verbosity) {
-  SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  // Reports errors of these before loading.
-  resolve(sources);
+  const SettingSources sources = setting_sources(options);
   if (!options.screenshot.empty()) check_image_file(options.screenshot, {});
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
   FileRoles roles = roles_of(options, steps);
@@ -81,27 +75,14 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   if (ocio_view) roles.reads("--ocio", ocio_view->files());
   viewer::Window::require_display();
   const viewer::OcioDisplay ocio(std::move(ocio_view));
-  const double start_s = now_s();
-  const auto read_from = std::filesystem::file_time_type::clock::now();
-  // On a low-priority thread, since rendering later uses the threads that it starts: the interface keeps priority.
-  auto loading = std::async(std::launch::async, [&] {
-    lower_thread_priority();
-    return open_scene(options.scene);
-  });
-  Scene scene = loading.get();
-  sources.scene_json = scene.settings_json;
-  sources.scene_place = options.scene;
-  const AllSettings settings = viewer::resolve_start(sources);
-  roles.reads("SCENE", scene.source_files);
-  roles.reads("--env", settings.scene.env);
-  choose_variant(scene, settings.scene.variant);
-  const double load_s = now_s() - start_s;
-  warn_all(verbosity, scene);
+  const ViewerStart start =
+      load_viewer_start(options, sources, verbosity, [&](const Scene& scene, const auto& settings) {
+        roles.reads("SCENE", scene.source_files);
+        roles.reads("--env", settings.scene.env);
+      });
   if (ocio.view() && !ocio.view()->note().empty()) log_info(verbosity, ocio.view()->note());
-  viewer::LoadedScene loaded{options.scene, std::move(scene), load_s, read_from};
-  viewer::App app(options, settings, viewer::chooses_size(sources),
-                  viewer::ScriptPlayer(std::move(steps), options.script),
-                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)), ocio);
+  viewer::App app(options, start.settings, start.chooses_size, viewer::ScriptPlayer(std::move(steps), options.script),
+                  start.scene, ocio);
   app.run();
   if (app.loading()) {
     // A scene that is still loading will not be shown: exits without waiting for it.
