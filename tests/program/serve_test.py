@@ -134,6 +134,53 @@ class Serving(unittest.TestCase):
             self.assertEqual(viewer.png[20:28], b"\x89PNG\r\n\x1a\n")
 
 
+    def test_screenshots_have_a_limit(self):
+        with Viewer(self.server) as viewer, Viewer(self.server) as other:
+            for each in (viewer, other):
+                each.receive_until(lambda v=each: v.frames > 0)
+            for _ in range(6):
+                viewer.send({"do": "screenshot"})
+            viewer.receive_until(lambda: "notice" in viewer.texts and viewer.png)
+            self.assertIn("screenshot", viewer.texts["notice"]["text"])
+            shown = other.frames
+            other.receive_until(lambda: other.frames > shown + 3)
+            self.assertNotIn("notice", other.texts)
+            self.assertTrue(viewer.still_sends(), "a refusal closes no connection")
+
+
+class Unwatched(unittest.TestCase):
+    def start(self, *arguments):
+        server = Server(*SCENE, *arguments)
+        self.addCleanup(server.close)
+        return server
+
+    def assert_pauses(self, server):
+        """Waits for half a second in which the server, whose rendering keeps a processor busy, uses little of one."""
+        end = time.monotonic() + 60
+        while True:
+            before = server.cpu_seconds()
+            time.sleep(0.5)
+            if server.cpu_seconds() - before < 0.2:
+                return
+            self.assertLess(time.monotonic(), end, "rendering continues without viewers")
+
+    def test_rendering_pauses_until_a_viewer_connects(self):
+        server = self.start()
+        self.assert_pauses(server)
+        for _ in range(2):
+            with Viewer(server) as viewer:
+                viewer.receive_until(lambda: viewer.frames > 5)
+            self.assert_pauses(server)
+
+    def test_a_goal_of_the_command_line_is_rendered_without_viewers(self):
+        server = self.start("--spp", 1000000)
+        before = server.cpu_seconds()
+        end = time.monotonic() + 60
+        while server.cpu_seconds() - before < 1:
+            self.assertLess(time.monotonic(), end, "rendering has paused")
+            time.sleep(0.1)
+
+
 class Ending(ProgramTest):
     def test_signals_end_it_soon(self):
         for number in (signal.SIGINT, signal.SIGTERM):

@@ -47,7 +47,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Kept for the network
   int awaited_level = -1;      ///< of the requested image; -1: none
   uint64_t shown_version = 0;  ///< of the newest image that was sent or waits
-  bool awaits_png = false;
+  ScreenshotLimit screenshots;
 
  private:
   using WebSocket = boost::beast::websocket::stream<boost::beast::tcp_stream>;

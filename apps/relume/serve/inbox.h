@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -37,6 +38,18 @@ class Inbox {
     wake_.notify_one();
   }
 
+  /// Notes the number of connected viewers.
+  void note_viewers(size_t count) {
+    const std::lock_guard lock(mutex_);
+    viewers_ = count;
+    woken_ = true;
+    wake_.notify_one();
+  }
+  size_t viewers() const {
+    const std::lock_guard lock(mutex_);
+    return viewers_;
+  }
+
   /// Waits for input, wake(), or the time.
   void wait(double seconds) {
     std::unique_lock lock(mutex_);
@@ -50,9 +63,10 @@ class Inbox {
   }
 
  private:
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Input> inputs_;
+  size_t viewers_ = 0;
   bool woken_ = false;
 };
 

@@ -1,7 +1,10 @@
 #include "serve/limits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
 
 namespace relume::serve {
 
@@ -21,6 +24,17 @@ double RateLimiter::wait_s(double units, double now_s) {
   refill(now_s);
   if (units > at_once_) return std::numeric_limits<double>::infinity();
   return std::max(0.0, (units - left_) / per_second_);
+}
+
+std::string ScreenshotLimit::begin(RateLimiter& all, double now_s) {
+  if (waits_) return "a screenshot is in progress; wait for its download";
+  const double wait_s = std::max(rate_.wait_s(1, now_s), all.wait_s(1, now_s));
+  if (wait_s > 0)
+    return fmt::format("the limit of screenshots is reached; take the next one in {:.0f} s", std::ceil(wait_s));
+  rate_.take(1, now_s);
+  all.take(1, now_s);
+  waits_ = true;
+  return {};
 }
 
 std::optional<uint64_t> WaitingRoom::enter(uint64_t connection, const std::string& address) {

@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace relume::serve {
 
@@ -32,6 +33,12 @@ inline constexpr double kMessagesAtOnce = 1200;
 inline constexpr double kBytesPerSecond = 256 << 10;
 inline constexpr double kBytesAtOnce = 1 << 20;
 
+// Screenshots
+inline constexpr double kScreenshotsPerSecond = 0.5;  ///< of a viewer
+inline constexpr double kScreenshotsAtOnce = 3;
+inline constexpr double kAllScreenshotsPerSecond = 2;  ///< of all viewers
+inline constexpr double kAllScreenshotsAtOnce = 8;
+
 /// A token bucket: `at_once` units, refilled at `per_second`.
 class RateLimiter {
  public:
@@ -49,6 +56,20 @@ class RateLimiter {
   double at_once_;
   double left_;
   double last_s_ = 0;
+};
+
+/// The screenshots of a viewer: one at a time, and a rate.
+class ScreenshotLimit {
+ public:
+  /// Begins a screenshot, unless one is in progress or a rate is exceeded. `all`: of all viewers. Returns the reason
+  /// why it did not; empty: it did.
+  std::string begin(RateLimiter& all, double now_s);
+  /// Ends the one in progress. Returns whether there was one.
+  bool end() { return std::exchange(waits_, false); }
+
+ private:
+  RateLimiter rate_{kScreenshotsPerSecond, kScreenshotsAtOnce};
+  bool waits_ = false;
 };
 
 /// Connections without a token so far. A new one replaces an old one of the address with the most, so that a crowd

@@ -31,6 +31,31 @@ TEST(RateLimiter, NeverHoldsMoreThanItsBucket) {
   EXPECT_FALSE(limiter.take(4, 2e6));
 }
 
+TEST(ScreenshotLimit, OneAtATimeAndARate) {
+  RateLimiter all(100, 100);
+  ScreenshotLimit limit;
+  EXPECT_FALSE(limit.end()) << "none has begun";
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(limit.begin(all, 0), "") << i;
+    EXPECT_NE(limit.begin(all, 0).find("in progress"), std::string::npos);
+    EXPECT_TRUE(limit.end());
+  }
+  EXPECT_NE(limit.begin(all, 0).find("in 2 s"), std::string::npos);
+  EXPECT_FALSE(limit.end());
+  EXPECT_EQ(limit.begin(all, 2.01), "");
+}
+
+TEST(ScreenshotLimit, AllViewersShareARate) {
+  RateLimiter all(1, 2);
+  ScreenshotLimit first;
+  ScreenshotLimit second;
+  ScreenshotLimit third;
+  EXPECT_EQ(first.begin(all, 0), "");
+  EXPECT_EQ(second.begin(all, 0), "");
+  EXPECT_NE(third.begin(all, 0).find("in 1 s"), std::string::npos);
+  EXPECT_EQ(third.begin(all, 1.01), "") << "the refused one does not count";
+}
+
 TEST(RateLimiter, TimeThatRunsBackwardsAddsNothing) {
   RateLimiter limiter(10, 1);
   EXPECT_TRUE(limiter.take(1, 100));

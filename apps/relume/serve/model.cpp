@@ -74,7 +74,11 @@ IVec2 image_size(const Resize& area) {
 
 Model::Model(const ModelOptions& options, std::shared_ptr<const viewer::LoadedScene> scene, viewer::OcioDisplay ocio,
              Inbox& inbox, Publisher& publisher)
-    : inbox_(inbox), publisher_(publisher), start_(options.settings), loop_(state_, renderer_) {
+    : inbox_(inbox),
+      publisher_(publisher),
+      start_(options.settings),
+      renders_unwatched_(options.renders_unwatched),
+      loop_(state_, renderer_) {
   state_.renderer = &renderer_;
   renderer_.on_frame([this] { inbox_.wake(); });
   state_.settings = {options.settings, options.settings};
@@ -103,13 +107,15 @@ void Model::run(const std::stop_token& stop) {
 }
 
 double Model::wait_s() const {
+  if (state_.unwatched) return kIdleTurn_s;
   const bool moves = held_.axes != Vec3(0) || state_.animating || state_.path.playing;
   return moves ? kMovingTurn_s : kIdleTurn_s;
 }
 
 void Model::turn(double now_s) {
   loop_.begin_frame(now_s);
-  loop_.advance();
+  follow_viewers();
+  if (!state_.unwatched) loop_.advance();
   newest_number_ = 0;
   for (const Input& input : inbox_.take()) take(input);
   if (now_s > held_until_s_) held_ = {};
@@ -119,6 +125,15 @@ void Model::turn(double now_s) {
   follow_inputs();
   show_image();
   tell_texts();
+}
+
+/// Pauses while no viewer is connected. The rendering thread still renders one frame of each request, so that errors of
+/// the scene appear at the start, and the next viewer has an image at once.
+void Model::follow_viewers() {
+  const bool unwatched = !renders_unwatched_ && inbox_.viewers() == 0;
+  if (unwatched == state_.unwatched) return;
+  state_.unwatched = unwatched;
+  state_.request_changed = true;
 }
 
 void Model::take(const Input& input) {

@@ -34,6 +34,7 @@ struct ModelOptions {
   bool fixed_size = false;  ///< otherwise the page determines the size of the image
   float target_hz = 30;
   bool watch = true;
+  bool renders_unwatched = false;  ///< whether rendering continues while no viewer is connected
 };
 
 struct ShownImage;
@@ -61,6 +62,7 @@ class Model {
   void use_bookmark(const UseBookmark& use);
   void resize(const Resize& size);
   void change(const ChangeSetting& change);
+  void follow_viewers();
   void follow_inputs();
   void show_image();
   void tell_texts();
@@ -69,6 +71,7 @@ class Model {
   Inbox& inbox_;
   Publisher& publisher_;
   AllSettings start_;  ///< settings
+  bool renders_unwatched_;
   viewer::State state_;
   viewer::ViewLoop loop_;
   viewer::FrameDisplay display_;

@@ -45,6 +45,8 @@ AllSettings small_settings() {
 
 class ModelTest : public ::testing::Test {
  protected:
+  ModelTest() { inbox_.note_viewers(1); }
+
   void put(const MessageBody& body, uint32_t number = 0) { inbox_.put({1, {number, body}}); }
   /// Turns until the condition holds.
   ::testing::AssertionResult turn_until(const std::function<bool()>& holds) {
@@ -55,6 +57,16 @@ class ModelTest : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return ::testing::AssertionFailure() << "not within " << kPatience_s << " s";
+  }
+  uint64_t frames() const { return model_.state().frame() ? model_.state().frame()->serial : 0; }
+  /// Turns until no frame was rendered for a moment, in which a small image has many.
+  ::testing::AssertionResult turn_until_idle() {
+    uint64_t last = 0;
+    double since_s = now_s();
+    return turn_until([&] {
+      if (frames() != std::exchange(last, frames())) since_s = now_s();
+      return now_s() - since_s > 0.4;
+    });
   }
   Vec3 eye() const { return viewer::current_view(model_.state()).eye; }
   std::string value(size_t side, const char* name) const {
@@ -141,6 +153,37 @@ TEST_F(ModelTest, APageNamesNoFiles) {
   put(ChangeSetting{0, "env", "/etc/passwd"});
   model_.turn(now_s());
   EXPECT_EQ(value(0, "env"), "");
+}
+
+TEST_F(ModelTest, PausesWithoutViewersAndContinuesWithOne) {
+  ASSERT_TRUE(turn_until([&] { return frames() > 2; }));
+  put(Press{Button::animate});
+  inbox_.note_viewers(0);
+  ASSERT_TRUE(turn_until_idle());
+  const uint64_t before = frames();
+  EXPECT_FALSE(model_.state().paused) << "viewers find the button as they left it";
+  inbox_.note_viewers(1);
+  EXPECT_TRUE(turn_until([&] { return frames() > before + 3; }));
+}
+
+TEST_F(ModelTest, RendersOneFrameForTheFirstViewer) {
+  inbox_.note_viewers(0);
+  ASSERT_TRUE(turn_until([&] { return kept_.image != nullptr; }));
+  EXPECT_TRUE(turn_until_idle());
+}
+
+TEST_F(ModelTest, RendersWithoutViewersWhenToldTo) {
+  Inbox inbox;
+  Kept kept;
+  const ModelOptions options{.settings = small_settings(), .renders_unwatched = true};
+  Model model(options, model_.state().document->loaded(), {}, inbox, kept);
+  const double start_s = now_s();
+  while (now_s() - start_s < kPatience_s && !(model.state().frame() && model.state().frame()->serial > 5)) {
+    model.turn(now_s());
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_TRUE(model.state().frame());
+  EXPECT_GT(model.state().frame()->serial, 5u);
 }
 
 TEST(ModelSize, IsEvenAndLimited) {

@@ -35,6 +35,9 @@ std::string role_text(const Steering& steering, uint32_t viewer) {
                      steering.steerer(), steering.viewers().size(), fmt::join(steering.requests(), ","));
 }
 
+/// `text`: a sentence of the server, without quotes.
+std::string notice_text(const std::string& text) { return fmt::format(R"({{"kind":"notice","text":"{}"}})", text); }
+
 }  // namespace
 
 Network::Network(const ServerOptions& options, Inbox& inbox)
@@ -166,6 +169,7 @@ uint32_t Network::join(const std::shared_ptr<Connection>& connection) {
   waiting_.leave(connection->id());
   const uint32_t viewer = ++viewers_;
   steering_.join(viewer, now_s());
+  inbox_.note_viewers(steering_.viewers().size());
   // Its first role tells it its number; tell_roles() informs the others.
   connection->tell(Topic::role, std::make_shared<const std::string>(role_text(steering_, viewer)));
   for (int topic = 0; topic < kTopics; ++topic) {
@@ -186,11 +190,7 @@ void Network::take(Connection& connection, const Message& message) {
     connection.link().acknowledged(ack->frame, now);
     return offer_image(connection);
   }
-  if (std::holds_alternative<TakeScreenshot>(message.body)) {
-    if (!image_ || !screenshots_.take(1, now)) return;
-    connection.awaits_png = true;
-    return encoder_.request(image_, kPngLevel);
-  }
+  if (std::holds_alternative<TakeScreenshot>(message.body)) return take_screenshot(connection, now);
   if (std::holds_alternative<RequestSteering>(message.body)) {
     steering_.request(viewer, now);
     return tell_roles();
@@ -205,11 +205,19 @@ void Network::take(Connection& connection, const Message& message) {
   inbox_.put({viewer, message});
 }
 
+void Network::take_screenshot(Connection& connection, double now_s) {
+  const std::string refusal =
+      image_ ? connection.screenshots.begin(screenshots_, now_s) : "there is no image so far; wait for the first one";
+  if (refusal.empty()) return encoder_.request(image_, kPngLevel);
+  connection.tell(Topic::notice, std::make_shared<const std::string>(notice_text(refusal)));
+}
+
 void Network::gone(Connection& connection) {
   waiting_.leave(connection.id());
   const uint32_t viewer = connection.viewer();
   if (viewer != 0) {
     steering_.leave(viewer, now_s());
+    inbox_.note_viewers(steering_.viewers().size());
     inbox_.put({viewer, {0, Left{}}});
     tell_roles();
   }
@@ -228,9 +236,9 @@ void Network::send(const std::shared_ptr<const EncodedImage>& image) {
   for (const auto& connection : connections()) {
     if (!image) {
       connection->awaited_level = -1;
-      connection->awaits_png = false;
+      connection->screenshots.end();
     } else if (image->level == kPngLevel) {
-      if (std::exchange(connection->awaits_png, false)) connection->show(image);
+      if (connection->screenshots.end()) connection->show(image);
     } else if (connection->awaited_level == image->level) {
       connection->awaited_level = -1;
       connection->shown_version = image->version;

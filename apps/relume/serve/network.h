@@ -51,6 +51,7 @@ class Network {
   void admit(boost::asio::ip::tcp::socket socket);
   void check_times();
   void send(const std::shared_ptr<const EncodedImage>& image);
+  void take_screenshot(Connection& connection, double now_s);
   void tell_roles();
   void say_farewell();
   std::vector<std::shared_ptr<Connection>> connections() const;
@@ -71,7 +72,7 @@ class Network {
   std::map<uint64_t, std::shared_ptr<Connection>> connections_;
   uint64_t next_id_ = 1;
   uint32_t viewers_ = 0;  ///< ever
-  RateLimiter screenshots_{1, 4};
+  RateLimiter screenshots_{kAllScreenshotsPerSecond, kAllScreenshotsAtOnce};
   std::array<std::shared_ptr<const std::string>, kTopics> texts_;
   std::string roles_;  ///< last told
   std::shared_ptr<const ShownImage> image_;

@@ -8,9 +8,9 @@ namespace relume::serve {
 
 struct ShownImage;
 
-/// Subjects of JSON texts to viewers. A newer text of a topic replaces an older one.
-enum class Topic : int { role, declarations, values, status };
-inline constexpr int kTopics = 4;
+/// Subjects of JSON texts to viewers. A newer text of a topic replaces an older one. Notices go to one viewer.
+enum class Topic : int { role, declarations, values, status, notice };
+inline constexpr int kTopics = 5;
 
 /// Called on the model's thread; never waits for viewers.
 class Publisher {

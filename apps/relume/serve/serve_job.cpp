@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <future>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -58,6 +59,17 @@ void announce(const ServeOptions& options, int port, const std::string& token) {
   std::fflush(stdout);
 }
 
+/// Whether the command line sets a goal of the image, which is then rendered without viewers, too. Goals of presets and
+/// files are meant for images that end.
+bool asks_for_samples(const ServeOptions& options, const StopSettings& stop) {
+  const auto is_given = [&](std::string_view name) {
+    return std::any_of(options.flags.begin(), options.flags.end(),
+                       [&](const auto& flag) { return flag.first == name; });
+  };
+  return (stop.spp > 0 && is_given("spp")) || (stop.time_s > 0 && is_given("time")) ||
+         (stop.error > 0 && is_given("error"));
+}
+
 /// Ends the process at once if the rendering thread is still busy, since its frame has no use.
 void stop_rendering(serve::Model& model) {
   auto stopped = std::async(std::launch::async, [&model] { model.renderer().stop(); });
@@ -84,7 +96,8 @@ int run_serve(const ServeOptions& options, const Verbosity& verbosity) {
   serve::Model model({.settings = start.settings,
                       .fixed_size = start.chooses_size,
                       .target_hz = options.target_hz,
-                      .watch = options.watch},
+                      .watch = options.watch,
+                      .renders_unwatched = asks_for_samples(options, start.settings.stop)},
                      start.scene, ocio, inbox, server);
   server.start();
   announce(options, server.port(), token);

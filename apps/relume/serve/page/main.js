@@ -49,6 +49,7 @@ const texts = {
     views.showRole(role);
     if (role.viewer === role.steerer) sendSize();
   },
+  notice: (notice) => views.tell(notice.text),
   declarations: (declarations) => settings.declare(declarations),
   values: (values) => {
     state.values = values;

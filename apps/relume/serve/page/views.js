@@ -2,6 +2,8 @@
 
 import { KEYS } from "./input.js";
 
+const TOLD_MS = 5000;
+
 /// A new element. Attributes: "text" sets its text; false leaves an attribute out.
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
@@ -79,8 +81,14 @@ export class Views {
       this.button("×", () => this.link.input({ do: "bookmark", verb: "remove", slot }), { "aria-label": `Remove ${name}` }))));
     const numbers = (list) => list.map((x) => x.toFixed(2)).join(", ");
     this.place.textContent = status.eye ? `eye ${numbers(status.eye)} m; speed ${status.speed.toFixed(2)} m/s` : "";
-    const lines = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages];
+    const told = this.told && performance.now() < this.told.until ? [{ text: this.told.text, problem: true }] : [];
+    const lines = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages, ...told];
     update(byId("messages"), JSON.stringify(lines), () => lines.map(({ text, problem }) => make("li", { text, class: problem ? "problem" : false })));
+  }
+
+  /// Shows the server's answer to this viewer with the next status.
+  tell(text) {
+    this.told = { text, until: performance.now() + TOLD_MS };
   }
 
   /// Who steers. Viewers that do not cannot change anything.

@@ -381,7 +381,7 @@ RenderRequest make_request(const State& state, uint64_t version, uint64_t image_
   request.image_version = image_version;
   request.settings = state.settings;
   request.split = state.split;
-  request.paused = state.paused;
+  request.paused = state.paused || state.unwatched;
   request.resolution_policy = state.resolution_policy;
   request.buffer = state.buffer;
   if (!state.document) return request;

@@ -96,6 +96,7 @@ struct State {
   float split_at = 0.5f;
   bool follow_window = true;  ///< whether the image's size follows its area in the window
   bool paused = false;
+  bool unwatched = false;  ///< whether a server has no viewer, and pauses until one connects
   ResolutionPolicy resolution_policy;
   OcioDisplay ocio;  ///< may replace the tone map
 
