@@ -17,6 +17,7 @@
 #include "render/settings.h"
 #include "scene_io/testing/example_files.h"
 #include "scene_io/testing/serialized_file.h"
+#include "serve/testing/example_messages.h"
 #include "settings/settings_json.h"
 #include "viewer/model/camera_path.h"
 
@@ -135,21 +136,29 @@ void write_records(const fs::path& folder) {
 }
 
 void write_messages(const fs::path& folder) {
-  const std::vector<std::string> messages = {R"({"do":"hello","token":"0123456789abcdef0123456789abcdef"})",
-                                             R"({"do":"ack","frame":7})",
-                                             R"({"do":"fly","x":0,"y":0,"z":-1,"fast":true,"n":3})",
-                                             R"({"do":"drag","pan":false,"x":0.25,"y":-0.5})",
-                                             R"({"do":"wheel","notches":1})",
-                                             R"({"do":"set","side":1,"name":"env","value":"1,1,1"})",
-                                             R"({"do":"bookmark","verb":"store","slot":2})",
-                                             R"({"do":"press","button":"pause"})",
-                                             R"({"do":"resize","width":640,"height":360})"};
+  const std::vector<std::string> messages = relume::serve::testing::example_messages();
   for (size_t i = 0; i < messages.size(); ++i)
     write(folder / "message" / std::to_string(i), behind(0, relume::testing::to_bytes(messages[i])));
   const std::string host = "render.example.com:8464";
   write(folder / "message" / "page", behind(1, relume::testing::to_bytes("GET\n/main.js\n" + host + "\n\n")));
   write(folder / "message" / "socket",
         behind(2, relume::testing::to_bytes("GET\n/socket\n" + host + "\nhttps://" + host + "\n")));
+}
+
+/// libFuzzer's dictionary of words that messages and requests consist of.
+void write_message_words(const fs::path& folder) {
+  std::vector<std::string> words = relume::serve::testing::example_words();
+  for (const char* word : {"GET", "HEAD", "POST", "/", "/socket", "/main.js", "127.0.0.1", "localhost", "[::1]",
+                           "render.example.com", "http://", "https://", ":8464", "null", "true", "false", "\\u0000"})
+    words.emplace_back(word);
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  std::ofstream out(folder / "message.dict");
+  for (const std::string& word : words) {
+    out << '"';
+    for (const char c : word) out << (c == '"' || c == '\\' ? "\\" : "") << c;
+    out << "\"\n";
+  }
 }
 
 void write_command_lines(const fs::path& folder) {
@@ -178,5 +187,6 @@ int main(int argc, char** argv) {
   write_records(argv[1]);
   write_command_lines(argv[1]);
   write_messages(argv[1]);
+  write_message_words(argv[1]);
   return 0;
 }
