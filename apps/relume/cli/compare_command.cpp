@@ -352,6 +352,7 @@ Command compare_command(Verbosity& verbosity) {
               {"relume compare scene.glb --techniques default,psf,vlc --timing 64", "frame times"},
               {"relume compare scene.glb --techniques default --image cycles=cycles.exr -o out",
                "with an image of another renderer"},
+              {"mpirun -n 4 relume compare scene.glb --spp 256", "on four ranks"},
           },
       .arguments = {{"SCENE", &options->scene, "Scene file or built-in scene", true, Completion::scene}},
       .options = declare(*options),

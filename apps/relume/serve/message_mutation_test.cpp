@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -31,9 +32,10 @@ class Mutator {
  public:
   explicit Mutator(uint32_t seed) : random_(seed) {}
 
+  /// An example after up to four changes.
   std::string mutated() {
     std::string text = examples_[below(examples_.size())];
-    for (size_t left = 1 + below(4); left > 0; --left) change(text);
+    for (size_t left = below(5); left > 0; --left) change(text);
     return text;
   }
 
@@ -47,7 +49,7 @@ class Mutator {
       case 1: text.erase(at, 1 + below(8)); return;
       case 2: text.insert(at, words_[below(words_.size())]); return;
       case 3: text.insert(at, text.substr(0, below(text.size() + 1))); return;
-      case 4: text.insert(at, std::string(below(64), "[{\"0,: "[below(7)])); return;
+      case 4: text.insert(at, below(64), kSyntax[at % kSyntax.size()]); return;
       case 5: text.insert(at, kNumbers[below(kNumbers.size())]); return;
       case 6: text = text.substr(0, at) + examples_[below(examples_.size())].substr(at % 8); return;
       default: grow(text, at); return;
@@ -69,6 +71,7 @@ class Mutator {
 
   static constexpr std::array<const char*, 8> kNumbers = {"-1",   "1e999",  "4294967296", "0.5",
                                                           "-0.0", "1e-400", "null",       "99999999999999999999"};
+  static constexpr std::string_view kSyntax = "[{\"0,: ";
   std::mt19937 random_;
   std::vector<std::string> examples_ = testing::example_messages();
   std::vector<std::string> words_ = testing::example_words();
@@ -123,7 +126,7 @@ TEST(MessageMutation, GivesAMessageOrAnError) {
       ++refused;
     }
   }
-  EXPECT_GT(accepted, kMessages / 100) << "the mutations destroy too much";
+  EXPECT_GT(accepted, kMessages / 10);  // a fifth is unchanged
   EXPECT_GT(refused, kMessages / 10);
   EXPECT_LE(cli::peak_memory_bytes(), before + kMostGrowth);
 }
