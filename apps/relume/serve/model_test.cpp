@@ -49,22 +49,24 @@ class ModelTest : public ::testing::Test {
 
   void put(const MessageBody& body, uint32_t number = 0) { inbox_.put({1, {number, body}}); }
   /// Turns until the condition holds.
-  ::testing::AssertionResult turn_until(const std::function<bool()>& holds) {
+  static ::testing::AssertionResult turn_until(Model& model, const std::function<bool()>& holds) {
     const double start_s = now_s();
     while (now_s() - start_s < kPatience_s) {
-      model_.turn(now_s());
+      model.turn(now_s());
       if (holds()) return ::testing::AssertionSuccess();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     return ::testing::AssertionFailure() << "not within " << kPatience_s << " s";
   }
-  uint64_t frames() const { return model_.state().frame() ? model_.state().frame()->serial : 0; }
+  ::testing::AssertionResult turn_until(const std::function<bool()>& holds) { return turn_until(model_, holds); }
+  static uint64_t frames_of(const Model& model) { return model.state().frame() ? model.state().frame()->serial : 0; }
   /// Turns until no frame was rendered for a moment, in which a small image has many.
-  ::testing::AssertionResult turn_until_idle() {
+  static ::testing::AssertionResult turn_until_idle(Model& model) {
     uint64_t last = 0;
     double since_s = now_s();
-    return turn_until([&] {
-      if (frames() != std::exchange(last, frames())) since_s = now_s();
+    return turn_until(model, [&] {
+      const uint64_t frames = frames_of(model);
+      if (frames != std::exchange(last, frames)) since_s = now_s();
       return now_s() - since_s > 0.4;
     });
   }
@@ -156,34 +158,45 @@ TEST_F(ModelTest, APageNamesNoFiles) {
 }
 
 TEST_F(ModelTest, PausesWithoutViewersAndContinuesWithOne) {
-  ASSERT_TRUE(turn_until([&] { return frames() > 2; }));
-  put(Press{Button::animate});
+  ASSERT_TRUE(turn_until([&] { return frames_of(model_) > 2; }));
   inbox_.note_viewers(0);
-  ASSERT_TRUE(turn_until_idle());
-  const uint64_t before = frames();
+  ASSERT_TRUE(turn_until_idle(model_));
+  const uint64_t before = frames_of(model_);
   EXPECT_FALSE(model_.state().paused) << "viewers find the button as they left it";
   inbox_.note_viewers(1);
-  EXPECT_TRUE(turn_until([&] { return frames() > before + 3; }));
+  EXPECT_TRUE(turn_until([&] { return frames_of(model_) > before + 3; }));
 }
 
 TEST_F(ModelTest, RendersOneFrameForTheFirstViewer) {
   inbox_.note_viewers(0);
   ASSERT_TRUE(turn_until([&] { return kept_.image != nullptr; }));
-  EXPECT_TRUE(turn_until_idle());
+  EXPECT_TRUE(turn_until_idle(model_));
 }
 
 TEST_F(ModelTest, RendersWithoutViewersWhenToldTo) {
   Inbox inbox;
   Kept kept;
-  const ModelOptions options{.settings = small_settings(), .renders_unwatched = true};
-  Model model(options, model_.state().document->loaded(), {}, inbox, kept);
-  const double start_s = now_s();
-  while (now_s() - start_s < kPatience_s && !(model.state().frame() && model.state().frame()->serial > 5)) {
-    model.turn(now_s());
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  ASSERT_TRUE(model.state().frame());
-  EXPECT_GT(model.state().frame()->serial, 5u);
+  Model model({.settings = small_settings(), .renders_unwatched = true}, model_.state().document->loaded(), {}, inbox,
+              kept);
+  EXPECT_TRUE(turn_until(model, [&] { return frames_of(model) > 5; }));
+}
+
+TEST_F(ModelTest, AnimationsPauseWithoutViewers) {
+  Inbox inbox;
+  Kept kept;
+  Model model({.settings = small_settings()},
+              std::make_shared<const viewer::LoadedScene>(
+                  viewer::LoadedScene{"turntable", find_builtin_scene("turntable")->build()}),
+              {}, inbox, kept);
+  inbox.note_viewers(1);
+  inbox.put({1, {0, Press{Button::animate}}});
+  ASSERT_TRUE(turn_until(model, [&] { return frames_of(model) > 2 && model.state().document->time_s() > 0; }));
+  inbox.note_viewers(0);
+  ASSERT_TRUE(turn_until_idle(model));
+  const float time_s = model.state().document->time_s();
+  EXPECT_TRUE(model.state().animating);
+  inbox.note_viewers(1);
+  EXPECT_TRUE(turn_until(model, [&] { return model.state().document->time_s() != time_s; }));
 }
 
 TEST(ModelSize, IsEvenAndLimited) {
