@@ -76,9 +76,9 @@ void Backend::execute(const std::function<void()>& function) {
 /// Reports begin and end of the outermost launch to the hook, and adds up the times of nested launches.
 class Backend::LaunchScope {
  public:
-  LaunchScope(Backend& backend, std::string_view name)
+  LaunchScope(Backend& backend, std::string_view name, const TileGrid& grid = {})
       : backend_(backend), name_(name), siblings_(std::exchange(backend.nested_, {})) {
-    if (backend_.launch_depth_ == 0) report(LaunchEvent::Kind::begins);
+    if (backend_.launch_depth_ == 0) report(LaunchEvent::Kind::begins, grid);
     ++backend_.launch_depth_;
   }
   ~LaunchScope() {
@@ -96,8 +96,8 @@ class Backend::LaunchScope {
   }
 
  private:
-  void report(LaunchEvent::Kind kind) const {
-    if (backend_.launch_hook_) backend_.launch_hook_({kind, name_});
+  void report(LaunchEvent::Kind kind, const TileGrid& grid = {}) const {
+    if (backend_.launch_hook_) backend_.launch_hook_({.kind = kind, .name = name_, .grid = grid});
   }
 
   Backend& backend_;
@@ -107,9 +107,9 @@ class Backend::LaunchScope {
 };
 
 template <typename Function>
-void Backend::timed(std::string_view name, const Function& function, bool own_threads) {
+void Backend::timed(std::string_view name, const Function& function, const TileGrid& grid, bool own_threads) {
   wait_for_device();
-  LaunchScope scope(*this, name);
+  LaunchScope scope(*this, name, grid);
   const double start_s = now_s();
   LoopTimes loops;  // of the thread that runs `function`
   state_->arena.execute([&] {
@@ -143,22 +143,20 @@ bool Backend::launch_on_device(const DeviceLaunch& launch, const std::stop_token
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop, uint32_t tile_size) {
-  const uint32_t columns = width / tile_size + (width % tile_size > 0 ? 1 : 0);
-  const uint32_t rows = height / tile_size + (height % tile_size > 0 ? 1 : 0);
+  const TileGrid grid{width, height, tile_size};
   std::atomic<bool> complete{true};
-  timed(name, [&] {
-    parallel_tasks(columns * rows, [&](uint32_t index) {
+  const auto run = [&] {
+    parallel_tasks(grid.tiles(), [&](uint32_t index) {
       if (tile_hook_) tile_hook_();
       if (stop.stop_requested()) {
         complete.store(false, std::memory_order_relaxed);
         return;
       }
       const DenormalMode mode(denormals_);
-      const uint32_t x = index % columns * tile_size;
-      const uint32_t y = index / columns * tile_size;
-      run_tile(context, {x, y, x + std::min(tile_size, width - x), y + std::min(tile_size, height - y)});
+      run_tile(context, grid.tile(index));
     });
-  });
+  };
+  timed(name, run, grid);
   return complete.load();
 }
 
@@ -169,6 +167,8 @@ void Backend::run(std::string_view name, const std::function<void()>& function) 
   });
 }
 
-void Backend::run_library(std::string_view name, const std::function<void()>& function) { timed(name, function, true); }
+void Backend::run_library(std::string_view name, const std::function<void()>& function) {
+  timed(name, function, {}, true);
+}
 
 }  // namespace relume

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -120,6 +121,27 @@ TEST(Backend, ReportsTheOutermostLaunch) {
   backend.on_launch({});
   backend.run("five", [] {});
   EXPECT_EQ(steps.find("five"), std::string::npos);
+}
+
+TEST(Backend, ReportsTheTilesOfLaunches) {
+  Backend backend(2);
+  std::vector<TileGrid> grids;
+  backend.on_launch([&](const LaunchEvent& event) {
+    if (event.kind == LaunchEvent::Kind::begins) grids.push_back(event.grid);
+  });
+  std::atomic<int> elements = 0;
+  std::atomic<int> tiles = 0;
+  launch(backend, "tiles", TwoFormsKernel{&elements, &tiles}, 5, 3, {}, 2);
+  backend.run("host code", [] {});
+  EXPECT_EQ(tiles, 6);
+  ASSERT_EQ(grids.size(), 2u);
+  EXPECT_EQ(grids[0].tiles(), 6u);
+  const Tile last = grids[0].tile(5);
+  EXPECT_EQ(last.x0, 4u);
+  EXPECT_EQ(last.y0, 2u);
+  EXPECT_EQ(last.width(), 1u);
+  EXPECT_EQ(last.height(), 1u);
+  EXPECT_EQ(grids[1].tile_size, 0u);
 }
 
 TEST(Backend, ReportsArgumentsWithoutUndefinedBytes) {

@@ -19,4 +19,22 @@ struct Tile {
   uint32_t height() const { return y1 - y0; }
 };
 
+/// Grid of elements, in square tiles. The last column and row may be narrower.
+struct TileGrid {
+  uint32_t width = 0;      ///< elements
+  uint32_t height = 0;     ///< elements
+  uint32_t tile_size = 0;  ///< edge of a tile, elements; 0: no grid
+
+  uint32_t columns() const { return width / tile_size + (width % tile_size > 0 ? 1 : 0); }
+  uint32_t rows() const { return height / tile_size + (height % tile_size > 0 ? 1 : 0); }
+  uint32_t tiles() const { return columns() * rows(); }
+  /// Tile `index` < tiles(), by rows.
+  Tile tile(uint32_t index) const {
+    const uint32_t x = index % columns() * tile_size;
+    const uint32_t y = index / columns() * tile_size;
+    return {x, y, x + (width - x < tile_size ? width - x : tile_size),
+            y + (height - y < tile_size ? height - y : tile_size)};
+  }
+};
+
 }  // namespace relume
