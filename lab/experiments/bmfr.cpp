@@ -5,7 +5,7 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "compare/comparison_page.h"
 #include "compare/timed_session.h"
@@ -101,21 +101,18 @@ ExperimentScene sponza_walk(ExperimentScene hall, int still, int moving) {
   Node node;
   node.name = "walk";
   node.camera = 0;
-  const glm::quat start = glm::quat_cast(Mat3(hall.camera->to_world));
-  const Vec3 eye(hall.camera->to_world[3]);
-  const Vec3 ahead(-hall.camera->to_world[2]);
-  node.transform.rotation = start;
-  node.transform.translation = eye;
+  node.transform.rotation = glm::quat_cast(Mat3(hall.camera->to_world));
+  node.transform.translation = Vec3(hall.camera->to_world[3]);
   AnimationChannel place;
   place.node = scene.add_node(std::move(node));
   AnimationChannel turn = place;
   turn.property = AnimatedProperty::rotation;
   for (int i = still - 1; i < still + moving; ++i) {
     const auto step = static_cast<float>(i - still + 1);
-    const Vec3 at = eye + ahead * (0.05f * step);  // 1.2 m/s
-    const glm::quat q = glm::angleAxis(glm::radians(0.5f * step), Vec3(0, 1, 0)) * start;
+    const Mat4 pose = turned_ahead(hall, kWalkTurn_deg * step, kWalkStep_m * step)->to_world;
+    const glm::quat q = glm::quat_cast(Mat3(pose));
     place.times.push_back(static_cast<float>(i) / 24);
-    place.values.emplace_back(at, 0);
+    place.values.emplace_back(Vec3(pose[3]), 0);
     turn.times.push_back(static_cast<float>(i) / 24);
     turn.values.emplace_back(q.x, q.y, q.z, q.w);
   }

@@ -1,7 +1,9 @@
-// Temporal upscaling: a quarter of the paths, while the camera turns.
+// Temporal upscaling: a quarter of the paths, while the camera turns and while it walks.
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,8 @@ namespace {
 
 constexpr const char* kOurs = "[relume]";
 constexpr double kMostFlip = 1.1;
+constexpr const char* kThreshold = "ratio at most 1.1";
+constexpr float kFlightPace = 10;  // between the towers of `city`
 
 MovingContender contender(const ExperimentScene& scene, std::string name, int upscale) {
   MovingContender result{.name = std::move(name), .settings = scene.settings};
@@ -29,58 +33,84 @@ MovingContender contender(const ExperimentScene& scene, std::string name, int up
   return result;
 }
 
-Claim claim_flip(const MovingErrors& scene) {
+/// A scene, and the pace of its walk as a multiple of kWalkStep_m.
+struct Place {
+  ExperimentScene scene;
+  float pace = 1;
+};
+
+enum class Motion { turn, walk };
+
+std::string claim_id(Motion motion, std::string_view scene) {
+  std::string id = fmt::format("flip-{}{}", motion == Motion::walk ? "walk-" : "", scene);
+  std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return id;
+}
+
+std::string claim_text(Motion motion, std::string_view scene) {
+  return fmt::format("{}, {}: with a quarter of the paths, FLIP is at most 1.1 times that with a path in every pixel.",
+                     scene, motion == Motion::walk ? "walking" : "turning");
+}
+
+Claim claim_flip(Motion motion, const MovingErrors& scene) {
   const MovingError& full = scene.contenders.front();
   const MovingError& upscaled = scene.contenders.back();
   const Ratio flip = paired_error_ratio(upscaled.flips, full.flips);
-  std::string id = "flip-" + scene.scene;
-  std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return judged_within(
-      id, kOurs,
-      scene.scene + ": with a quarter of the paths, FLIP is at most 1.1 times that with a path in every pixel.",
+      claim_id(motion, scene.scene), kOurs, claim_text(motion, scene.scene),
       fmt::format("{} of the FLIP ({:.3f}) and {} of the MSE, in {:.0f} % of the time", share_text(flip), full.flip,
                   share_text(paired_error_ratio(upscaled.mses, full.mses)), 100 * upscaled.time_share),
-      "ratio at most 1.1", {flip}, 0, kMostFlip);
+      kThreshold, {flip}, 0, kMostFlip);
 }
 
-ImageSet images(const MovingErrors& scene) {
+ImageSet images(Motion motion, const MovingErrors& scene) {
   std::vector<MeasuredImage> images;
   for (size_t i = 0; i < scene.contenders.size(); ++i) {
     const MovingError& e = scene.contenders[i];
     images.push_back({e.name, static_cast<int>(i), &e.last, fmt::format("mean FLIP {:.3f}", e.flip)});
   }
-  return measured_set(scene.scene, scene.reference, images, {.values = false});
+  return measured_set(scene.scene + (motion == Motion::walk ? ", walking" : ", turning"), scene.reference, images,
+                      {.values = false});
+}
+
+MovingErrors measure(const ExperimentContext& context, Motion motion, const Place& place, MovingOptions options) {
+  ExperimentScene scene = place.scene;
+  if (motion == Motion::walk) {
+    options.step_m = kWalkStep_m * place.pace * static_cast<float>(options.frames);
+    options.step_deg = kWalkTurn_deg * static_cast<float>(options.frames);
+    scene.camera = turned_ahead(place.scene, 0, options.step_m);  // so that the walk begins at the scene's own view
+  }
+  return measure_moving(context, scene, {contender(scene, "interactive", 1), contender(scene, "upscaled", 2)}, options);
 }
 
 ExperimentResult run_upscaling(const ExperimentContext& context) {
-  std::vector<ExperimentScene> list{learning_scene("warehouse")};
-  if (std::optional<ExperimentScene> hall = sponza(context)) list.push_back(std::move(*hall));
-  if (!context.quick) list.push_back(city_street());
+  std::vector<Place> places{{learning_scene("warehouse")}};
+  if (std::optional<ExperimentScene> hall = sponza(context)) places.push_back({std::move(*hall)});
+  if (!context.quick) places.push_back({city_street(), kFlightPace});
   const MovingOptions options{.frames = context.choose(12, 3),
                               .equal_frames = true,
                               .repetitions = context.choose(6, 2),
                               .reference_spp = context.choose(1024, 16)};
   ExperimentResult result;
   std::vector<ImageSet> sets;
-  for (const ExperimentScene& scene : list) {
-    const MovingErrors errors =
-        measure_moving(context, scene, {contender(scene, "interactive", 1), contender(scene, "upscaled", 2)}, options);
-    result.claims.push_back(claim_flip(errors));
-    sets.push_back(images(errors));
+  for (const Motion motion : {Motion::turn, Motion::walk}) {
+    for (const Place& place : places) {
+      const MovingErrors errors = measure(context, motion, place, options);
+      result.claims.push_back(claim_flip(motion, errors));
+      sets.push_back(images(motion, errors));
+    }
+    if (context.scene_folder.empty()) {
+      result.claims.push_back(
+          unmeasured(claim_id(motion, "Sponza"), kOurs, claim_text(motion, "Sponza"), kThreshold, kNoSponza));
+    }
   }
-  if (context.scene_folder.empty()) {
-    result.claims.push_back(
-        unmeasured("flip-sponza", kOurs,
-                   "Sponza: with a quarter of the paths, FLIP is at most 1.1 times that with a path "
-                   "in every pixel.",
-                   "ratio at most 1.1", kNoSponza));
-  }
-  result.blocks.emplace_back(ViewerBlock{"Images", "Displayed image at the last view, while the camera turns.",
+  result.blocks.emplace_back(ViewerBlock{"Images", "Displayed image at the last view, while the camera moves.",
                                          image_layer_kinds(), std::move(sets)});
   result.setup = {
-      {"Camera", fmt::format("turns by 10° from view to view, in {} frames; two views are measured, in each of {} "
-                             "repetitions",
-                             options.frames, options.repetitions)},
+      {"Camera",
+       fmt::format("turns by 10° from view to view, in {} frames, or walks: per frame it moves ahead by 5 cm and turns "
+                   "by 0.5° (`city`: 50 cm); two views are measured, in each of {} repetitions",
+                   options.frames, options.repetitions)},
       {"Techniques", "preset `interactive`, with `--upscale` 1 and 2; equal numbers of frames"},
       {"Size", size_text(context)},
       {"Reference", fmt::format("{} samples per pixel by path tracing with the light tree", options.reference_spp)}};
@@ -90,7 +120,7 @@ ExperimentResult run_upscaling(const ExperimentContext& context) {
 }  // namespace
 
 Experiment upscaling_experiment() {
-  return {"upscaling", kOurs, "temporal upscaling against a path in every pixel, while the camera turns",
+  return {"upscaling", kOurs, "temporal upscaling against a path in every pixel, while the camera turns and walks",
           run_upscaling};
 }
 

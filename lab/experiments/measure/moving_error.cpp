@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,11 @@ namespace {
 
 constexpr int kTimingRounds = 2;  // before the measurement
 
+/// The camera `steps` after the scene's view.
+std::optional<CameraPose> moved_camera(const ExperimentScene& scene, const MovingOptions& options, float steps) {
+  return turned_ahead(scene, steps * options.step_deg, steps * options.step_m);
+}
+
 /// Session shared by all contenders: one scene per contender could exhaust memory.
 struct Walk {
   const ExperimentContext& context;
@@ -24,22 +30,20 @@ struct Walk {
   const std::vector<Reference>& references;
   TimedSession timed;
 
-  float view_deg(int view) const { return options.step_deg * static_cast<float>(view); }
-
   void begin(const MovingContender& contender, int seed) {
     RenderSettings settings = contender.settings;
     set_size_and_device(context, settings);
     timed.session().set_settings(settings);
-    timed.session().set_camera(turned(scene, view_deg(-1)));
+    timed.session().set_camera(moved_camera(scene, options, -1));
     timed.restart(seed);
   }
 
-  /// Turns from the previous view to this one. Returns the time in ms.
-  double turn_to(int view, int frames) {
+  /// Moves from the previous view to this one. Returns the time in ms.
+  double move_to(int view, int frames) {
     for (int i = 1; i <= frames; ++i) {
       context.check_stop();
       const float share = static_cast<float>(i) / static_cast<float>(frames);
-      timed.session().set_camera(turned(scene, view_deg(view - 1) + options.step_deg * share));
+      timed.session().set_camera(moved_camera(scene, options, static_cast<float>(view - 1) + share));
       timed.render_frame();
     }
     const auto& seconds = timed.frame_s();
@@ -70,7 +74,7 @@ std::vector<Reference> render_references(const ExperimentContext& context, const
   std::vector<Reference> references;
   ExperimentScene seen = plainly_sampled(scene);
   for (int view = 0; view < options.views; ++view) {
-    seen.camera = turned(scene, options.step_deg * static_cast<float>(view));
+    seen.camera = moved_camera(scene, options, static_cast<float>(view));
     references.push_back(make_reference(context, seen, options.reference_spp));
   }
   return references;
@@ -99,7 +103,7 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   for (int round = 0; round < kTimingRounds; ++round) {
     for (size_t i = 0; i < contenders.size(); ++i) {
       walk.begin(contenders[i], 0);
-      walk.turn_to(0, options.frames);
+      walk.move_to(0, options.frames);
       frame_ms[i].push_back(walk.frame_ms());
       context.report(scene.name, ++done / rounds);
     }
@@ -117,7 +121,7 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
       error.mses.push_back(0);
       error.flips.push_back(0);
       for (int view = 0; view < options.views; ++view) {
-        leg_ms[i].push_back(walk.turn_to(view, error.frames));
+        leg_ms[i].push_back(walk.move_to(view, error.frames));
         walk.measure(view, repetitions, error);
       }
       frame_ms[i].push_back(walk.frame_ms());

@@ -22,7 +22,8 @@ struct MovingOptions {
   bool equal_frames = false;  ///< all contenders render `frames`, in different times
   int views = 2;              ///< measured views
   int repetitions = 3;
-  float step_deg = 10;  ///< between views
+  float step_deg = 10;  ///< turn between views, degrees
+  float step_m = 0;     ///< way ahead between views, metres
   int reference_spp = 1024;
   FrameClock clock = {};  ///< empty: wall_clock()
 };
@@ -46,10 +47,11 @@ struct MovingErrors {
   Image reference;  ///< last view
 };
 
-/// Turns the camera from view to view. By default, each step takes all contenders the same time, so slower ones render
-/// fewer frames, with larger motion between them. With `equal_frames`, all render `frames` frames. Contenders take
-/// turns. The frame count follows from the median of all earlier timings, which start with separate rounds. Requires a
-/// camera in the experiment's scene. Throws ExperimentStopped.
+/// Moves the camera from view to view, by turned_ahead(). The first view is the scene's, and the motion begins a step
+/// before it. By default, each step takes all contenders the same time, so slower ones render fewer frames, with larger
+/// motion between them. With `equal_frames`, all render `frames` frames. Contenders take turns. The frame count follows
+/// from the median of all earlier timings, which start with separate rounds. Requires a camera in the experiment's
+/// scene. Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

@@ -43,8 +43,8 @@ TEST(MovingError, SlowContendersHaveFewerFrames) {
 }
 
 TEST(MovingError, EveryContenderEndsAtTheReferencesView) {
-  const MovingErrors errors =
-      measure({.frames = 6, .repetitions = 1, .step_deg = 40, .reference_spp = 256, .clock = rays_clock});
+  const MovingErrors errors = measure(
+      {.frames = 6, .repetitions = 1, .step_deg = 40, .step_m = 0.05f, .reference_spp = 256, .clock = rays_clock});
   const MovingError& clean = errors.contenders[2];
   // Blurred and noisy, but the same view: another view would have an error comparable to the image itself.
   EXPECT_LT(clean.flip, 0.35);

@@ -75,6 +75,17 @@ void use_glass(Scene& scene) {
   for (const char* name : {"tall box", "short box"}) named(scene.nodes, "node", name).transform.translation.y += 0.05f;
 }
 
+/// turned(), and moved by `way_m` along column `axis` of the unturned camera.
+std::optional<CameraPose> turned_and_moved(const ExperimentScene& scene, float degrees, int axis, float way_m) {
+  std::optional<CameraPose> camera = turned(scene, degrees);
+  if (way_m == 0) return camera;
+  if (!camera)
+    throw Error(scene.name +
+                ": the camera cannot be moved, because the experiment does not set ExperimentScene::camera");
+  camera->to_world[3] += way_m * scene.camera->to_world[axis];
+  return camera;
+}
+
 }  // namespace
 
 ExperimentScene closed_box(BoxVariation variation) {
@@ -210,13 +221,11 @@ std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees) {
 }
 
 std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
-  std::optional<CameraPose> camera = turned(scene, degrees);
-  if (aside_m == 0) return camera;
-  if (!camera)
-    throw Error(scene.name +
-                ": the camera cannot be moved, because the experiment does not set ExperimentScene::camera");
-  camera->to_world[3] += aside_m * scene.camera->to_world[0];
-  return camera;
+  return turned_and_moved(scene, degrees, 0, aside_m);
+}
+
+std::optional<CameraPose> turned_ahead(const ExperimentScene& scene, float degrees, float ahead_m) {
+  return turned_and_moved(scene, degrees, 2, -ahead_m);
 }
 
 void claim_without_sponza(const ExperimentContext& context, const char* paper, const std::vector<SponzaClaim>& missing,

@@ -62,8 +62,14 @@ ExperimentScene city_street();
 std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees);
 /// Same, and moved to the right of the unturned view by `aside_m`. Without a camera, both must be 0.
 std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m);
+/// Same, and moved by `ahead_m` in the direction of the unturned view: a step of a walk.
+std::optional<CameraPose> turned_ahead(const ExperimentScene& scene, float degrees, float ahead_m);
 
 inline constexpr const char* kNoSponza = "needs Sponza: give the folder above sponza/sponza.gltf with --scenes";
+
+/// Motion of a walk per frame: 1.2 m/s at 24 frames per second.
+inline constexpr float kWalkStep_m = 0.05f;
+inline constexpr float kWalkTurn_deg = 0.5f;
 
 /// A claim about Sponza, which is not a built-in scene.
 struct SponzaClaim {

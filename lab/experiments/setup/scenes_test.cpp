@@ -79,5 +79,16 @@ TEST(ExperimentScenes, SidewaysMotionIsTheSameInAnyViewDirection) {
   }
 }
 
+TEST(ExperimentScenes, WalksLeadAlongTheUnturnedView) {
+  const ExperimentScene box = closed_box();
+  for (const float degrees : {0.0f, 30.0f}) {
+    const auto camera = turned_ahead(box, degrees, 0.25f);
+    EXPECT_EQ(camera->to_world[2], turned(box, degrees)->to_world[2]);
+    const Vec3 way = Vec3(camera->to_world[3]) - Vec3(box.camera->to_world[3]);
+    EXPECT_NEAR(glm::dot(way, Vec3(box.camera->to_world[2])), -0.25f, 1e-6f);
+    EXPECT_NEAR(length_squared(way), 0.0625f, 1e-6f);
+  }
+}
+
 }  // namespace
 }  // namespace relume
