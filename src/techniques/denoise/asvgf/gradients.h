@@ -4,7 +4,7 @@
 #pragma once
 
 #include "techniques/temporal/reprojection/reprojection.h"
-#include "techniques/transport/path/path.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 

@@ -1,7 +1,7 @@
 // Incident radiance at a point by direction.
 #pragma once
 
-#include "techniques/transport/path/path.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 

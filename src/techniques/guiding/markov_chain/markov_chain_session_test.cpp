@@ -12,7 +12,7 @@
 #include "techniques/guiding/markov_chain/testing/random_states.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
 #include "techniques/spatial/markov_grid/testing/filled_table.h"
-#include "techniques/transport/path/path.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 namespace {

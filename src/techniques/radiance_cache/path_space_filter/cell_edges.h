@@ -3,6 +3,7 @@
 
 #include "techniques/gbuffer/primary_hits/emission_edges.h"
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 

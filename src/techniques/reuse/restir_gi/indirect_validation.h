@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/restir_gi/reconnection.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 

@@ -1,5 +1,6 @@
 // Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97],
-// ch. 9 and 10). Each step is a separate function; trace_path() runs them in order.
+// ch. 9 and 10). Each step is a separate function. walk() runs them in order for one path (walk.h), trace() for the
+// paths of a batch (path_batch.h).
 #pragma once
 
 #include "core/hash.h"
@@ -263,11 +264,6 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
   return true;
 }
 
-/// Samples the next direction. Returns false if the path ends here.
-RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
-  return follow(c, sp, c.directions.sample(sp, sampler), path, sampler);
-}
-
 /// Pairs of random numbers per bounce, after those of the camera: one for the light, one for the direction.
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
@@ -312,21 +308,6 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   return arrive_at_surface(c, hit, previous.position, light_pmf, sp, path, policy);
 }
 
-/// The same for threads that store one point: `sp` is the previous vertex before, and the current one after.
-template <typename Policy>
-RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, SurfacePoint& sp, PathState& path, Policy& policy) {
-  if (!hit.valid()) {
-    policy.emitted(path, add_infinite_lights(c, sp, path));
-    return false;
-  }
-  const Vec3 previous = sp.position;
-  const Instance& instance = c.scene.instances[hit.instance];
-  const bool weighted = c.next_event && !path.delta && instance.first_light != kNoLight;
-  const float pmf = weighted ? c.selector.pmf(sp, light_of(instance, hit.primitive)) : 0.0f;
-  return arrive_at_surface(
-      c, hit, previous, [pmf](LightId) { return pmf; }, sp, path, policy);
-}
-
 /// Selects the light of next event estimation at a vertex; none where only delta lobes scatter, or where reservoirs add
 /// the light.
 RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoint& sp, const PathState& path,
@@ -334,51 +315,6 @@ RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoin
   sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
   if (c.only_specular || !has_non_delta(sp.bsdf) || path.bounce < c.first_nee_bounce) return {};
   return pick_light(c, sp, sampler);
-}
-
-/// Next event estimation at a vertex. Returns whether to test a connection.
-template <typename Policy>
-RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler,
-                              Connection& connection, Policy& policy) {
-  const LightPick pick = pick_light_at(c, sp, path, sampler);
-  if (pick.pmf > 0.0f) path_policy::light_picked(policy, sp, path, pick.id);
-  return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
-}
-
-/// Traces a path from the hit of its ray until it ends. `sp`: the vertex where the ray starts; then each vertex.
-template <typename Policy>
-RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint& sp, PathState& path, Sampler& sampler,
-                           Policy& policy) {
-  for (;;) {
-    if (!arrive(c, hit, sp, path, policy)) break;
-    if constexpr (DecidesLater<Policy>) {
-      if (!policy.goes_on(path)) break;
-    }
-    if (Connection connection; connect(c, sp, path, sampler, connection, policy)) {
-      ++path.rays;
-      const bool visible = !occluded(c.scene, connection.ray, connection.ray_id);
-      if (visible) path.radiance += connection.contribution;
-      policy.connected(sp, path, connection, visible);
-    }
-    const BsdfSample s = c.directions.sample(sp, sampler);
-    if (!follow(c, sp, s, path, sampler)) break;
-    policy.scattered(sp, s, path);
-    hit = intersect(c.scene, path.ray, ray_id_of(c, path, sampler));
-    ++path.rays;
-  }
-  policy.finished(path);
-}
-
-/// Traces one sample of pixel (x, y) from its primary hit.
-template <typename Policy = NoPolicy>
-RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, const Hit& hit,
-                                      Policy&& policy = Policy{}) {
-  PathState path = start_path(c, x, y, sampler);
-  SurfacePoint sp;
-  sp.position = path.ray.origin;
-  sp.bsdf.lobe_count = 0;  // the camera
-  walk(c, hit, sp, path, sampler, policy);
-  return path;
 }
 
 }  // namespace relume

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/transport/path/path_batch.h"
+#include "techniques/transport/path/walk.h"
 
 namespace relume {
 
