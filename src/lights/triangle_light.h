@@ -113,12 +113,12 @@ RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const Textured
   Rgb value(1);
   if (t.emission_texture >= 0) {
     value = Rgb(
-        e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_corners(t.emission_uv, b), 0));
+        e.textures.sample_level(static_cast<uint32_t>(t.emission_texture), interpolate_corners(t.emission_uv, b), 0));
   }
   float alpha = interpolate_corners(t.alpha_factor, b);
   if (t.opacity_texture >= 0) {
     alpha *=
-        e.textures[static_cast<uint32_t>(t.opacity_texture)].sample_level(interpolate_corners(t.opacity_uv, b), 0).w;
+        e.textures.sample_level(static_cast<uint32_t>(t.opacity_texture), interpolate_corners(t.opacity_uv, b), 0).w;
   }
   value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
   return value;
@@ -127,7 +127,7 @@ RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const Textured
 /// Weight of the clearcoat's texture at a point, relative to TriangleLight::coat.
 RELUME_HD inline float textured_coat(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   if (t.coat_texture < 0) return 1.0f;
-  return e.textures[static_cast<uint32_t>(t.coat_texture)].sample_level(interpolate_corners(t.coat_uv, b), 0).x;
+  return e.textures.sample_level(static_cast<uint32_t>(t.coat_texture), interpolate_corners(t.coat_uv, b), 0).x;
 }
 
 /// Index of the small triangle at `b`. Numbered row by row; row r has 2(grid − r) − 1, upright and inverted

@@ -47,6 +47,15 @@ struct TextureRecord {
 
   RELUME_HD int level_width(int level) const { return width >> level > 1 ? width >> level : 1; }
   RELUME_HD int level_height(int level) const { return height >> level > 1 ? height >> level : 1; }
+
+  /// Level for a look-up at `uv` with a footprint of `lod` = log2(texels) at level 0. A hash of the coordinates dithers
+  /// it, with the trilinear value as expectation.
+  RELUME_HD int level_at(const Vec2& uv, float lod) const {
+    if (!(lod > 0.0f)) return 0;
+    const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
+    const float last = static_cast<float>(level_count - 1);
+    return static_cast<int>(clamp(lod + dither, 0.0f, last));
+  }
 };
 
 /// Looks up one texture. Lives within one call of a kernel.
@@ -65,8 +74,8 @@ class TextureSampler {
     return record_.encoded ? decode(stored) : stored;
   }
 
-  /// Bilinear (or nearest) look-up in one level.
-  RELUME_HD Vec4 sample_level(const Vec2& uv, int level) const {
+  /// Bilinear (or nearest) look-up in one level. Inlined, so that a device's thread keeps this object in registers.
+  RELUME_HD_INLINE Vec4 sample_level(const Vec2& uv, int level) const {
     const int w = record_.level_width(level);
     const int h = record_.level_height(level);
     const float x = wrap_coordinate(uv.x, record_.wrap_u) * static_cast<float>(w);
@@ -84,15 +93,6 @@ class TextureSampler {
     const Vec4 bottom = stored_texel(level, x0, y1) * (1.0f - tx) + stored_texel(level, x1, y1) * tx;
     const Vec4 value = top * (1.0f - ty) + bottom * ty;
     return record_.encoded ? decode(value) : value;
-  }
-
-  /// Look-up with a footprint of `lod` = log2(texels) at level 0. A hash of the coordinates dithers the level, with the
-  /// trilinear value as expectation.
-  RELUME_HD Vec4 sample(const Vec2& uv, float lod) const {
-    if (!(lod > 0.0f)) return sample_level(uv, 0);
-    const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
-    const float last = static_cast<float>(record_.level_count - 1);
-    return sample_level(uv, static_cast<int>(clamp(lod + dither, 0.0f, last)));
   }
 
  private:
@@ -150,6 +150,16 @@ struct TexturesView {
   View<const float> srgb_table;  ///< linear value of each 8-bit sRGB code
 
   RELUME_HD_INLINE TextureSampler operator[](uint32_t i) const { return {records[i], texels, srgb_table}; }
+
+  /// TextureSampler::sample_level() for texture i. Kernels call this: a sampler would take memory of a device's thread
+  /// at every call.
+  RELUME_HD_NOINLINE Vec4 sample_level(uint32_t i, const Vec2& uv, int level) const {
+    return (*this)[i].sample_level(uv, level);
+  }
+  /// Look-up in texture i with a footprint of `lod` = log2(texels) at level 0.
+  RELUME_HD Vec4 sample(uint32_t i, const Vec2& uv, float lod) const {
+    return sample_level(i, uv, records[i].level_at(uv, lod));
+  }
 };
 
 /// A material's use of a texture.

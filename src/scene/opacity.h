@@ -15,7 +15,7 @@ RELUME_HD inline float opacity(const SceneView& scene, uint32_t instance_index, 
   if (material.base_color_texture.used()) {
     const TextureUse& use = material.base_color_texture;
     const Vec2 uv = uv_set(scene, mesh, t, use.uv_set).at(t.weights);
-    alpha *= scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv), 0).w;
+    alpha *= scene.textures.sample_level(static_cast<uint32_t>(use.texture), use.transform(uv), 0).w;
   }
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;

@@ -78,16 +78,17 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
 
 /// Texture look-up at the level for a footprint of `area` m².
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
-  const TextureSampler texture = scene.textures[static_cast<uint32_t>(use.texture)];
-  const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area *
-                       static_cast<float>(texture.record().width) * static_cast<float>(texture.record().height);
+  const auto texture = static_cast<uint32_t>(use.texture);
+  const TextureRecord& record = scene.textures.records[texture];
+  const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area * static_cast<float>(record.width) *
+                       static_cast<float>(record.height);
   const float lod = texels > 1.0f ? 0.5f * math::log2(texels) : 0.0f;
-  return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
+  return scene.textures.sample(texture, use.transform(uv.uv[use.uv_set]), lod);
 }
 
 /// Texture look-up without a filter.
 RELUME_HD inline Vec4 fetch_unfiltered(const SceneView& scene, const TextureUse& use, const Uv& uv) {
-  return scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0);
+  return scene.textures.sample_level(static_cast<uint32_t>(use.texture), use.transform(uv.uv[use.uv_set]), 0);
 }
 
 /// The part of a mixture that a hit shows, and the material whose normal map it has.

@@ -70,8 +70,8 @@ TEST(Texture, SurvivesWildCoordinates) {
   for (const WrapMode wrap : {WrapMode::repeat, WrapMode::clamp, WrapMode::mirror}) {
     const TextureStore s = store(numbered(wrap, wrap));
     for (const float u : {-1e9f, 1e9f, 0.99999994f, kInfinity, std::nanf("")}) {
-      EXPECT_TRUE(is_finite(s[0].sample({u, u}, 0).x));
-      EXPECT_TRUE(is_finite(s[0].sample({u, u}, 50).x));
+      EXPECT_TRUE(is_finite(s.view().sample(0, {u, u}, 0).x));
+      EXPECT_TRUE(is_finite(s.view().sample(0, {u, u}, 50).x));
     }
   }
 }
@@ -122,13 +122,13 @@ TEST(Texture, DitheredLevelHasTheTrilinearMean) {
     const float t = lod - std::floor(lod);
     for (int i = 0; i < kSamples; ++i) {
       const Vec2 uv = random.next_2d();
-      dithered += s[0].sample(uv, lod).x / kSamples;
+      dithered += s.view().sample(0, uv, lod).x / kSamples;
       trilinear += ((1 - t) * s[0].sample_level(uv, level).x + t * s[0].sample_level(uv, level + 1).x) / kSamples;
     }
     EXPECT_NEAR(dithered / trilinear, 1.0, 0.01);  // the standard deviation of the levels is about one: 5/√200000
   }
-  EXPECT_EQ(s[0].sample({0.3f, 0.4f}, -1).x, s[0].sample_level({0.3f, 0.4f}, 0).x);
-  EXPECT_EQ(s[0].sample({0.3f, 0.4f}, 99).x, s[0].sample_level({0.3f, 0.4f}, s[0].record().level_count - 1).x);
+  EXPECT_EQ(s.view().sample(0, {0.3f, 0.4f}, -1).x, s[0].sample_level({0.3f, 0.4f}, 0).x);
+  EXPECT_EQ(s.view().sample(0, {0.3f, 0.4f}, 99).x, s[0].sample_level({0.3f, 0.4f}, s[0].record().level_count - 1).x);
 }
 
 }  // namespace
