@@ -43,7 +43,8 @@ struct DirectionSampler {
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
     if (mode == TransportMode::radiance && has_chains(sp)) {
-      const MarkovLobes lobes = chains.lobes_at(sp);
+      MarkovLobes lobes;
+      chains.add_lobes(sp, lobes);
       if (!lobes.empty()) return sample_mixture(sp, lobes, chains.bsdf_fraction, sampler);
     }
     if (mode == TransportMode::importance || !guides(sp)) return sample_bsdf(sp, sampler, mode);
@@ -54,7 +55,8 @@ struct DirectionSampler {
   /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there. With resampling, that of a candidate.
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
     if (has_chains(sp)) {
-      const MarkovLobes lobes = chains.lobes_at(sp);
+      MarkovLobes lobes;
+      chains.add_lobes(sp, lobes);
       return lobes.empty() ? bsdf.pdf_forward : mixed(chains.bsdf_fraction, bsdf.pdf_forward, lobes.pdf(wi));
     }
     if (!guides(sp)) return bsdf.pdf_forward;

@@ -15,7 +15,11 @@ void bm_markov_lobes(benchmark::State& state) {
   const SurfacePoint sp = testing::point_at({1, 0.3f, -2}, {0, 1, 0});
   table.fill(sp, [](uint32_t number) { return testing::random_state(number); });
   const MarkovGuide guide{.grid = table.grid, .table = table.view()};
-  for (auto _ : state) benchmark::DoNotOptimize(guide.lobes_at(sp).pdf(sp.frame.n));
+  for (auto _ : state) {
+    MarkovLobes lobes;
+    guide.add_lobes(sp, lobes);
+    benchmark::DoNotOptimize(lobes.pdf(sp.frame.n));
+  }
 }
 BENCHMARK(bm_markov_lobes);
 

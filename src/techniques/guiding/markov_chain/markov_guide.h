@@ -65,16 +65,15 @@ struct MarkovGuide {
     return d;
   }
 
-  /// The lobes at a vertex. All calls at a vertex of a frame return the same.
-  RELUME_HD MarkovLobes lobes_at(const SurfacePoint& sp) const {
+  /// Adds the lobes at a vertex to `lobes`. All calls at a vertex of a frame add the same. They are not returned: a
+  /// device's thread would store them twice.
+  RELUME_HD void add_lobes(const SurfacePoint& sp, MarkovLobes& lobes) const {
     const uint32_t seed = grid.seed_at(sp);
     const GuidePrior at = prior_at(sp);
-    MarkovLobes lobes;
     for (uint32_t i = 0; i < grid.drawn_cells; ++i) {
       const Drawn d = drawn(sp, seed, at, i);
       if (d.valid) lobes.add(d.lobe, d.state.weight);
     }
-    return lobes;
   }
 
  private:
