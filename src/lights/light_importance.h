@@ -77,7 +77,7 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     if (is_delta(lobe.kind)) continue;
-    const float albedo = luminance(lobe_albedo(lobe, *bsdf.tables, wo_local.z));
+    const float albedo = luminance(lobe_albedo(lobe, bsdf.interface, *bsdf.tables, wo_local.z));
     if (is_glossy(lobe.kind) && !transmits(lobe.kind)) {
       r.glossy += albedo;
       roughness += albedo * std::sqrt(lobe.alpha);

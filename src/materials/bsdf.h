@@ -12,23 +12,26 @@
 
 namespace relume {
 
-/// Value and density of lobe i, either as stored or flipped; zero for delta lobes. `kLayered`: bsdf.layered.
+/// Value and density of lobe i; zero for delta lobes. `interface`: that of the BSDF, either as stored or flipped.
+/// `kLayered`: bsdf.layered.
 template <bool kLayered>
-RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, const Vec3& wo, const Vec3& wi,
+RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Interface& interface, int i, const Vec3& wo, const Vec3& wi,
                                     TransportMode mode) {
+  const Lobe& lobe = bsdf.lobes[i];
   const InterfaceDetail& detail = bsdf.detail;
   switch (lobe.kind) {
     case LobeKind::lambert: return lambert::eval(lobe, wi);
-    case LobeKind::covered_lambert: return covered_lambert::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
+    case LobeKind::covered_lambert:
+      return covered_lambert::eval<kLayered>(lobe, interface, detail, *bsdf.tables, wo, wi);
     case LobeKind::reflection:
       if (kLayered && bsdf.coat_has_normal && bsdf.is_coat(i)) return coat_with_normal::eval(lobe, detail, wo, wi);
       return reflection::eval<kLayered>(lobe, detail, wo, wi);
     case LobeKind::multiple_reflection: return multiple_reflection::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
-    case LobeKind::dielectric: return dielectric::eval<kLayered>(lobe, detail, wo, wi, mode);
-    case LobeKind::thin_transmission: return thin_transmission::eval<kLayered>(lobe, detail, wo, wi);
+    case LobeKind::dielectric: return dielectric::eval<kLayered>(lobe, interface, detail, wo, wi, mode);
+    case LobeKind::thin_transmission: return thin_transmission::eval<kLayered>(lobe, interface, detail, wo, wi);
     case LobeKind::sheen: return kLayered ? sheen::eval(lobe, *bsdf.tables, wo, wi) : LobeEval{};
     case LobeKind::diffuse_transmission:
-      return kLayered ? diffuse_transmission::eval(lobe, detail, *bsdf.tables, wo, wi, mode) : LobeEval{};
+      return kLayered ? diffuse_transmission::eval(lobe, interface, detail, *bsdf.tables, wo, wi, mode) : LobeEval{};
     case LobeKind::specular_reflection:
     case LobeKind::smooth_dielectric:
     case LobeKind::null: return {};
@@ -41,6 +44,7 @@ template <bool kLayered>
 RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo, float u_side, const Vec2& u,
                                         TransportMode mode) {
   const Lobe& lobe = bsdf.lobes[i];
+  const Interface& interface = bsdf.interface;
   const InterfaceDetail& detail = bsdf.detail;
   if (kLayered && bsdf.coat_has_normal && bsdf.is_coat(i)) return coat_with_normal::sample(lobe, detail, wo, u);
   switch (lobe.kind) {
@@ -48,38 +52,40 @@ RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo,
     case LobeKind::covered_lambert:
     case LobeKind::multiple_reflection: return lambert::sample(u);
     case LobeKind::reflection: return reflection::sample<kLayered>(lobe, detail, wo, u);
-    case LobeKind::dielectric: return dielectric::sample<kLayered>(lobe, detail, wo, u_side, u);
+    case LobeKind::dielectric: return dielectric::sample<kLayered>(lobe, interface, detail, wo, u_side, u);
     case LobeKind::thin_transmission: return thin_transmission::sample(lobe, wo, u);
     case LobeKind::specular_reflection: return specular_reflection::sample<kLayered>(lobe, detail, wo);
-    case LobeKind::smooth_dielectric: return smooth_dielectric::sample<kLayered>(lobe, detail, wo, u_side, mode);
-    case LobeKind::null: return null_transmission::sample<kLayered>(lobe, detail, wo);
+    case LobeKind::smooth_dielectric:
+      return smooth_dielectric::sample<kLayered>(lobe, interface, detail, wo, u_side, mode);
+    case LobeKind::null: return null_transmission::sample<kLayered>(lobe, interface, detail, wo);
     case LobeKind::sheen: return sheen::sample(u);
-    case LobeKind::diffuse_transmission: return diffuse_transmission::sample(lobe, u_side, u);
+    case LobeKind::diffuse_transmission: return diffuse_transmission::sample(interface, u_side, u);
   }
   return {};
 }
 
 /// Directional albedo of the lobe at `cos_theta`, for sampling probabilities. Exact for reflection; an estimate for
 /// transmission, anisotropic microfacets and films.
-RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
+RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const Interface& interface, const EnergyTables& tables,
+                                 float cos_theta) {
   const EnergyTable& table = tables.of(lobe.model);
   switch (lobe.kind) {
     case LobeKind::lambert: return lobe.color * lobe.weight;
     case LobeKind::covered_lambert:
     case LobeKind::diffuse_transmission:
-      return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
+      return lobe.color * covered_lambert::transmitted(lobe, interface, table, cos_theta) * lobe.weight;
     case LobeKind::sheen: return lobe.color * (sheen::albedo(lobe, tables, cos_theta) * lobe.weight);
     case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
-    case LobeKind::specular_reflection: return fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta) * lobe.weight;
+    case LobeKind::specular_reflection: return fresnel_schlick(lobe.color, Rgb(lobe.f90), cos_theta) * lobe.weight;
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric: {
-      const Rgb reflected = dielectric::reflectance(lobe, cos_theta);
+      const Rgb reflected = dielectric::reflectance(interface, cos_theta);
       return (reflected + lobe.color * (Rgb(1) - reflected)) * lobe.weight;
     }
     case LobeKind::thin_transmission:
     case LobeKind::null:
-      return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta)) * lobe.weight;
+      return lobe.color * (Rgb(1) - fresnel_schlick(interface.f0, Rgb(interface.f90), cos_theta)) * lobe.weight;
   }
   return Rgb(0);
 }
@@ -87,7 +93,7 @@ RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
 /// Transmittance of the clearcoat at `cos_theta` to its normal.
 RELUME_HD inline float coat_transmittance(const Bsdf& bsdf, float cos_theta) {
   if (!bsdf.has_coat()) return 1.0f;
-  return 1.0f - luminance(lobe_albedo(bsdf.lobes[0], *bsdf.tables, std::fabs(cos_theta)));
+  return 1.0f - luminance(lobe_albedo(bsdf.lobes[0], bsdf.interface, *bsdf.tables, std::fabs(cos_theta)));
 }
 
 /// Transmittance of the sheen.
@@ -131,15 +137,12 @@ RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const 
   return t;
 }
 
-/// Turns a lobe to the other side of the interface.
-RELUME_HD inline void flip(Lobe& lobe) { lobe.eta = 1.0f / lobe.eta; }
-RELUME_HD inline Lobe flipped(const Lobe& lobe) {
-  Lobe other = lobe;
-  flip(other);
-  return other;
-}
-
 enum class Side : uint8_t { same, other };  ///< side of the surface relative to the viewer of a BSDF
+
+/// The interface as a viewer on that side sees it.
+RELUME_HD inline Interface interface_from(const Bsdf& bsdf, Side side) {
+  return side == Side::same ? bsdf.interface : flipped(bsdf.interface);
+}
 
 namespace bsdf_detail {
 
@@ -166,16 +169,14 @@ RELUME_HD_INLINE bool set_probabilities(const Bsdf& bsdf, float cos_theta, const
 
 /// Probabilities of the lobes for a viewer at `cos_theta` on that side. Returns false if nothing is reflected.
 RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
-  const auto albedo = [&](const Lobe& lobe) {
-    return side == Side::same ? lobe_albedo(lobe, *bsdf.tables, cos_theta)
-                              : lobe_albedo(flipped(lobe), *bsdf.tables, cos_theta);
-  };
+  const Interface interface = interface_from(bsdf, side);
+  const auto albedo = [&](const Lobe& lobe) { return lobe_albedo(lobe, interface, *bsdf.tables, cos_theta); };
   return bsdf_detail::set_probabilities(bsdf, cos_theta, albedo, [&](int i) -> float& { return probabilities[i]; });
 }
 
 /// Computes the sampling probabilities of the lobes for wo. Removes all lobes of a BSDF that reflects nothing.
 RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
-  const auto albedo = [&](const Lobe& lobe) { return lobe_albedo(lobe, *bsdf.tables, cos_theta_o); };
+  const auto albedo = [&](const Lobe& lobe) { return lobe_albedo(lobe, bsdf.interface, *bsdf.tables, cos_theta_o); };
   const auto at = [&](int i) -> float& { return bsdf.lobes[i].probability; };
   if (!bsdf_detail::set_probabilities(bsdf, cos_theta_o, albedo, at)) bsdf.lobe_count = 0;
 }
@@ -186,11 +187,10 @@ namespace bsdf_detail {
 template <bool kLayered>
 RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const float probabilities[kMaxLobes], const Vec3& from,
                                    const Vec3& to, Side side) {
+  const Interface interface = interface_from(bsdf, side);
   float pdf = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Lobe lobe = side == Side::same ? bsdf.lobes[i] : flipped(bsdf.lobes[i]);
-    pdf += probabilities[i] * eval_lobe<kLayered>(bsdf, lobe, i, from, to, TransportMode::radiance).pdf_w;
-  }
+  for (int i = 0; i < bsdf.lobe_count; ++i)
+    pdf += probabilities[i] * eval_lobe<kLayered>(bsdf, interface, i, from, to, TransportMode::radiance).pdf_w;
   return pdf;
 }
 
@@ -220,7 +220,7 @@ RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, 
   const LayerTransmittance layers = layer_transmittance<kLayered>(bsdf, wo, wi);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    const LobeEval e = eval_lobe<kLayered>(bsdf, lobe, i, wo, wi, mode);
+    const LobeEval e = eval_lobe<kLayered>(bsdf, bsdf.interface, i, wo, wi, mode);
     result.f += e.f * (lobe.weight * layers.to(bsdf, i));
     result.pdf_forward += lobe.probability * e.pdf_w;
   }
@@ -257,7 +257,7 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     if (!is_specular(lobe.kind)) continue;
-    const LobeEval e = eval_lobe<kLayered>(bsdf, lobe, i, wo, wi, TransportMode::radiance);
+    const LobeEval e = eval_lobe<kLayered>(bsdf, bsdf.interface, i, wo, wi, TransportMode::radiance);
     f += e.f * (lobe.weight * layers.to(bsdf, i));
   }
   return f;
@@ -274,8 +274,7 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 /// Factor 1/η² in the BSDF for directions on the viewer's other side, shared by all lobes.
 RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    if (!is_rough_transmission(bsdf.lobes[i].kind)) continue;
-    return transport_scale(bsdf.lobes[i].eta, TransportMode::radiance);
+    if (is_rough_transmission(bsdf.lobes[i].kind)) return transport_scale(bsdf.interface.eta, TransportMode::radiance);
   }
   return 1.0f;
 }
@@ -295,7 +294,7 @@ RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, flo
   const LobeSample s = sample_lobe<kLayered>(bsdf, i, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
-  if (transmits(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = transport_scale(lobe.eta, mode);
+  if (transmits(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = transport_scale(bsdf.interface.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {
@@ -337,7 +336,7 @@ RELUME_HD inline Rgb albedo(const Bsdf& bsdf, float cos_theta_o) {
   const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta_o);
   Rgb sum(0);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * layers.to(bsdf, i);
+    sum += lobe_albedo(bsdf.lobes[i], bsdf.interface, *bsdf.tables, cos_theta_o) * layers.to(bsdf, i);
   }
   return sum;
 }

@@ -121,7 +121,7 @@ glm::dvec3 light_from_interface(float ior, float dispersion, float cosine, bool 
     sample.ior = index_at(ior, dispersion, nm);
     Bsdf bsdf{};
     make_bsdf(bsdf, sample, data, energy_tables(), cosine, front_face);
-    const float reflected = dielectric::reflectance(bsdf.lobes[0], cosine).g;
+    const float reflected = dielectric::reflectance(bsdf.interface, cosine).g;
     const Rgb weight = wavelength_weight(nm);
     const Rgb without = front_face ? Rgb(1) : weight;
     return (without * reflected + weight * (1.0f - reflected)) * wavelength_pdf(nm);

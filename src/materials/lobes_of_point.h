@@ -30,13 +30,14 @@ struct BsdfSample {
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
 
-/// Lobes of one surface point, prepared for wo. Those of make_bsdf() use the first 264 bytes only.
+/// Lobes of one surface point, prepared for wo. Those of make_bsdf() use the first 200 bytes only.
 struct Bsdf {
   const EnergyTables* tables;  ///< a member of the kernel's SceneView, which must outlive the BSDF
   int lobe_count;
   float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat
   bool layered;           ///< whether `sheen` and `detail` are used; set by make_layered_bsdf() only
   bool coat_has_normal;   ///< layered: the coat has the normal detail.coat_normal
+  Interface interface;    ///< of its diffuse and transmitting lobes
   Lobe lobes[kMaxLobes];  ///< lobe_count valid elements
   float sheen;            ///< largest component of the sheen colour, above all later lobes; 0: none
   InterfaceDetail detail;
@@ -50,13 +51,14 @@ struct Bsdf {
 
 /// Maximum number of lobes from make_bsdf(): coat, reflection, multiple reflection, diffuse base, transmission.
 inline constexpr int kMaxPlainLobes = 5;
-static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= 264);
+static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= 200);
 
-/// Removes all lobes.
+/// Removes all lobes and the interface.
 RELUME_HD inline void clear(Bsdf& bsdf) {
   bsdf.lobe_count = 0;
   bsdf.coat = 0;
   bsdf.layered = false;
+  bsdf.interface = {Rgb(0), 0.0f, 1.0f};
 }
 
 enum class SpecularLobes : uint8_t { none, some, all };

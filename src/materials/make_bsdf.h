@@ -13,7 +13,6 @@ RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfac
   lobe.kind = kind;
   lobe.model = microfacet.model;
   lobe.alpha = microfacet.alpha;
-  lobe.eta = 1.0f;
   lobe.weight = 1.0f;
   return lobe;
 }
@@ -25,7 +24,7 @@ inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
   const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};
   Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
-  lobe.f0 = Rgb(0.04f);
+  lobe.color = Rgb(0.04f);
   lobe.f90 = 1;
   lobe.weight = m.clearcoat;
   bsdf.coat = m.clearcoat;
@@ -33,7 +32,7 @@ RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, Microfa
 
 RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, float f90, const Microfacet& microfacet) {
   Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
-  lobe.f0 = f0;
+  lobe.color = f0;
   lobe.f90 = f90;
   return lobe;
 }
@@ -55,17 +54,19 @@ RELUME_HD inline bool bends(float ior) { return std::fabs(ior - 1.0f) > 1e-3f; }
 /// Index beyond the surface over that on the viewer's side, for a material with a volume.
 RELUME_HD inline float relative_index(float ior, bool front_face) { return front_face ? ior : 1.0f / ior; }
 
-RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
-                                        const Rgb& f0, float f90, float weight, bool front_face,
+/// The interface of a material, with F0 and F90 of its dielectric part.
+RELUME_HD inline Interface interface_of(const MaterialSample& m, const MaterialData& material, const Rgb& f0, float f90,
+                                        bool front_face) {
+  return {f0, f90, material.volume ? relative_index(m.ior, front_face) : 1.0f};
+}
+
+RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, float weight,
                                         const Microfacet& microfacet) {
   const Microfacet interface { microfacet.model, bends(m.ior) ? microfacet.alpha : 0.0f };
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
   const LobeKind passing = microfacet.smooth() ? LobeKind::null : LobeKind::thin_transmission;
   Lobe& lobe = material.volume ? add(bsdf, refracting, interface) : add(bsdf, passing, microfacet);
-  if (material.volume) lobe.eta = relative_index(m.ior, front_face);
   lobe.color = m.base_color;
-  lobe.f0 = f0;
-  lobe.f90 = f90;
   lobe.weight = weight;
   return lobe;
 }
@@ -100,6 +101,7 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
 
   const Microfacet microfacet{material.microfacet_model, sqr(m.roughness)};
   const BaseShares shares = base_shares(m, material);
+  bsdf.interface = interface_of(m, material, shares.dielectric_f0, shares.dielectric_f90, front_face);
   const Rgb f0 = shares.dielectric_f0 * shares.interface_share + m.base_color * m.metallic;
   const float f90 = shares.dielectric_f90 * shares.interface_share + m.metallic;
 
@@ -115,13 +117,8 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
   if (!is_black(diffuse_albedo)) {
     Lobe& lobe = add(bsdf, covered ? LobeKind::covered_lambert : LobeKind::lambert, microfacet);
     lobe.color = diffuse_albedo;
-    lobe.f0 = shares.dielectric_f0;
-    lobe.f90 = shares.dielectric_f90;
   }
-  if (shares.transparent > 0.0f) {
-    add_transmission(bsdf, m, material, shares.dielectric_f0, shares.dielectric_f90, shares.transparent, front_face,
-                     microfacet);
-  }
+  if (shares.transparent > 0.0f) add_transmission(bsdf, m, material, shares.transparent, microfacet);
   prepare(bsdf, cos_theta_o);
 }
 
@@ -141,8 +138,6 @@ RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const Mater
   } else if (!is_black(m.base_color)) {
     Lobe& lobe = add(bsdf, LobeKind::lambert, {material.microfacet_model, sqr(m.roughness)});
     lobe.color = m.base_color;
-    lobe.f0 = Rgb(0);
-    lobe.f90 = 0;
     lobe.probability = 1.0f;
   }
 }

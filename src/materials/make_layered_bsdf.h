@@ -14,8 +14,6 @@ RELUME_HD inline void add_sheen(Bsdf& bsdf, const LayerSample& l) {
   const float alpha = relume::max(sqr(l.sheen_roughness), kMinSheenAlpha);
   Lobe& lobe = add(bsdf, LobeKind::sheen, {MicrofacetModel::ggx, alpha});
   lobe.color = l.sheen_color;
-  lobe.f0 = Rgb(0);
-  lobe.f90 = 0;
   bsdf.sheen = max_component(l.sheen_color);
 }
 
@@ -78,14 +76,10 @@ struct LayeredBase {
     if (lobe) lobe->anisotropic = anisotropic;
   }
 
-  /// `eta`: of Lobe.
-  RELUME_HD void add_diffuse(LobeKind kind, const Rgb& color, float eta) const {
+  RELUME_HD void add_diffuse(LobeKind kind, const Rgb& color) const {
     if (is_black(color)) return;
     Lobe& lobe = add(bsdf, kind, microfacet);
-    lobe.eta = eta;
     lobe.color = color;
-    lobe.f0 = f0[0];
-    lobe.f90 = f90;
     lobe.anisotropic = anisotropic;
   }
 };
@@ -115,16 +109,15 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   add_sheen(bsdf, l);
   const LayeredBase base(bsdf, m, l, material);
   const BaseShares& shares = base.shares;
+  bsdf.interface = interface_of(m, material, base.f0[0], base.f90, front_face);
   base.add_reflection(FilmBase::dielectric, base.f0[0], base.f90, shares.interface_share);
   base.add_reflection(FilmBase::metal, base.f0[1], 1, m.metallic);
   base.add_multiple_reflection(tables);
-  base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)), 1.0f);
+  base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)));
   base.add_diffuse(LobeKind::diffuse_transmission,
-                   l.diffuse_transmission_color * (shares.diffuse * l.diffuse_transmission),
-                   material.volume ? relative_index(m.ior, front_face) : 1.0f);
+                   l.diffuse_transmission_color * (shares.diffuse * l.diffuse_transmission));
   if (shares.transparent > 0.0f) {
-    Lobe& lobe = add_transmission(bsdf, m, material, base.f0[0], base.f90, shares.transparent, front_face,
-                                  {material.microfacet_model, sqr(m.roughness)});
+    Lobe& lobe = add_transmission(bsdf, m, material, shares.transparent, {material.microfacet_model, sqr(m.roughness)});
     if (base.film) lobe.film = FilmBase::dielectric;
   }
   prepare(bsdf, cos_theta_o);

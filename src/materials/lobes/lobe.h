@@ -76,7 +76,7 @@ inline constexpr float kNarrowAlpha = 0.01f;
 enum class TransportMode : uint8_t { radiance, importance };
 
 /// Factor of refraction: radiance is compressed into a smaller solid angle in a denser medium, importance is not.
-/// `eta`: of Lobe.
+/// `eta`: of Interface.
 RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
   return mode == TransportMode::radiance ? 1.0f / (eta * eta) : 1.0f;
 }
@@ -88,16 +88,30 @@ struct Lobe {
   bool anisotropic;  ///< of layered BSDFs: uses InterfaceDetail; `alpha` is the geometric mean of both widths
   MicrofacetModel model;
   float alpha;        ///< of Microfacet
-  float eta;          ///< of transmitting lobes: index beyond over index on wo's side
-  Rgb color;          ///< diffuse albedo; tint of transmission; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0;             ///< reflectance at normal incidence, of the interface for bases; below a film: film_f0_bound()
-  float f90;          ///< reflectance at grazing angles
+  Rgb color;          ///< diffuse albedo; tint of transmission; multiple_reflection: F_ms of [Kulla17]; reflection and
+                      ///< specular_reflection: reflectance at normal incidence, below a film film_f0_bound()
+  float f90;          ///< of reflection and specular_reflection: reflectance at grazing angles
   float weight;       ///< share of this lobe in the mixture
   float probability;  ///< probability of sampling this lobe
 
   RELUME_HD Microfacet microfacet() const { return {model, alpha}; }
 };
-static_assert(sizeof(Lobe) == 48);
+static_assert(sizeof(Lobe) == 32);
+
+/// The dielectric interface of a surface. Its diffuse lobes lie below it, and its transmitting lobes pass through it.
+/// They share one record, because a device's thread stores every lobe in memory.
+struct Interface {
+  Rgb f0;     ///< reflectance at normal incidence; below a film: film_f0_bound()
+  float f90;  ///< reflectance at grazing angles
+  float eta;  ///< index beyond over index on wo's side; 1 if it does not refract
+};
+
+/// The interface from its other side.
+RELUME_HD inline void flip(Interface& interface) { interface.eta = 1.0f / interface.eta; }
+RELUME_HD inline Interface flipped(Interface interface) {
+  flip(interface);
+  return interface;
+}
 
 /// Whether the lobe shows an image: a delta lobe, or narrower than kNarrowAlpha.
 RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
@@ -111,12 +125,20 @@ struct InterfaceDetail {
   Vec3 coat_normal;  ///< unit, local: of a clearcoat with separate normals
 };
 
-/// Fresnel's term of lobes that reflect off the outside. `kLayered`, here and in the functions of lobes, marks layered
+/// Fresnel's term of reflection and specular_reflection. `kLayered`, here and in the functions of lobes, marks layered
 /// BSDFs. Only these test for iridescent and anisotropic lobes.
 template <bool kLayered>
 RELUME_HD inline Rgb fresnel(const Lobe& lobe, const InterfaceDetail& detail, float cos_theta) {
   if (kLayered && lobe.film != FilmBase::none) return film_reflectance(detail.film, lobe.film, cos_theta);
-  return fresnel_schlick(lobe.f0, Rgb(lobe.f90), cos_theta);
+  return fresnel_schlick(lobe.color, Rgb(lobe.f90), cos_theta);
+}
+
+/// Fresnel's term of a lobe that passes through a thin interface.
+template <bool kLayered>
+RELUME_HD inline Rgb fresnel(const Lobe& lobe, const Interface& interface, const InterfaceDetail& detail,
+                             float cos_theta) {
+  if (kLayered && lobe.film != FilmBase::none) return film_reflectance(detail.film, lobe.film, cos_theta);
+  return fresnel_schlick(interface.f0, Rgb(interface.f90), cos_theta);
 }
 
 /// Value and density of a lobe for one pair of directions.

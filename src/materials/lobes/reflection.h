@@ -36,7 +36,7 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& deta
 /// Albedo under Schlick's Fresnel.
 RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
   const EnergyShares e = table.directional_shares(cos_theta, std::sqrt(lobe.alpha));
-  return lobe.f0 * (e.total - e.grazing) + lobe.f90 * e.grazing;
+  return lobe.color * (e.total - e.grazing) + lobe.f90 * e.grazing;
 }
 
 }  // namespace relume::reflection

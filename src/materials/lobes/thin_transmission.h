@@ -7,13 +7,14 @@
 namespace relume::thin_transmission {
 
 template <bool kLayered>
-RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, const Vec3& wi) {
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const Interface& interface, const InterfaceDetail& detail,
+                               const Vec3& wo, const Vec3& wi) {
   if (wi.z >= 0.0f) return {};
   const Vec3 wi_up(wi.x, wi.y, -wi.z);
   const Vec3 m = glm::normalize(wo + wi_up);
   const float cos_om = glm::dot(wo, m);
   const Microfacet mf = lobe.microfacet();
-  const Rgb transmitted = lobe.color * (Rgb(1) - fresnel<kLayered>(lobe, detail, cos_om));
+  const Rgb transmitted = lobe.color * (Rgb(1) - fresnel<kLayered>(lobe, interface, detail, cos_om));
   const float f = mf.d(m) * mf.g2(wo, wi_up) / (4.0f * wo.z * wi_up.z);
   return {transmitted * f, mf.pdf(wo, m) / (4.0f * cos_om)};
 }
@@ -29,8 +30,9 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, const Vec2&
 namespace relume::null_transmission {
 
 template <bool kLayered>
-RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo) {
-  return {-wo, lobe.color * (Rgb(1) - fresnel<kLayered>(lobe, detail, wo.z)), true};
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const Interface& interface, const InterfaceDetail& detail,
+                                   const Vec3& wo) {
+  return {-wo, lobe.color * (Rgb(1) - fresnel<kLayered>(lobe, interface, detail, wo.z)), true};
 }
 
 }  // namespace relume::null_transmission

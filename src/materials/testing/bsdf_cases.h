@@ -20,17 +20,15 @@ struct BsdfCase {
 
 inline std::string to_string(MicrofacetModel model) { return model == MicrofacetModel::ggx ? "ggx" : "beckmann"; }
 
-inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
+inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, const Interface& interface) {
   Lobe lobe{};
   lobe.kind = kind;
   lobe.film = FilmBase::none;
   lobe.anisotropic = false;
   lobe.model = microfacet.model;
   lobe.alpha = microfacet.alpha;
-  lobe.eta = eta;
-  lobe.color = Rgb(0.9f, 0.6f, 0.3f);
-  lobe.f0 = Rgb(0.04f, 0.5f, 0.9f);
-  lobe.f90 = 1;
+  lobe.color = kind == LobeKind::reflection ? interface.f0 : Rgb(0.9f, 0.6f, 0.3f);
+  lobe.f90 = interface.f90;
   lobe.weight = 1;
   return lobe;
 }
@@ -44,7 +42,8 @@ inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughn
             Bsdf bsdf{};
             bsdf.tables = &layered_energy_tables();
             bsdf.layered = true;
-            bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, front_face ? eta : 1.0f / eta);
+            bsdf.interface = {Rgb(0.04f, 0.5f, 0.9f), 1.0f, front_face ? eta : 1.0f / eta};
+            bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, bsdf.interface);
             prepare(bsdf, cos_theta_o);
             return bsdf;
           }};

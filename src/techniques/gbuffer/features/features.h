@@ -39,14 +39,15 @@ RELUME_HD inline Vec3 main_direction(const Bsdf& bsdf, int i, const Vec3& wo, Rg
   }
   if (!transmits(lobe.kind)) return mirrored;
   if (!refracts(lobe.kind)) return -wo;
-  const Rgb reflected =
-      bsdf.layered ? dielectric::reflectance<true>(lobe, bsdf.detail, wo.z) : dielectric::reflectance(lobe, wo.z);
+  const Interface& interface = bsdf.interface;
+  const Rgb reflected = bsdf.layered ? dielectric::reflectance<true>(lobe, interface, bsdf.detail, wo.z)
+                                     : dielectric::reflectance(interface, wo.z);
   const Rgb through = lobe.color * (Rgb(1) - reflected);
   const Rgb total = reflected + through;
   Vec3 wi;
-  if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
+  if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), interface.eta, &wi)) {
     for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
-    *eta_scale = transport_scale(lobe.eta, TransportMode::radiance);
+    *eta_scale = transport_scale(interface.eta, TransportMode::radiance);
     return wi;
   }
   for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
@@ -74,7 +75,7 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   int chosen = -1;
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
-    const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
+    const Rgb albedo = lobe_albedo(lobe, sp.bsdf.interface, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
     total += albedo;
     if (!is_narrow(lobe)) continue;
     narrow += luminance(albedo);

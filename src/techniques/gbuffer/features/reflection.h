@@ -37,7 +37,7 @@ RELUME_HD inline int main_lobe(const SurfacePoint& sp, Rgb* albedo) {
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
     if (!is_specular(lobe.kind)) continue;
-    const Rgb returned = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
+    const Rgb returned = lobe_albedo(lobe, sp.bsdf.interface, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
     *albedo += returned;
     if (luminance(returned) <= most) continue;
     most = luminance(returned);

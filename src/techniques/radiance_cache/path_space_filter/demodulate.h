@@ -34,9 +34,9 @@ struct Demodulation {
 /// Colour of a diffuse lobe, raised so that radiance can be divided by it.
 RELUME_HD inline Rgb raised_color(const Rgb& color) { return glm::max(color, Rgb(kSmallestDiffuseColor)); }
 
-RELUME_HD inline Rgb raised_albedo(Lobe lobe, const EnergyTables& tables, float cos_theta_o) {
+RELUME_HD inline Rgb raised_albedo(Lobe lobe, const Bsdf& bsdf, float cos_theta_o) {
   lobe.color = raised_color(lobe.color);
-  return lobe_albedo(lobe, tables, cos_theta_o);
+  return lobe_albedo(lobe, bsdf.interface, *bsdf.tables, cos_theta_o);
 }
 
 /// Albedos of `bsdf`. Lobes with α below `narrow_alpha` are narrow: a filter would blur their reflections. If they
@@ -54,7 +54,7 @@ RELUME_HD inline Demodulation demodulation_of(const Bsdf& bsdf, float cos_theta_
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     const float share = layers.to(bsdf, i);
-    const Rgb albedo = lobe_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
+    const Rgb albedo = lobe_albedo(lobe, bsdf.interface, *bsdf.tables, cos_theta_o) * share;
     const bool microfacets = is_glossy(lobe.kind);
     const bool delta = is_delta(lobe.kind);
     total += luminance(albedo);
@@ -65,7 +65,7 @@ RELUME_HD inline Demodulation demodulation_of(const Bsdf& bsdf, float cos_theta_
     if (microfacets) d.specular += albedo;
     rough += luminance(albedo) * (microfacets ? std::sqrt(relume::min(lobe.alpha, 1.0f)) : 1.0f);
     d.glossy = d.glossy || (microfacets && lobe.alpha < kGlossyAlpha);
-    d.raised += microfacets ? albedo : raised_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
+    d.raised += microfacets ? albedo : raised_albedo(lobe, bsdf, cos_theta_o) * share;
   }
   if (const float filtered = luminance(d.albedo); filtered > 0.0f) d.roughness = rough / filtered;
   d.filtered = max_component(d.albedo) > 0.0f && narrow * 2.0f <= total;

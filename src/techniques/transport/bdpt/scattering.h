@@ -46,7 +46,7 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
     const Lobe& lobe = sp.bsdf.lobes[i];
     if (!is_delta(lobe.kind) || !transmits(lobe.kind)) continue;
     // Refraction scales solid angles by η² cos θ from one side to the other ([Veach97], §5.2).
-    const float jacobian = sp.wo_local.z / (sqr(lobe.eta) * -local.z);
+    const float jacobian = sp.wo_local.z / (sqr(sp.bsdf.interface.eta) * -local.z);
     return probabilities[i] / lobe.probability * jacobian;
   }
   return 0.0f;
@@ -75,7 +75,7 @@ RELUME_HD inline void view_from(SurfacePoint& sp, const Vec3& wo) {
     sp.ng = -sp.ng;
     sp.ns = -sp.ns;
     sp.front_face = !sp.front_face;
-    for (int i = 0; i < sp.bsdf.lobe_count; ++i) flip(sp.bsdf.lobes[i]);
+    flip(sp.bsdf.interface);
   }
   const Frame before = sp.frame;
   sp.frame = make_frame(surface_detail::visible_shading_normal(sp.ns, sp.ng, wo));
