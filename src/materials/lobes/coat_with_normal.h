@@ -1,4 +1,5 @@
-// A clearcoat with a normal other than that of its base (KHR_materials_clearcoat).
+// A clearcoat with a normal other than that of its base (KHR_materials_clearcoat). A coat has isotropic microfacets and
+// no film, so it uses the functions of lobes without layers: they have no calls that take memory of a device's thread.
 #pragma once
 
 #include "core/frame.h"
@@ -19,7 +20,7 @@ RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const InterfaceDetail&
   const Vec3 o = frame.to_local(wo);
   const Vec3 i = frame.to_local(wi);
   if (o.z <= 0.0f || i.z <= 0.0f) return {};
-  LobeEval e = reflection::eval<true>(lobe, detail, o, i);
+  LobeEval e = reflection::eval<false>(lobe, detail, o, i);
   e.f *= cosine_ratio(o.z, wo.z) * cosine_ratio(i.z, wi.z);
   return e;
 }
@@ -30,7 +31,7 @@ RELUME_HD_NOINLINE inline LobeSample sample(const Lobe& lobe, const InterfaceDet
   const Vec3 o = frame.to_local(wo);
   if (o.z <= 0.0f) return {};
   if (lobe.kind != LobeKind::specular_reflection) {
-    LobeSample s = reflection::sample<true>(lobe, detail, o, u);
+    LobeSample s = reflection::sample<false>(lobe, detail, o, u);
     s.wi = frame.to_world(s.wi);
     s.valid = s.valid && s.wi.z > 0.0f;
     return s;
@@ -39,7 +40,7 @@ RELUME_HD_NOINLINE inline LobeSample sample(const Lobe& lobe, const InterfaceDet
   if (wi.z <= 0.0f) return {};
   // f cos θ, with the cosine of the surface instead of the coat.
   const float share = cosine_ratio(o.z, wo.z) * wi.z / relume::max(o.z, wi.z);
-  return {wi, fresnel<true>(lobe, detail, o.z) * share, true};
+  return {wi, fresnel<false>(lobe, detail, o.z) * share, true};
 }
 
 }  // namespace relume::coat_with_normal
