@@ -1,5 +1,5 @@
 // [Lin22]: the error of ReSTIR PT by the shift of its paths, where glossy and diffuse surfaces mix: hybrid shifts
-// against reconnection and random replay.
+// against reconnection and random replay. [Lin26]: reciprocal pairs and the duplication map.
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,11 +19,13 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Lin22]";
+constexpr const char* kEnhanced = "[Lin26]";
 constexpr const char* kOurs = "[relume]";
 constexpr const char* kPath = "path";
 constexpr const char* kHybrid = "hybrid";
 constexpr const char* kReconnection = "reconnection";
 constexpr const char* kReplay = "replay";
+constexpr const char* kPairs = "hybrid, reciprocal";
 
 struct Variation {
   const char* name;
@@ -36,6 +38,8 @@ constexpr Variation kContenders[] = {
     {kReplay, R"({"reuse": "restir-pt", "restir-pt.shift": "replay"})"},
     {kHybrid, R"({"reuse": "restir-pt", "restir-pt.shift": "hybrid"})"},
     {"hybrid, 2022", R"({"reuse": "restir-pt", "restir-pt.shift": "hybrid", "restir-pt.connect": "distance-2022"})"},
+    {kPairs, R"({"reuse": "restir-pt", "restir-pt.reciprocal": true})"},
+    {"hybrid, duplication", R"({"reuse": "restir-pt", "restir-pt.duplication": 0.8})"},
     {"hybrid, constant", R"({"reuse": "restir-pt", "restir-pt.correction": "constant"})"},
     {"restir-gi", R"({"reuse": "restir-gi"})"},
 };
@@ -126,17 +130,17 @@ Claim claim_less(const std::vector<SceneResult>& all, const char* id, const char
   return judged_ratios(id, paper, text, measured, ratios, 1);
 }
 
-/// The same for MSE times frame time.
-Claim claim_less_at_equal_time(const std::vector<SceneResult>& all, const char* id, const std::string& text,
-                               const char* other) {
+/// Claims that one contender has less MSE times frame time than another, in each scene.
+Claim claim_less_at_equal_time(const std::vector<SceneResult>& all, const char* id, const char* paper,
+                               const std::string& text, const char* less, const char* other) {
   std::vector<Ratio> ratios;
   std::string measured;
   for (const SceneResult& scene : all) {
-    ratios.push_back(equal_time_ratio(scene.of(other), scene.of(kHybrid)));
+    ratios.push_back(equal_time_ratio(scene.of(other), scene.of(less)));
     measured += fmt::format("{}{} {} with {:.1f} rays per pixel against {:.1f}", measured.empty() ? "" : "; ",
-                            scene.name, to_text(ratios.back()), scene.of(kHybrid).rays, scene.of(other).rays);
+                            scene.name, to_text(ratios.back()), scene.of(less).rays, scene.of(other).rays);
   }
-  return judged_ratios(id, kOurs, text, measured, ratios, 1);
+  return judged_ratios(id, paper, text, measured, ratios, 1);
 }
 
 ExperimentResult run_restir_pt_shifts(const ExperimentContext& context) {
@@ -147,10 +151,13 @@ ExperimentResult run_restir_pt_shifts(const ExperimentContext& context) {
                                      "Frames with hybrid shifts have less MSE than with reconnection.", kReconnection));
   result.claims.push_back(
       claim_less(all, "replay", kPaper, "Frames with hybrid shifts have less MSE than with random replay.", kReplay));
-  result.claims.push_back(
-      claim_less_at_equal_time(all, "path-time", "Hybrid shifts have less MSE times time than path tracing.", kPath));
   result.claims.push_back(claim_less_at_equal_time(
-      all, "restir-gi-time", "Hybrid shifts have less MSE times time than restir-gi.", "restir-gi"));
+      all, "path-time", kOurs, "Hybrid shifts have less MSE times time than path tracing.", kHybrid, kPath));
+  result.claims.push_back(claim_less_at_equal_time(
+      all, "restir-gi-time", kOurs, "Hybrid shifts have less MSE times time than restir-gi.", kHybrid, "restir-gi"));
+  result.claims.push_back(claim_less_at_equal_time(
+      all, "reciprocal-time", kEnhanced,
+      "Reciprocal pairs of neighbours have less MSE times time than neighbours of each pixel's own.", kPairs, kHybrid));
   std::vector<ImageSet> images;
   for (SceneResult& scene : all) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(

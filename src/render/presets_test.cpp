@@ -89,10 +89,13 @@ TEST(ReusePresets, ShiftPathsByTheRulesOfTheirPapers) {
   EXPECT_EQ(first.restir_pt.connect, ConnectRuleKind::distance_2022);
   EXPECT_EQ(first.path.max_bounces, 9);
   EXPECT_FALSE(first.path.russian_roulette);
+  EXPECT_FALSE(first.restir_pt.reciprocal);
   const RenderSettings enhanced = resolve({.preset = "restir-pt-2026"}).render;
   EXPECT_EQ(enhanced.restir_pt.connect, ConnectRuleKind::footprint);
   EXPECT_EQ(enhanced.restir_pt.radius, 16);
   EXPECT_EQ(enhanced.restir_pt.correction, PathCorrection::exact);
+  EXPECT_TRUE(enhanced.restir_pt.reciprocal);
+  EXPECT_EQ(enhanced.restir_pt.duplication, 0) << "would bias the image";
 }
 
 TEST(AsvgfPresets, HaveTheParametersOfTheirPrograms) {

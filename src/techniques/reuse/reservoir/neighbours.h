@@ -58,7 +58,7 @@ struct NeighbourSearch {
     }
   }
 
- private:
+  /// Whether pixel `other` can be a neighbour of `pixel` by its surface.
   RELUME_HD bool similar(uint32_t pixel, uint32_t other) const {
     return glm::dot(normal[pixel], normal[other]) >= kReuseNormalCosine &&
            std::fabs(depth[other] - depth[pixel]) <= kReuseDepthDifference * depth[pixel];

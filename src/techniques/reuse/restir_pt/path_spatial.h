@@ -2,33 +2,38 @@
 // of [Lin22], and adds the light of the result.
 #pragma once
 
-#include "techniques/reuse/reservoir/neighbours.h"
 #include "techniques/reuse/restir_pt/path_candidates.h"
-#include "techniques/reuse/restir_pt/path_shift.h"
+#include "techniques/reuse/restir_pt/path_pairs.h"
 
 namespace relume {
 
+/// Neighbours, and the number of the pair by which each was found.
+struct PathNeighbours : ReuseNeighbours {
+  uint32_t pair[kMostReuseNeighbours] = {};
+};
+
 struct PathSpatialKernel {
   PathShifter shifter;
-  NeighbourSearch search;
+  PairSearch pairs;                                     ///< of neighbours; only its search unless `reciprocal`
+  View<const PairedPath> paired[kMostReuseNeighbours];  ///< results of PathPairKernel; empty: shifts are repeated here
   View<const PathReservoir> reservoirs;  ///< before this kernel
   View<const ReceiverRecord> records;
   View<PathReservoir> history;  ///< for the next frame
   PathImage image;
   PathCorrection correction = PathCorrection::exact;
+  bool reciprocal = false;  ///< whether neighbours come in pairs
   bool feeds_back = true;  ///< whether the history is the result of this kernel
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * search.width + x;
+    const uint32_t pixel = y * shifter.width + x;
     const PathReservoir own = reservoirs[pixel];
     if (!(own.confidence > 0.0f)) {
       history[pixel] = own;
       return;
     }
     ChoiceNumbers numbers(shifter.index.seed, shifter.index.frame, pixel, kChoosesPathNeighbours);
-    ReuseNeighbours near;
-    const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
-    search.find(x, y, has_reservoir, numbers, near);
+    PathNeighbours near;
+    find(x, y, numbers, near);
     const bool weighs_all = correction == PathCorrection::basic || correction == PathCorrection::constant;
     PathReservoir result =
         weighs_all ? combine_all(pixel, own, near, numbers) : combine_pairs(pixel, own, near, numbers);
@@ -38,6 +43,20 @@ struct PathSpatialKernel {
   }
 
  private:
+  RELUME_HD void find(uint32_t x, uint32_t y, ChoiceNumbers& numbers, PathNeighbours& near) const {
+    const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
+    if (!reciprocal) return pairs.search.find(x, y, has_reservoir, numbers, near);
+    for (uint32_t i = 0; i < pairs.search.count; ++i) {
+      const uint32_t other = pairs.find(x, y, i, has_reservoir);
+      if (other == kNoSurface) continue;
+      near.pair[near.count] = i;
+      near.pixels[near.count++] = other;
+    }
+  }
+
+  /// Whether both shifts of a pair are known.
+  RELUME_HD bool knows_shifts() const { return reciprocal && !paired[0].empty(); }
+
   /// Shifts a path to the primary hit of a pixel, for the reservoir of `pixel`.
   RELUME_HD Shifted shift(uint32_t pixel, uint32_t to, const StoredPath& path, bool traced) const {
     const SceneView& scene = shifter.context.scene;
@@ -45,33 +64,47 @@ struct PathSpatialKernel {
     return shifter.shift(path, scene.camera, scene.instances[record.hit.instance], record, traced, image.rays[pixel]);
   }
 
-  /// The reservoir of pixel `other`, whose path has the value that it has at `pixel`.
-  RELUME_HD PathReservoir moved(uint32_t pixel, uint32_t other) const {
-    PathReservoir neighbour = reservoirs[other];
-    if (neighbour.weight > 0.0f) move_to(shift(pixel, pixel, neighbour.sample, true), neighbour.sample);
+  /// The reservoir of neighbour `i`, whose path has the value that it has at `pixel`.
+  RELUME_HD PathReservoir moved(uint32_t pixel, const PathNeighbours& near, uint32_t i) const {
+    PathReservoir neighbour = reservoirs[near.pixels[i]];
+    if (!(neighbour.weight > 0.0f)) return neighbour;
+    if (!knows_shifts()) {
+      move_to(shift(pixel, pixel, neighbour.sample, true), neighbour.sample);
+      return neighbour;
+    }
+    const PairedPath& path = paired[near.pair[i]][pixel];
+    neighbour.sample.value = path.value;
+    neighbour.sample.first = path.first;
     return neighbour;
   }
 
-  RELUME_HD PathReservoir combine_pairs(uint32_t pixel, const PathReservoir& own, const ReuseNeighbours& near,
+  /// p̂ of the path of `pixel` at neighbour `i`.
+  RELUME_HD float target_there(uint32_t pixel, const PathNeighbours& near, uint32_t i, const StoredPath& path) const {
+    const uint32_t other = near.pixels[i];
+    if (knows_shifts()) return luminance(paired[near.pair[i]][other].value);
+    return shift(pixel, other, path, true).target();
+  }
+
+  RELUME_HD PathReservoir combine_pairs(uint32_t pixel, const PathReservoir& own, const PathNeighbours& near,
                                         ChoiceNumbers& numbers) const {
     PairwiseCombination<StoredPath> combination(own, near.count);
     for (uint32_t i = 0; i < near.count; ++i) {
-      const PathReservoir neighbour = moved(pixel, near.pixels[i]);
+      const PathReservoir neighbour = moved(pixel, near, i);
       const float here = neighbour.weight > 0.0f ? luminance(neighbour.sample.value) : 0.0f;
-      const float there = own.weight > 0.0f ? shift(pixel, near.pixels[i], own.sample, true).target() : 0.0f;
+      const float there = own.weight > 0.0f ? target_there(pixel, near, i, own.sample) : 0.0f;
       combination.add(neighbour, here, there, numbers.next());
     }
     return combination.finish(numbers.next());
   }
 
   /// The modes "basic" and "constant".
-  RELUME_HD PathReservoir combine_all(uint32_t pixel, const PathReservoir& own, const ReuseNeighbours& near,
+  RELUME_HD PathReservoir combine_all(uint32_t pixel, const PathReservoir& own, const PathNeighbours& near,
                                       ChoiceNumbers& numbers) const {
     BasicCombination<StoredPath> combination;
     combination.add(own, 0, own.target, 0.0f);
     float confidence = own.confidence;
     for (uint32_t i = 0; i < near.count; ++i) {
-      const PathReservoir neighbour = moved(pixel, near.pixels[i]);
+      const PathReservoir neighbour = moved(pixel, near, i);
       combination.add(neighbour, i + 1, luminance(neighbour.sample.value), numbers.next());
       confidence += neighbour.confidence;
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/history_source.h"
+#include "techniques/reuse/restir_pt/path_duplicates.h"
 #include "techniques/reuse/restir_pt/path_shift.h"
 
 namespace relume {
@@ -20,11 +21,12 @@ struct PathTemporalKernel {
   BackwardReprojection reprojection;
   View<const PathReservoir> history;           ///< of the previous frame
   View<const ReceiverRecord> history_records;  ///< primary hits of the previous frame
+  View<const uint32_t> duplicates;             ///< by PathDuplicatesKernel; empty: none
   View<const ReceiverRecord> records;
   View<PathReservoir> reservoirs;
   View<uint32_t> rays;
   PathCorrection correction = PathCorrection::exact;
-  float cap = 0;
+  DuplicateCap cap;
   bool moved = false;  ///< whether instances were placed differently in the previous frame
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -35,10 +37,11 @@ struct PathTemporalKernel {
     ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPathHistory);
     const float u_source = numbers.next();
     const float u = numbers.next();
-    const uint32_t source = cap > 0.0f ? history_source(reprojection, x, y, u_source) : kNoSurface;
+    const uint32_t source = history_source(reprojection, x, y, u_source);
     if (source == kNoSurface) return;
     PathReservoir before = history[source];
-    before.confidence = relume::min(before.confidence, cap * own.confidence);
+    const float limit = cap.at(duplicates.empty() ? 0 : duplicates[source]);
+    before.confidence = relume::min(before.confidence, limit * own.confidence);
     if (!(before.confidence > 0.0f) || !is_finite(before.weight)) return;
     const SceneView& scene = shifter.context.scene;
     const ReceiverRecord& old = history_records[source];

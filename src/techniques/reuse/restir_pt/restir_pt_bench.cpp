@@ -8,13 +8,14 @@ namespace {
 
 /// Frames of one sample per pixel on one thread.
 void bm_restir_pt(benchmark::State& state, const char* scene, ReuseChoice reuse, PathShiftKind shift,
-                  PathCorrection correction) {
+                  PathCorrection correction, bool reciprocal = false) {
   RenderSettings settings;
   settings.width = settings.height = 128;
   settings.threads = 1;
   settings.reuse = reuse;
   settings.restir_pt.shift = shift;
   settings.restir_pt.correction = correction;
+  settings.restir_pt.reciprocal = reciprocal;
   Session session(find_builtin_scene(scene)->build(), settings);
   for (auto _ : state) session.render_frame();
   const Statistics& s = session.statistics();
@@ -26,6 +27,9 @@ BENCHMARK_CAPTURE(bm_restir_pt, cornell_path, "cornell", ReuseChoice::none, Path
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(bm_restir_pt, cornell_hybrid, "cornell", ReuseChoice::restir_pt, PathShiftKind::hybrid,
                   PathCorrection::exact)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bm_restir_pt, cornell_reciprocal, "cornell", ReuseChoice::restir_pt, PathShiftKind::hybrid,
+                  PathCorrection::exact, true)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(bm_restir_pt, cornell_reconnection, "cornell", ReuseChoice::restir_pt, PathShiftKind::reconnection,
                   PathCorrection::exact)

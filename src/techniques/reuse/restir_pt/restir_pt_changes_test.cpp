@@ -81,5 +81,18 @@ TEST(RestirPtConstant, LosesLightBetweenPosts) {
   EXPECT_GT(constant.mean, 0.2 * truth.mean);
 }
 
+/// The confidence of a history then depends on its path: a small bias. The histories of the test's first frames have
+/// many duplicates.
+TEST(RestirPtDuplication, KeepsTheMeanWithinThreePercent) {
+  const Measured truth = testing::after_moves(testing::posts(), paths(), 8, 6, 64)[0];
+  RenderSettings settings = settings_of(PathCorrection::exact);
+  const Measured plain = between_posts(settings);
+  settings.restir_pt.duplication = 0.8f;
+  const Measured capped = between_posts(settings);
+  EXPECT_NE(capped.mean, plain.mean);
+  EXPECT_LT(error_of(capped, truth), 0.02 * truth.mean);
+  EXPECT_NEAR(capped.mean, truth.mean, 0.03 * truth.mean + 4.5 * error_of(capped, truth));
+}
+
 }  // namespace
 }  // namespace relume

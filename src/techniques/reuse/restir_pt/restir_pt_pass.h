@@ -7,6 +7,7 @@
 
 namespace relume {
 
+struct PairSearch;
 struct PathShifter;
 
 /// Adds the light of all paths that scatter by a lobe with a density, to that of paths without such
@@ -25,9 +26,13 @@ class RestirPtPass final : public Pass {
 
  private:
   PathShifter shifter(const FrameContext& frame) const;
+  PairSearch pairs(const FrameContext& frame) const;
+  bool finds_duplicates() const { return settings_.cap > 0 && settings_.duplication > 0; }
   // These return false if a stop was requested first.
   bool trace_candidates(const FrameContext& frame) const;
+  bool count_duplicates(const FrameContext& frame) const;
   bool reuse_history(const FrameContext& frame) const;
+  bool shift_pairs(const FrameContext& frame) const;
   bool reuse_neighbours(const FrameContext& frame) const;
 
   RestirPtSettings settings_;

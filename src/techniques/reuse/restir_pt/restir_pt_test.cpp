@@ -64,7 +64,7 @@ std::string mode_name(const ::testing::TestParamInfo<RestirPtSettings>& info) {
   return std::string(shifts[static_cast<size_t>(s.shift)]) + "_cap_" + std::to_string(s.cap) + "_neighbours_" +
          std::to_string(s.neighbours) + (s.feedback == ReuseFeedback::spatial ? "_spatial" : "_temporal") +
          (s.correction == PathCorrection::exact ? "" : "_lagging") +
-         (s.connect == ConnectRuleKind::footprint ? "" : "_2022");
+         (s.connect == ConnectRuleKind::footprint ? "" : "_2022") + (s.reciprocal ? "_reciprocal" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Unbiased, RestirPtMode,
@@ -75,7 +75,9 @@ INSTANTIATE_TEST_SUITE_P(Unbiased, RestirPtMode,
                                            RestirPtSettings{.correction = PathCorrection::lagging, .cap = 8},
                                            RestirPtSettings{.connect = ConnectRuleKind::distance_2022, .cap = 8},
                                            RestirPtSettings{.shift = PathShiftKind::reconnection, .cap = 8},
-                                           RestirPtSettings{.shift = PathShiftKind::replay, .cap = 8}),
+                                           RestirPtSettings{.shift = PathShiftKind::replay, .cap = 8},
+                                           RestirPtSettings{.cap = 0, .reciprocal = true},
+                                           RestirPtSettings{.cap = 8, .reciprocal = true}),
                          mode_name);
 
 struct SceneCase {
@@ -145,9 +147,10 @@ INSTANTIATE_TEST_SUITE_P(SlowShifts, SlowRestirPtCaustics,
                          scene_name);
 
 /// Expects the mean of path tracing with hybrid shifts and a short history.
-void expect_mean_of_paths(const Scene& scene) {
+void expect_mean_of_paths(const Scene& scene, bool reciprocal = false) {
   RenderSettings settings = settings_of(ReuseChoice::restir_pt);
   settings.restir_pt.cap = 8;
+  settings.restir_pt.reciprocal = reciprocal;
   expect_equal(testing::after_moves(scene, settings, 20, kMoving, kKept), reference_of(scene));
 }
 
@@ -155,6 +158,9 @@ TEST(RestirPtMirror, HasTheMeanOfPathTracing) { expect_mean_of_paths(find_builti
 
 /// Posts hide parts of the ceiling from the floor.
 TEST(RestirPtPosts, HasTheMeanOfPathTracing) { expect_mean_of_paths(testing::posts()); }
+
+/// Both pixels of a pair must refuse each other at the same edges.
+TEST(RestirPtReciprocal, HasTheMeanOfPathTracingBetweenPosts) { expect_mean_of_paths(testing::posts(), true); }
 
 /// Sheets with stochastic alpha are occluders and vertices.
 TEST(RestirPtAlpha, HasTheMeanOfPathTracing) {

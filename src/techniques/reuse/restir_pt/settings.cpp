@@ -25,6 +25,15 @@ SettingList describe(RestirPtSettings& s) {
   list.insert(
       list.end(),
       {
+          {"reciprocal",
+           &s.reciprocal,
+           "Whether neighbours come in pairs that reuse each other, with half as many shifts of paths. Pairs lie in "
+           "tiles, whose edge is the greatest power of two up to twice restir-pt.radius"},
+          {"duplication",
+           &s.duplication,
+           "Strength with which a history counts less where the pixels around it have the same path, so that blotches "
+           "fade sooner; 0: not at all. A small bias",
+           {.min = 0, .max = 1, .biases = true}},
           {"roughness",
            &s.roughness,
            "Minimum roughness of both vertices of a connectible pair, with connect distance-2022",

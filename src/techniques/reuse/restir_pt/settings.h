@@ -34,6 +34,8 @@ struct RestirPtSettings {
   int cap = 20;               ///< confidence of a history, in frames; 0: no temporal reuse
   int neighbours = 3;         ///< 0: no spatial reuse
   float radius = 20;          ///< of the neighbours, pixels
+  bool reciprocal = false;    ///< whether neighbours come in pairs that share their shifts
+  float duplication = 0;      ///< strength with which duplicates of a path shorten its history; 0: none
   float roughness = 0.2f;     ///< minimum roughness of connectible vertices (distance_2022), as in glTF
   float distance = 0.1f;      ///< minimum distance of connectible vertices (distance_2022), metres
   float footprint = 0.0002f;  ///< minimum footprint of connectible vertices, relative to the primary hit's (footprint)

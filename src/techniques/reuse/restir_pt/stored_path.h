@@ -64,6 +64,7 @@ static_assert(sizeof(PathReservoir) == 116, "README.md states the memory per pix
 inline constexpr uint32_t kChoosesPaths = 0x50540001u;
 inline constexpr uint32_t kChoosesPathHistory = 0x50540002u;
 inline constexpr uint32_t kChoosesPathNeighbours = 0x50540003u;
+inline constexpr uint32_t kChoosesPathPairs = 0x50540004u;
 
 /// Random numbers of a stored path. `index`: of any frame. Its seed is not used: it can differ from that of the path's
 /// frame, as after movements of the camera.
