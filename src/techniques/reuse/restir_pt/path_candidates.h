@@ -171,6 +171,7 @@ struct CandidateTracer {
     joint.medium = walk.path.medium;
     joint.suffix = Rgb(1);
     joint.density = before.pdf_w * walk.geometry() * s.pdf_w;
+    end_cone(walk);
   }
 
   RELUME_HD bool survives(uint32_t vertex) {
@@ -248,6 +249,7 @@ struct PathCandidateKernel {
   View<ReceiverRecord> records;
   PathImage image;
   uint32_t width = 0;
+  bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
@@ -257,6 +259,7 @@ struct PathCandidateKernel {
     Sampler sampler = index.sampler(x, y);
     records[pixel] = record_of(context.scene, x, y, sampler, hits[pixel]);
     PathWalk walk;
+    walk.has_cone = has_cones;
     const ReceiverRecord& record = records[pixel];
     const Instance& instance = context.scene.instances[record.hit.instance];
     if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk)) return;

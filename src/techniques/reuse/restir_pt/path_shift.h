@@ -38,6 +38,7 @@ struct PathShifter {
   ConnectRule rule;
   SampleIndex index;  ///< of this frame
   uint32_t width = 0;
+  bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
 
   /// Shifts `stored`, which exists(), to the primary hit of a record. `camera`: that of its frame. `instance`: of the
   /// hit, as placed in that frame. `traced`: whether to test the segment to the joint for occlusion. Adds traced rays
@@ -47,6 +48,7 @@ struct PathShifter {
     Shifted out;
     Task t{stored, sampler_of(index, width, stored), {}, out, rays, traced};
     const SceneView& scene = context.scene;
+    t.walk.has_cone = has_cones;
     if (!start_walk(scene, camera, instance, record, path_wavelength(scene, t.sampler), t.walk)) return out;
     const uint32_t last = stored.joint() > 0 ? stored.joint() : stored.length();
     while (t.walk.path.bounce + 1 < last) {
@@ -249,7 +251,9 @@ struct PathShifter {
     const float clearance = 2.0f * place.error / relume::max(s.cosine, 1e-3f);
     s.ray.t_max = relume::min(s.ray.t_max, relume::max(s.distance - clearance, 0.0f));
     s.medium = medium_along(scene, w.sp, s.wi, w.path.medium);
-    make_surface_point(scene, {w.sp.position, s.wi, kInfinity}, hit, 0.0f, w.sp, w.path.wavelength_nm);
+    widen_cone(s.from, w);
+    const Ray to_kept{w.sp.position, s.wi, kInfinity};
+    make_surface_point(scene, to_kept, hit, w.cone_at(s.distance), w.sp, w.path.wavelength_nm);
     s.value *= transmittance_to(scene, w.sp, s.distance, s.medium);
     return true;
   }

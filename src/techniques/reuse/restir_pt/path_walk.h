@@ -8,13 +8,16 @@
 namespace relume {
 
 struct PathWalk {
-  SurfacePoint sp;      ///< current vertex
-  PathState path;       ///< `indirect`: whether a vertex scattered by a lobe with a density
-  SegmentEnd from;      ///< previous vertex
-  float distance = 0;   ///< from the previous vertex, metres
-  float cosine = 0;     ///< |cos| between the last segment and the geometric normal
-  float footprint = 0;  ///< primary_footprint()
+  SurfacePoint sp;        ///< current vertex
+  PathState path;         ///< `indirect`: whether a vertex scattered by a lobe with a density
+  SegmentEnd from;        ///< previous vertex
+  float distance = 0;     ///< from the previous vertex, metres
+  float cosine = 0;       ///< |cos| between the last segment and the geometric normal
+  float footprint = 0;    ///< primary_footprint()
+  bool has_cone = false;  ///< whether a ray cone selects the levels of textures at the next vertices
 
+  /// Width of the ray cone, metres, at `at` metres from the previous vertex.
+  RELUME_HD float cone_at(float at) const { return path.cone_width + path.cone_spread * at; }
   /// Solid angle at the previous vertex per area at the current one, 1/m².
   RELUME_HD float geometry() const { return cosine / sqr(distance); }
   /// Weight of the path's wavelength, if a vertex scattered by it.
@@ -22,13 +25,14 @@ struct PathWalk {
 };
 
 /// Starts at the primary hit of a record. `camera`: that of its frame. `instance`: of the hit, as placed in that frame.
-/// Returns false if nothing scatters there.
+/// The caller sets `w.has_cone`. Returns false if nothing scatters there.
 RELUME_HD inline bool start_walk(const SceneView& scene, const CameraView& camera, const Instance& instance,
                                  const ReceiverRecord& record, float wavelength_nm, PathWalk& w) {
   w.path = {};
   w.path.ray = {record.origin, record.direction, kInfinity};
   w.path.medium = scene.camera_medium;
   w.path.wavelength_nm = wavelength_nm;
+  if (w.has_cone) w.path.cone_spread = camera.cone_spread();
   const float cone = camera.cone_width() + camera.cone_spread() * record.hit.t;
   make_surface_point(scene, instance, w.path.ray, record.hit, cone, w.sp, wavelength_nm);
   absorb(scene, w.sp, record.hit.t, w.path);
@@ -43,9 +47,25 @@ RELUME_HD inline void skip_light(const PathWalk& w, Sampler& sampler) {
   if (has_non_delta(w.sp.bsdf)) sampler.next_2d();
 }
 
+/// Begins the ray cone of the segment that leaves the current vertex. Path tracing widens cones by the roughness of the
+/// sampled lobe; here it is that of the narrowest one, because shifts choose no lobe where they connect.
+RELUME_HD inline void widen_cone(const SegmentEnd& from, PathWalk& w) {
+  if (!w.has_cone) return;
+  w.path.cone_width = w.sp.footprint;
+  w.path.cone_spread = relume::max(w.path.cone_spread, from.delta ? 0.0f : 0.25f * from.alpha);
+}
+
+/// Reads textures at full resolution from here on. The light behind joints must not depend on the path before them.
+RELUME_HD inline void end_cone(PathWalk& w) {
+  w.has_cone = false;
+  w.path.cone_width = 0;
+  w.path.cone_spread = 0;
+}
+
 /// Leaves the current vertex along a sampled direction.
 RELUME_HD inline void leave(const SceneView& scene, const BsdfSample& s, PathWalk& w) {
   w.from = segment_end(w.sp, s.wi, s.pdf_w, s.delta, w.path.bounce);
+  widen_cone(w.from, w);
   PathState& path = w.path;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
@@ -58,10 +78,10 @@ RELUME_HD inline void leave(const SceneView& scene, const BsdfSample& s, PathWal
   ++path.bounce;
 }
 
-/// Arrives at the surface that the path's ray hits, with textures at full resolution. Returns the transmittance along
-/// the segment, which is part of the throughput. dispersion() is then that of light from the surface.
+/// Arrives at the surface that the path's ray hits. Returns the transmittance along the segment, which is part of the
+/// throughput. dispersion() is then that of light from the surface.
 RELUME_HD inline Rgb arrive(const SceneView& scene, const Hit& hit, PathWalk& w) {
-  make_surface_point(scene, w.path.ray, hit, 0.0f, w.sp, w.path.wavelength_nm);
+  make_surface_point(scene, w.path.ray, hit, w.cone_at(hit.t), w.sp, w.path.wavelength_nm);
   w.distance = hit.t;
   w.cosine = std::fabs(glm::dot(w.sp.ng, w.path.ray.direction));
   const Rgb transmittance = transmittance_to(scene, w.sp, hit.t, w.path.medium);

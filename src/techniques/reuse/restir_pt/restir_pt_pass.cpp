@@ -37,6 +37,8 @@ ConnectRule rule_of(const RestirPtSettings& settings) {
           .least_footprint = settings.footprint};
 }
 
+bool has_cones(const RestirPtSettings& settings) { return settings.textures == PathTextures::cones; }
+
 PathImage image_of(const FrameContext& frame) {
   return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays)};
 }
@@ -82,7 +84,8 @@ PathShifter RestirPtPass::shifter(const FrameContext& frame) const {
   return {.context = make_path_context(source_, frame),
           .rule = rule_of(settings_),
           .index = frame.index,
-          .width = frame.width()};
+          .width = frame.width(),
+          .has_cones = has_cones(settings_)};
 }
 
 bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
@@ -95,6 +98,7 @@ bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
   kernel.records = frame.write(kPathReceivers);
   kernel.image = image_of(frame);
   kernel.width = frame.width();
+  kernel.has_cones = has_cones(settings_);
   return frame.launch_or_stop("restir-pt-trace", kernel);
 }
 

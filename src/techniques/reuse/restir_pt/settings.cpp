@@ -34,6 +34,9 @@ SettingList describe(RestirPtSettings& s) {
            "Strength with which a history counts less where the pixels around it have the same path, so that blotches "
            "fade sooner; 0: not at all. A small bias",
            {.min = 0, .max = 1, .biases = true}},
+          {"textures", choice(s.textures, {"finest", "cones"}),
+           "Levels of textures beyond primary hits. finest: full resolution; cones: by the footprint of the pixel, as "
+           "with path tracing, up to the vertex that paths keep when they move, and full resolution after it"},
           {"roughness",
            &s.roughness,
            "Minimum roughness of both vertices of a connectible pair, with connect distance-2022",

@@ -26,6 +26,12 @@ enum class PathCorrection : int {
   constant,  ///< as lagging, with weights in proportion to confidence: no inverse shifts
 };
 
+/// Levels of textures beyond the primary hit.
+enum class PathTextures : int {
+  finest,  ///< full resolution
+  cones,   ///< by ray cones, up to the vertex that shifts keep
+};
+
 struct RestirPtSettings {
   PathShiftKind shift = PathShiftKind::hybrid;
   ConnectRuleKind connect = ConnectRuleKind::footprint;
@@ -36,6 +42,7 @@ struct RestirPtSettings {
   float radius = 20;          ///< of the neighbours, pixels
   bool reciprocal = false;    ///< whether neighbours come in pairs that share their shifts
   float duplication = 0;      ///< strength with which duplicates of a path shorten its history; 0: none
+  PathTextures textures = PathTextures::finest;
   float roughness = 0.2f;     ///< minimum roughness of connectible vertices (distance_2022), as in glTF
   float distance = 0.1f;      ///< minimum distance of connectible vertices (distance_2022), metres
   float footprint = 0.0002f;  ///< minimum footprint of connectible vertices, relative to the primary hit's (footprint)

@@ -16,7 +16,8 @@ class TracedPaths {
   static constexpr uint32_t kEdge = 24;  ///< pixels
   static constexpr uint32_t kPixels = kEdge * kEdge;
 
-  TracedPaths(const Scene& source, const ConnectRule& rule, uint32_t max_bounces, uint32_t sample = 3)
+  TracedPaths(const Scene& source, const ConnectRule& rule, uint32_t max_bounces, uint32_t sample = 3,
+              bool has_cones = false)
       : scene_(source, {.camera = {}, .width = kEdge, .height = kEdge}),
         reservoirs(kPixels),
         records(kPixels),
@@ -31,6 +32,7 @@ class TracedPaths {
     shifter.rule = rule;
     shifter.index = {.seed = 7, .sample = sample};
     shifter.width = kEdge;
+    shifter.has_cones = has_cones;
     PathCandidateKernel kernel;
     kernel.context = shifter.context;
     kernel.rule = rule;
@@ -40,6 +42,7 @@ class TracedPaths {
     kernel.records = mutable_view_of(records);
     kernel.image = {mutable_view_of(radiance), {}, mutable_view_of(rays_)};
     kernel.width = kEdge;
+    kernel.has_cones = has_cones;
     const PrimaryHitsKernel primary{view, shifter.index, mutable_view_of(hits_), {}, kEdge};
     for (uint32_t y = 0; y < kEdge; ++y) {
       for (uint32_t x = 0; x < kEdge; ++x) {
