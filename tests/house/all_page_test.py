@@ -80,6 +80,14 @@ class Markdown(unittest.TestCase):
         self.assertEqual(rows["path"][5:7], ["–", "–"])  # has no state
         self.assertEqual(rows["strange=new"][2], "–")  # below the reference's noise
 
+    def test_failures_are_cells(self):
+        run = survey()
+        run["scenes"][0]["techniques"] += [technique("late=still", failed="no | memory"), technique("late=change", 0.05, failed="the device is gone")]
+        rows = {row[0]: row[1:] for row in table_rows(all_page.page(run), r"### a\|b")}
+        self.assertEqual(rows["late=still"], [r"failed: no \| memory", *["–"] * 9])
+        self.assertEqual(rows["late=change"][:2], ["0.05 (0.045 to 0.055)", "1.25"])
+        self.assertEqual(rows["late=change"][4:6], ["failed: the device is gone", "–"])
+
     def test_overview_is_a_geometric_mean(self):
         rows = table_rows(self.text, "## Over all scenes")
         self.assertEqual([row[1:] for row in rows], [["1", "2"], ["1", "2"], ["0.75", "1"], ["–", "0"], ["–", "0"]])
@@ -182,6 +190,10 @@ class Script(unittest.TestCase):
     def test_texts_agree_with_the_markdown_page(self):
         self.assertEqual(self.evaluate("[undefined, 0, 0.01234, 0.001, 999.9, 12345, -2.5].map(s.format)"), ["–", "0", "0.0123", "1.00e-3", "1000", "1.23e+4", "-2.5"])
         self.assertEqual(self.evaluate("rows.slice(0, 4).map(s.lagText)"), ["–", "> 16", "–", "3"])
+        failed = "{ technique: { failed: 'no memory' } }"
+        late = "{ technique: { failed: 'no memory', mse: 0.02 } }"
+        self.assertEqual(self.evaluate(f"[s.columns[2].text({failed}), s.lagText({failed}), s.columns[2].text({late}), s.lagText({late})]"),
+                         ["failed: no memory", "–", "0.02", "failed: no memory"])  # fmt: skip
         self.assertEqual(self.evaluate("s.columns.map((c) => (c.text ? c.text(rows[1]) : s.format(c.value(rows[1]))))"),
                          ["a|b", "cache=sharc", "0.02", "0.5", "–", "0.1", "5.00e-3", "0.02", "> 16", "2", "4", "20", "0.51", "2.5"])  # fmt: skip
 

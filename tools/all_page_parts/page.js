@@ -8,7 +8,7 @@ survey.isNumber = (x) => typeof x === "number" && Number.isFinite(x);
 survey.columns = [
   { title: "scene", value: (r) => r.scene.name, text: (r) => r.scene.name },
   { title: "technique", value: (r) => r.technique.name, text: (r) => r.technique.name },
-  { title: "MSE", value: (r) => r.technique.mse },
+  { title: "MSE", value: (r) => r.technique.mse, text: (r) => (survey.isNumber(r.technique.mse) ? survey.format(r.technique.mse) : survey.failure(r)) },
   { title: "/ path", value: (r) => r.relative },
   { title: "relMSE", value: (r) => r.technique.rel_mse },
   { title: "FLIP", value: (r) => r.technique.flip },
@@ -35,9 +35,15 @@ survey.withError = function (value, error) {
   return survey.format(value);
 };
 
+// The error that ended the measurement of a technique.
+survey.failure = (r) => (r.technique.failed ? `failed: ${r.technique.failed}` : "–");
+
 // A technique that has not settled counts as one frame more than was measured.
 survey.lag = (r) => (r.technique.keeps_state ? (survey.isNumber(r.technique.lag) ? r.technique.lag : r.frames + 1) : undefined);
-survey.lagText = (r) => (!r.technique.keeps_state ? "–" : survey.isNumber(r.technique.lag) ? String(r.technique.lag) : `> ${r.frames}`);
+survey.lagText = function (r) {
+  if (r.technique.keeps_state) return survey.isNumber(r.technique.lag) ? String(r.technique.lag) : `> ${r.frames}`;
+  return survey.isNumber(r.technique.mse) ? survey.failure(r) : "–"; // else the cell of the MSE has the error
+};
 
 survey.rows = function (data) {
   const rows = [];

@@ -60,12 +60,37 @@ std::vector<std::pair<std::string, std::string>> machine_of(const SurveyOptions&
   return machine;
 }
 
-/// "measured 12 of 14 techniques in corridor, in 7:31".
-std::string done_text(const SceneValues& scene, double seconds) {
-  size_t ran = 0;
-  for (const TechniqueValues& values : scene.techniques) ran += values.refused.empty() ? 1 : 0;
-  return fmt::format("measured {} of {} techniques in {}, in {}", ran, scene.techniques.size(), scene.name,
-                     format_duration(seconds));
+/// Numbers of techniques over the scenes of this run.
+struct Outcomes {
+  size_t complete = 0;
+  size_t failed = 0;
+
+  void add(const SceneValues& scene) {
+    for (const TechniqueValues& values : scene.techniques) {
+      if (!values.failed.empty()) {
+        ++failed;
+      } else if (values.refused.empty()) {
+        ++complete;
+      }
+    }
+  }
+};
+
+/// Warns of each technique that failed, and tells "measured 12 of 14 techniques in corridor, in 7:31".
+void report(const SceneValues& scene, double seconds, const Verbosity& verbosity) {
+  for (const TechniqueValues& values : scene.techniques) {
+    if (!values.failed.empty())
+      warn(fmt::format("{} failed in {}: {}", values.technique.name, scene.name, values.failed));
+  }
+  Outcomes outcomes;
+  outcomes.add(scene);
+  log_info(verbosity, fmt::format("measured {} of {} techniques in {}, in {}", outcomes.complete,
+                                  scene.techniques.size(), scene.name, format_duration(seconds)));
+}
+
+/// A failure is a result of the survey. That of all techniques is one of the machine.
+int exit_code(const Outcomes& outcomes) {
+  return outcomes.failed > 0 && outcomes.complete == 0 ? kExitFailed : kExitDone;
 }
 
 int measure(const SurveyOptions& o, const Verbosity& verbosity, ExperimentContext context) {
@@ -89,18 +114,20 @@ int measure(const SurveyOptions& o, const Verbosity& verbosity, ExperimentContex
   context.stop = interrupts.token();
   context.progress = [&printer](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); };
   const double start_s = now_s();
+  Outcomes outcomes;
   for (const std::string& name : scenes) {
     if (file.has(name)) continue;
     const double begin_s = now_s();
     if (o.time_limit_s > 0 && begin_s - start_s > static_cast<double>(o.time_limit_s)) {
       log_info(verbosity, "the time limit is reached; the same command measures the other scenes");
-      return kExitDone;
+      return exit_code(outcomes);
     }
     try {
       const SceneValues values = measure_survey(context, survey_scene(context, name), techniques, effort);
       file.add(values, now_s() - begin_s, context, machine_of(o), effort);
       printer.clear();
-      log_info(verbosity, done_text(values, now_s() - begin_s));
+      report(values, now_s() - begin_s, verbosity);
+      outcomes.add(values);
     } catch (const ExperimentStopped&) {
       printer.clear();
       log_info(verbosity, fmt::format("interrupted in {}; the same command continues with this scene", name));
@@ -108,7 +135,7 @@ int measure(const SurveyOptions& o, const Verbosity& verbosity, ExperimentContex
     }
   }
   log_info(verbosity, fmt::format("{} has all {} scenes", (folder / kSurveyFile).string(), scenes.size()));
-  return kExitDone;
+  return exit_code(outcomes);
 }
 
 int run(const SurveyOptions& o, const Verbosity& verbosity) {

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <new>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,18 +33,27 @@ struct Running {
   Ensemble images = {};
   StillValues still = {};
 
-  bool runs() const { return values.refused.empty(); }
+  bool runs() const { return values.refused.empty() && values.failed.empty(); }
 };
 
 struct Survey {
   const ExperimentContext& context;
   const SurveyScene& scene;
   const SurveyEffort& effort;
-  TimedSession timed;
+  const RenderSettings& initial;  ///< settings with which sessions begin
+  const FrameClock& clock;
+  std::optional<TimedSession> timed = {};
   Reference before = {};
   Reference after = {};
 
-  Session& session() { return timed.session(); }
+  /// Begins a session, after the memory of an earlier one was freed.
+  void open() {
+    timed.reset();
+    timed.emplace(scene.before.scene, initial, clock);
+    session().shorten_preparation_on(context.stop);
+  }
+
+  Session& session() { return timed->session(); }
 
   void bring(bool changed) {
     session().set_camera(changed ? scene.camera_after : *scene.before.camera);
@@ -50,14 +63,33 @@ struct Survey {
   void begin(const Running& r, int seed) {
     session().set_settings(r.settings);
     bring(false);
-    timed.restart(seed);
+    timed->restart(seed);
   }
 
   void render(int frames) {
     for (int i = 0; i < frames; ++i) {
       context.check_stop();
-      timed.render_frame();
+      timed->render_frame();
     }
+  }
+
+  /// Runs a step of a technique that has not ended. An error ends the technique, and the survey continues.
+  template <typename Step>
+  void attempt(Running& r, const Step& step) {
+    if (!r.runs()) return;
+    try {
+      step();
+      return;
+    } catch (const ExperimentStopped&) {
+      throw;
+    } catch (const DeviceMemoryError& error) {
+      r.values.failed = error.what();
+    } catch (const std::bad_alloc&) {
+      r.values.failed = "out of memory";
+    } catch (const std::exception& error) {
+      r.values.failed = error.what();
+    }
+    open();
   }
 
   void plan(Running& r);
@@ -77,10 +109,10 @@ void Survey::plan(Running& r) {
     r.values.refused = error.what();
     return;
   }
-  const double first_s = timed.frame_s().front();
-  while (timed.frames() <= kFewestTimed || (timed.frames() <= kMostTimed && timed.time_s() < effort.budget_s))
+  const double first_s = timed->frame_s().front();
+  while (timed->frames() <= kFewestTimed || (timed->frames() <= kMostTimed && timed->time_s() < effort.budget_s))
     render(1);
-  const double frame_s = median({timed.frame_s().begin() + 1, timed.frame_s().end()});
+  const double frame_s = median({timed->frame_s().begin() + 1, timed->frame_s().end()});
   const double more = frame_s > 0 ? (effort.budget_s - first_s) / frame_s : 0;
   r.frames = 1 + static_cast<int>(std::lround(std::clamp(more, 0.0, 1e6)));
   r.still.frame_ms = 1000 * frame_s;
@@ -95,11 +127,11 @@ void Survey::measure_still(Running& r, int repetition) {
   r.mse.push_back(m.mse - before.mse);
   r.still.rel_mse += weight * m.rel_mse;
   r.still.flip += weight * m.flip;
-  r.times_s.push_back(timed.time_s());
+  r.times_s.push_back(timed->time_s());
   r.images.add(image);
   if (repetition > 0) return;
   r.still.image = image;
-  r.still.rays = static_cast<double>(timed.rays()) / r.frames / static_cast<double>(image.pixels.size());
+  r.still.rays = static_cast<double>(timed->rays()) / r.frames / static_cast<double>(image.pixels.size());
   // Without the spare memory that other techniques have left in the session.
   r.still.memory_bytes = buffer_table(session()).memory_bytes() + session().statistics().technique_bytes;
 }
@@ -209,24 +241,22 @@ SceneValues measure_survey(const ExperimentContext& context, const SurveyScene& 
                            const std::vector<SurveyTechnique>& techniques, const SurveyEffort& effort,
                            const FrameClock& clock) {
   std::vector<Running> list = running_of(context, scene, techniques);
-  Survey survey{context, scene, effort, TimedSession(scene.before.scene, list.front().settings, clock)};
-  survey.session().shorten_preparation_on(context.stop);
+  Survey survey{context, scene, effort, list.front().settings, clock};
+  survey.open();
   survey.before = reference_of(context, scene, effort, false);
   survey.after = reference_of(context, scene, effort, true);
-  for (Running& r : list) survey.plan(r);
+  for (Running& r : list) survey.attempt(r, [&] { survey.plan(r); });
   for (int repetition = 0; repetition < effort.repetitions; ++repetition) {
-    for (Running& r : list) {
-      if (r.runs()) survey.measure_still(r, repetition);
-    }
+    for (Running& r : list) survey.attempt(r, [&] { survey.measure_still(r, repetition); });
     context.report(scene.before.name + ", still images", (repetition + 1.0) / effort.repetitions);
   }
   SceneValues result{.name = scene.before.name, .change = scene.change, .techniques = {}};
   result.reference_settings = scene.reference;
   for (Running& r : list) {
-    if (r.runs()) {
+    survey.attempt(r, [&] {
       survey.finish_still(r);
       if (keeps_state(r.settings)) survey.measure_change(r);
-    }
+    });
     result.techniques.push_back(std::move(r.values));
   }
   result.mean_square = mean_square(survey.before.image);

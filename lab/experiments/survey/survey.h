@@ -66,8 +66,9 @@ struct TechniqueValues {
   SurveyTechnique technique;
   std::vector<std::pair<std::string, std::string>> slots;
   std::string refused = {};  ///< why the technique cannot run; empty: it runs
+  std::string failed = {};   ///< the error that ended its measurement; empty: none
   std::optional<StillValues> still = {};
-  std::optional<ChangeValues> change = {};  ///< empty: no frame depends on earlier ones after a change
+  std::optional<ChangeValues> change = {};  ///< empty: no frame depends on earlier ones after a change, or `failed`
 };
 
 struct SceneValues {
@@ -82,8 +83,9 @@ struct SceneValues {
   std::vector<TechniqueValues> techniques;
 };
 
-/// Measures a scene. Techniques render still images alternately, repetition by repetition, in one session. `clock`
-/// empty: wall_clock(). Throws ExperimentStopped.
+/// Measures a scene. Techniques render still images alternately, repetition by repetition, in one session. If one
+/// fails, its values end there, and a new session measures the others. `clock` empty: wall_clock(). Throws
+/// ExperimentStopped, and Error if no session or no reference can be made.
 SceneValues measure_survey(const ExperimentContext& context, const SurveyScene& scene,
                            const std::vector<SurveyTechnique>& techniques, const SurveyEffort& effort,
                            const FrameClock& clock = {});

@@ -65,6 +65,7 @@ Json technique_json(const std::string& scene, const TechniqueValues& values) {
   Json json = {{"name", values.technique.name}, {"settings", values.technique.settings}, {"slots", Json::object()}};
   for (const auto& [slot, choice] : values.slots) json["slots"][slot] = choice;
   if (!values.refused.empty()) json["refused"] = values.refused;
+  if (!values.failed.empty()) json["failed"] = values.failed;
   if (!values.still) return json;
   add_still(*values.still, json);
   json["image"] = image_of(scene, values.technique.name);

@@ -23,8 +23,9 @@ std::string survey_key(const ExperimentContext& context, const std::vector<Surve
 /// all.json in a folder: {"key", "quick", "program", "device", "machine", "setup", "scenes"}. A scene: {"name",
 /// "change", "seconds", "mean_square", "reference_mse", "reference_spp", "reference_settings", "image", "image_after",
 /// "techniques"}. A technique: {"name", "settings", "slots"}, and "refused" or the fields of StillValues. If
-/// "keeps_state", also "lag", "ghost", "ghost_error", "image_after". Images are paths below the folder. A "lag" of
-/// null: the error has not settled. Unknown errors are null.
+/// "keeps_state", also "lag", "ghost", "ghost_error", "image_after". "failed" is the error that ended a technique: it
+/// has the values measured before. Images are paths below the folder. A "lag" of null: the error has not settled.
+/// Unknown errors are null.
 class SurveyFile {
  public:
   /// Reads the file if it exists. Scenes that were measured under another key are dropped. Throws Error for a file that

@@ -2,8 +2,11 @@
 
 #include <cmath>
 #include <filesystem>
+#include <new>
 #include <set>
+#include <stop_token>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -88,6 +91,70 @@ TEST(Survey, SaysWhyATechniqueCannotRun) {
   EXPECT_TRUE(of(scene, "path").refused.empty());
   EXPECT_NE(of(scene, "both").refused.find("sharc"), std::string::npos);
   EXPECT_FALSE(of(scene, "both").still);
+}
+
+/// Measures three techniques, of which the second is "clean". `clock` and the context's progress may throw.
+SceneValues with_failure(const QuickContext& context, const FrameClock& clock = rays_clock) {
+  return measure_survey(context, survey_scene(context, "cornell"),
+                        {{"path", ""}, {"clean", "denoise:svgf"}, {"last", "denoise:asvgf"}}, SurveyEffort::of(context),
+                        clock);
+}
+
+void expect_complete(const SceneValues& scene, std::string_view name) {
+  EXPECT_TRUE(of(scene, name).failed.empty()) << name;
+  ASSERT_TRUE(of(scene, name).still) << name;
+  EXPECT_GT(of(scene, name).still->rays, 0) << name;
+}
+
+TEST(Survey, ContinuesAfterALateFailure) {
+  const QuickContext context;
+  for (const int seed : {0, 2}) {  // of the trial run, and of the second still image
+    const SceneValues scene = with_failure(context, [seed](const Session& session) {
+      const RenderSettings& settings = render_settings(session);
+      const bool begun = seed > 0 || session.statistics().frames > 1;  // an error of the first frame is a refusal
+      if (settings.denoise == DenoiseChoice::svgf && settings.seed == seed && begun) throw Error("the device is gone");
+      return rays_clock(session);
+    });
+    expect_complete(scene, "path");
+    expect_complete(scene, "last");
+    EXPECT_TRUE(of(scene, "last").change);
+    EXPECT_TRUE(of(scene, "clean").refused.empty());
+    EXPECT_EQ(of(scene, "clean").failed, "the device is gone");
+    EXPECT_FALSE(of(scene, "clean").still);
+    EXPECT_FALSE(of(scene, "clean").change);
+  }
+}
+
+TEST(Survey, KeepsValuesFromBeforeAFailure) {
+  QuickContext context;
+  context.progress = [](const std::string& stage, double) {
+    if (stage.ends_with("clean")) throw std::bad_alloc();
+  };
+  const SceneValues scene = with_failure(context);
+  expect_complete(scene, "path");
+  expect_complete(scene, "last");
+  EXPECT_EQ(of(scene, "clean").failed, "out of memory");
+  EXPECT_TRUE(of(scene, "clean").still);
+  EXPECT_FALSE(of(scene, "clean").change);
+  const std::filesystem::path folder = context.cache_folder / "out";
+  SurveyFile(folder, "key").add(scene, 1, context, {}, SurveyEffort::of(context));
+  const std::vector<std::byte> bytes = read_file(folder / kSurveyFile);
+  const auto json = nlohmann::json::parse(reinterpret_cast<const char*>(bytes.data()),
+                                          reinterpret_cast<const char*>(bytes.data()) + bytes.size());
+  const auto& clean = json.at("scenes").at(0).at("techniques").at(1);
+  EXPECT_EQ(clean.at("failed"), "out of memory");
+  EXPECT_TRUE(clean.at("mse").is_number());
+  EXPECT_FALSE(clean.contains("image_after"));
+}
+
+TEST(Survey, EndsOnAStopRequest) {
+  QuickContext context;
+  std::stop_source stop;
+  context.stop = stop.get_token();
+  context.progress = [&stop](const std::string& stage, double) {
+    if (stage.ends_with("still images")) stop.request_stop();
+  };
+  EXPECT_THROW(with_failure(context), ExperimentStopped);
 }
 
 TEST(SurveyFile, ContinuesWithTheSameConditionsOnly) {

@@ -1,5 +1,5 @@
-// Reciprocal neighbours of ReSTIR PT ([Lin26]): where pixel a reuses the reservoir of b, b reuses that of a. The shift of
-// a path from a to b then also is the inverse shift that b's combination needs.
+// Reciprocal neighbours of ReSTIR PT ([Lin26]): where pixel a reuses the reservoir of b, b reuses that of a. The shift
+// of a path from a to b then also is the inverse shift that b's combination needs.
 #pragma once
 
 #include "techniques/reuse/reservoir/neighbours.h"

@@ -17,9 +17,14 @@ constexpr BufferKey<PathReservoir> kPathHistory{"restir-pt-history"};
 constexpr BufferKey<ReceiverRecord> kPathReceivers{"restir-pt-receivers"};
 constexpr BufferKey<uint32_t> kPathDuplicates{"restir-pt-duplicates"};
 /// By number of the pair.
-constexpr std::array<BufferKey<PairedPath>, kMostReuseNeighbours> kPairedPaths{
-    {{"restir-pt-pair-1"}, {"restir-pt-pair-2"}, {"restir-pt-pair-3"}, {"restir-pt-pair-4"},
-     {"restir-pt-pair-5"}, {"restir-pt-pair-6"}, {"restir-pt-pair-7"}, {"restir-pt-pair-8"}}};
+constexpr std::array<BufferKey<PairedPath>, kMostReuseNeighbours> kPairedPaths{{{"restir-pt-pair-1"},
+                                                                                {"restir-pt-pair-2"},
+                                                                                {"restir-pt-pair-3"},
+                                                                                {"restir-pt-pair-4"},
+                                                                                {"restir-pt-pair-5"},
+                                                                                {"restir-pt-pair-6"},
+                                                                                {"restir-pt-pair-7"},
+                                                                                {"restir-pt-pair-8"}}};
 
 /// Changes after which reservoirs of the previous frame are not reused. The light of their paths depends on all lights
 /// and surfaces.

@@ -25,8 +25,7 @@ SettingList describe(RestirPtSettings& s) {
   list.insert(
       list.end(),
       {
-          {"reciprocal",
-           &s.reciprocal,
+          {"reciprocal", &s.reciprocal,
            "Whether neighbours come in pairs that reuse each other, with half as many shifts of paths. Pairs lie in "
            "tiles, whose edge is the greatest power of two up to twice restir-pt.radius"},
           {"duplication",

@@ -37,11 +37,11 @@ struct RestirPtSettings {
   ConnectRuleKind connect = ConnectRuleKind::footprint;
   PathCorrection correction = PathCorrection::exact;
   ReuseFeedback feedback = ReuseFeedback::spatial;
-  int cap = 20;               ///< confidence of a history, in frames; 0: no temporal reuse
-  int neighbours = 3;         ///< 0: no spatial reuse
-  float radius = 20;          ///< of the neighbours, pixels
-  bool reciprocal = false;    ///< whether neighbours come in pairs that share their shifts
-  float duplication = 0;      ///< strength with which duplicates of a path shorten its history; 0: none
+  int cap = 20;             ///< confidence of a history, in frames; 0: no temporal reuse
+  int neighbours = 3;       ///< 0: no spatial reuse
+  float radius = 20;        ///< of the neighbours, pixels
+  bool reciprocal = false;  ///< whether neighbours come in pairs that share their shifts
+  float duplication = 0;    ///< strength with which duplicates of a path shorten its history; 0: none
   PathTextures textures = PathTextures::finest;
   float roughness = 0.2f;     ///< minimum roughness of connectible vertices (distance_2022), as in glTF
   float distance = 0.1f;      ///< minimum distance of connectible vertices (distance_2022), metres
