@@ -70,9 +70,9 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_graphs": "adaptive_psf path path_space_filter",
     "sharc": "path path_space_filter",
     "reservoir": "octree path reprojection",
-    "restir_di": "path reprojection reservoir",
-    "restir_gi": "path reprojection reservoir",
-    "restir_pt": "path reprojection reservoir",
+    "restir_di": "path reservoir",
+    "restir_gi": "path reservoir",
+    "restir_pt": "path reservoir",
 }
 
 # The parts of the viewer -> the parts that each may include, besides itself.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/choose_light.h"
+#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
@@ -59,19 +60,12 @@ struct CandidateStage {
 };
 
 /// Planes to which reservoirs add their light.
-struct ReservoirImage {
-  View<Rgb> radiance;
-  View<Rgb> specular;  ///< part from specular lobes; may be empty
-  View<uint32_t> rays;
+struct ReservoirImage : ReuseImage {
   View<FirstVertex> first_vertices = {};  ///< records of what is added; may be empty
 
-  /// Adds the light of a reservoir whose sample the receiver sees. A weight that is not finite shows as such.
+  /// Adds the light of a reservoir whose sample the receiver sees.
   RELUME_HD void add(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir, uint32_t pixel) const {
-    if (reservoir.weight == 0.0f) return;
-    if (!is_finite(reservoir.weight)) {
-      radiance[pixel] += Rgb(reservoir.weight);
-      return;
-    }
+    if (!takes(reservoir.weight, pixel)) return;
     const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);
     const Rgb value = r.path.throughput * reflected(scene, r, light) * reservoir.weight;
     radiance[pixel] += value;

@@ -1,7 +1,8 @@
 // The previous frame of a pixel's surface: the pixel whose reservoir it reuses, and the placement of its instance.
 #pragma once
 
-#include "scene/scene_view.h"
+#include "techniques/reuse/reservoir/receiver.h"
+#include "techniques/reuse/reservoir/reservoir.h"
 #include "techniques/temporal/reprojection/backward.h"
 
 namespace relume {
@@ -29,5 +30,38 @@ RELUME_HD inline uint32_t history_source(const BackwardReprojection& reprojectio
   }
   return taps.heaviest();  // the weights sum to almost one
 }
+
+/// Reservoirs of the previous frame.
+template <typename Sample>
+struct ReservoirHistory {
+  BackwardReprojection reprojection;
+  View<const Reservoir<Sample>> reservoirs;
+  View<const ReceiverRecord> records;  ///< receivers of the reservoirs
+  float cap = 0;                       ///< largest confidence, in frames; 0: no history
+  bool moved = false;                  ///< whether instances were placed differently in the previous frame
+
+  /// The pixel whose reservoir that of (x, y) reuses; kNoSurface: none. `u`: uniform in [0, 1).
+  RELUME_HD uint32_t find(const SceneView& scene, uint32_t x, uint32_t y, float u) const {
+    const uint32_t source = cap > 0.0f ? history_source(reprojection, x, y, u) : kNoSurface;
+    if (source == kNoSurface || !(reservoirs[source].confidence > 0.0f)) return kNoSurface;
+    const Hit& hit = records[source].hit;
+    if (!exists(scene, hit)) return kNoSurface;
+    const bool deforms = scene.meshes[scene.instances[hit.instance].mesh].deforms;
+    return moved && deforms ? kNoSurface : source;  // the previous shape of such a mesh is not fully known
+  }
+
+  /// The reservoir of a pixel from find(), with limited confidence.
+  RELUME_HD Reservoir<Sample> at(uint32_t source, float most_confidence) const {
+    Reservoir<Sample> before = reservoirs[source];
+    before.confidence = relume::min(before.confidence, most_confidence);
+    return before;
+  }
+
+  /// The instance of that reservoir's receiver, as placed in the previous frame.
+  RELUME_HD Instance instance_of(const SceneView& scene, uint32_t source) const {
+    const Instance& instance = scene.instances[records[source].hit.instance];
+    return moved ? previous_instance(instance) : instance;
+  }
+};
 
 }  // namespace relume

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "techniques/reuse/reservoir/combine_neighbours.h"
 #include "techniques/reuse/reservoir/testing/reuse_toy.h"
 #include "testing/chi2.h"
 #include "testing/random.h"
@@ -217,6 +218,44 @@ TEST(TemporalTargets, MustBeThoseOfTheEarlierFrame) {
   EXPECT_NEAR(right.mean, 0, 4.5 * right.error);
   const Spread wrong = measure_change(kNow, kBefore, false);
   EXPECT_LT(wrong.mean, -0.05);
+}
+
+/// Reservoirs without a sample have no target to ask for, but their confidence counts.
+TEST(CombineNeighbours, AsksForTargetsOfSamplesOnly) {
+  const std::vector<Reservoir<uint32_t>> reservoirs = {
+      {.sample = 1, .weight = 2, .target = 0.5f, .confidence = 3},
+      {.sample = 0, .weight = 0, .target = 0, .confidence = 4},
+      {.sample = 2, .weight = 1, .target = 2, .confidence = 5},
+  };
+  ReuseNeighbours near;
+  for (const uint32_t pixel : {1u, 2u}) near.pixels[near.count++] = pixel;
+  std::vector<uint32_t> asked_here;
+  std::vector<uint32_t> asked_there;
+  const auto here = [&](uint32_t i, const Reservoir<uint32_t>& neighbour) {
+    asked_here.push_back(i);
+    return 0.25f * static_cast<float>(neighbour.sample);
+  };
+  const auto there = [&](uint32_t i) {
+    asked_there.push_back(i);
+    return 0.75f;
+  };
+  for (uint32_t seed = 0; seed < 16; ++seed) {
+    ChoiceNumbers numbers(seed, 0, 0, 0);
+    const Reservoir<uint32_t> result =
+        combine_neighbours_pairwise(reservoirs[0], view_of(reservoirs), near, here, there, numbers);
+    ChoiceNumbers again(seed, 0, 0, 0);
+    PairwiseCombination<uint32_t> expected(reservoirs[0], 2);
+    expected.add(reservoirs[1], 0, 0.75f, again.next());
+    expected.add(reservoirs[2], 0.5f, 0.75f, again.next());
+    const Reservoir<uint32_t> direct = expected.finish(again.next());
+    EXPECT_EQ(result.sample, direct.sample);
+    EXPECT_EQ(result.weight, direct.weight);
+    EXPECT_EQ(result.confidence, 12);
+    EXPECT_EQ(asked_here, std::vector<uint32_t>{1});
+    EXPECT_EQ(asked_there, (std::vector<uint32_t>{0, 1}));
+    asked_here.clear();
+    asked_there.clear();
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "techniques/reuse/reservoir/ris_pass.h"
 
+#include "techniques/reuse/reservoir/reuse_pass.h"
 #include "techniques/reuse/reservoir/ris.h"
 
 namespace relume {
@@ -18,9 +19,7 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
   return stage;
 }
 
-ReservoirImage reservoir_image(const FrameContext& frame) {
-  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays), frame.write(kFirstVertices)};
-}
+ReservoirImage reservoir_image(const FrameContext& frame) { return {reuse_image(frame), frame.write(kFirstVertices)}; }
 
 std::vector<BufferId> reservoir_reads() { return {kPrimaryHits, kFirstScatters}; }
 std::vector<BufferId> reservoir_writes() { return {kRadiance, kRays}; }

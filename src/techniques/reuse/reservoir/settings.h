@@ -1,6 +1,8 @@
 // Settings of reservoirs for direct light, and types of settings that all reuse of reservoirs shares.
 #pragma once
 
+#include <cstdint>
+
 #include "settings/setting.h"
 
 namespace relume {
@@ -17,6 +19,10 @@ enum class ReuseFeedback : int { temporal, spatial };
 
 /// Upper bound of the number of neighbouring pixels.
 inline constexpr int kMostReuseNeighbours = 8;
+
+/// Pass::correlated_frames() of reservoirs. A reservoir's share in the reservoir of the k-th later frame is
+/// (cap / (cap + 1))^k. The sum over k of these correlations, forwards and backwards, is 1 + 2 · cap.
+inline uint32_t frames_correlated_by(int cap) { return 1 + 2 * static_cast<uint32_t>(cap); }
 
 struct RisSettings {
   int candidates = 8;  ///< from light selection; the path's direction is one more

@@ -21,9 +21,7 @@ class RestirPass final : public Pass {
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   bool keeps_to_pixels() const override { return false; }
-  /// A reservoir's share in the reservoir of the k-th later frame is (cap / (cap + 1))^k. The sum over k of these
-  /// correlations, forwards and backwards, is 1 + 2 · cap.
-  uint32_t correlated_frames() const override { return 1 + 2 * static_cast<uint32_t>(settings_.cap); }
+  uint32_t correlated_frames() const override { return frames_correlated_by(settings_.cap); }
 
  private:
   RisSettings candidates_;

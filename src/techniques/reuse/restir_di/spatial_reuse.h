@@ -2,7 +2,7 @@
 // the result ([Bitterli20] alg. 5, with the pairwise weights of [Lin22]).
 #pragma once
 
-#include "techniques/reuse/reservoir/neighbours.h"
+#include "techniques/reuse/reservoir/combine_neighbours.h"
 #include "techniques/reuse/reservoir/ris.h"
 #include "techniques/reuse/restir_di/settings.h"
 
@@ -33,8 +33,7 @@ struct SpatialReuseKernel {
     ReuseNeighbours near;
     const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
     search.find(x, y, has_reservoir, numbers, near);
-    LightReservoir result =
-        traced ? combine_pairwise(pixel, own, r, near, numbers) : combine_basic(pixel, own, r, near, numbers);
+    LightReservoir result = combine(pixel, own, r, near, numbers);
     shade(pixel, r, result);
     if (!is_finite(result.weight)) result.weight = 0;  // must not spread
     history[pixel] = feeds_back ? result : own;
@@ -48,40 +47,18 @@ struct SpatialReuseKernel {
     return target_at(scene, scene.lights, other, point, traced, rays);
   }
 
-  RELUME_HD LightReservoir combine_pairwise(uint32_t pixel, const LightReservoir& own, const Receiver& r,
-                                            const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
-    PairwiseCombination<LightPoint> combination(own, near.count);
+  RELUME_HD LightReservoir combine(uint32_t pixel, const LightReservoir& own, const Receiver& r,
+                                   const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
     uint32_t& rays = image.rays[pixel];
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const LightReservoir neighbour = reservoirs[near.pixels[i]];
-      const float here =
-          neighbour.weight > 0.0f ? target_at(scene, scene.lights, r, neighbour.sample, traced, rays) : 0.0f;
-      const float there = own.weight > 0.0f ? target_of(near.pixels[i], own.sample, rays) : 0.0f;
-      combination.add(neighbour, here, there, numbers.next());
+    const auto here = [&](const LightPoint& point) { return target_at(scene, scene.lights, r, point, traced, rays); };
+    const auto there = [&](uint32_t i, const LightPoint& point) { return target_of(near.pixels[i], point, rays); };
+    if (!traced) {
+      const auto basic = [&](uint32_t, const LightPoint& point) { return here(point); };
+      return combine_neighbours_basic(own, reservoirs, near, basic, there, numbers);
     }
-    return combination.finish(numbers.next());
-  }
-
-  RELUME_HD LightReservoir combine_basic(uint32_t pixel, const LightReservoir& own, const Receiver& r,
-                                         const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
-    BasicCombination<LightPoint> combination;
-    uint32_t& rays = image.rays[pixel];
-    combination.add(own, 0, own.target, 0.0f);
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const LightReservoir neighbour = reservoirs[near.pixels[i]];
-      const float here =
-          neighbour.weight > 0.0f ? target_at(scene, scene.lights, r, neighbour.sample, traced, rays) : 0.0f;
-      combination.add(neighbour, i + 1, here, numbers.next());
-    }
-    if (!combination.sample().valid()) return combination.finish(0.0f, 0.0f);
-    float of_source = target_at(scene, scene.lights, r, combination.sample(), traced, rays);
-    float of_all = own.confidence * of_source;
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const float target = target_of(near.pixels[i], combination.sample(), rays);
-      of_all += reservoirs[near.pixels[i]].confidence * target;
-      if (combination.chosen() == i + 1) of_source = target;
-    }
-    return combination.finish(of_source, of_all);
+    return combine_neighbours_pairwise(
+        own, reservoirs, near, [&](uint32_t, const LightReservoir& neighbour) { return here(neighbour.sample); },
+        [&](uint32_t i) { return there(i, own.sample); }, numbers);
   }
 
   /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives.

@@ -10,16 +10,12 @@ namespace relume {
 
 struct TemporalReuseKernel {
   CandidateStage stage;
-  BackwardReprojection reprojection;
-  View<const LightReservoir> history;          ///< of the previous frame
-  View<const ReceiverRecord> history_records;  ///< receivers of the previous frame
+  ReservoirHistory<LightPoint> history;
   View<LightReservoir> reservoirs;
   View<ReceiverRecord> records;
   ReservoirImage image;
   CameraView previous_camera;
-  float cap = 0;
   bool traced = true;  ///< whether targets contain occlusion
-  bool moved = false;  ///< whether instances were placed differently in the previous frame
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * stage.width + x;
@@ -48,23 +44,17 @@ struct TemporalReuseKernel {
     const uint32_t pixel = y * stage.width + x;
     const float u_source = numbers.next();
     const float u = numbers.next();
-    const uint32_t source = cap > 0.0f ? history_source(reprojection, x, y, u_source) : kNoSurface;
-    if (source == kNoSurface) return;
-    LightReservoir before = history[source];
-    before.confidence = relume::min(before.confidence, cap * own.confidence);
-    if (!(before.confidence > 0.0f)) return;
     const SceneView& scene = stage.context.scene;
-    const ReceiverRecord& record = history_records[source];
-    const Instance& instance = scene.instances[record.hit.instance];
-    // The previous shape of such a mesh is not fully known.
-    if (moved && scene.meshes[instance.mesh].deforms) return;
+    const uint32_t source = history.find(scene, x, y, u_source);
+    if (source == kNoSurface) return;
+    const LightReservoir before = history.at(source, history.cap * own.confidence);
     uint32_t& rays = image.rays[pixel];
     const auto now_target = [&](const LightPoint& point) {
       return target_at(scene, scene.lights, r, point, traced, rays);
     };
     const auto before_target = [&](const LightPoint& point) {
       Receiver old;
-      make_receiver(scene, previous_camera, moved ? previous_instance(instance) : instance, record, old);
+      make_receiver(scene, previous_camera, history.instance_of(scene, source), history.records[source], old);
       return target_at(scene, previous_lights(), old, point, traced, rays);
     };
     own = traced ? combine_balanced(own, before, now_target, before_target, u)

@@ -2,7 +2,7 @@
 // the result ([Ouyang21], with the pairwise weights of [Lin22]).
 #pragma once
 
-#include "techniques/reuse/reservoir/neighbours.h"
+#include "techniques/reuse/reservoir/combine_neighbours.h"
 #include "techniques/reuse/restir_gi/reconnection.h"
 
 namespace relume {
@@ -33,7 +33,7 @@ struct IndirectSpatialKernel {
     ReuseNeighbours near;
     const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
     search.find(x, y, has_reservoir, numbers, near);
-    IndirectReservoir result = traced ? pairwise(pixel, own, r, near, numbers) : basic(pixel, own, r, near, numbers);
+    IndirectReservoir result = combine(pixel, own, r, near, numbers);
     shade(pixel, r, result);
     if (!is_finite(result.weight)) result.weight = 0;  // must not spread
     history[pixel] = feeds_back ? result : own;
@@ -62,49 +62,24 @@ struct IndirectSpatialKernel {
     return moved_target(scene, r, vertex, place, traced, image.rays[pixel]);
   }
 
-  RELUME_HD IndirectReservoir pairwise(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
-                                       const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
-    PairwiseCombination<IndirectVertex> combination(own, near.count);
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const uint32_t other = near.pixels[i];
-      const IndirectReservoir neighbour = reservoirs[other];
-      const float here = neighbour.weight > 0.0f ? target_here(pixel, r, other, neighbour.sample) : 0.0f;
-      const float there = own.weight > 0.0f ? target_there(pixel, other, own.sample) : 0.0f;
-      combination.add(neighbour, here, there, numbers.next());
-    }
-    return combination.finish(numbers.next());
+  RELUME_HD IndirectReservoir combine(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
+                                      const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
+    const auto here = [&](uint32_t i, const IndirectVertex& vertex) {
+      return target_here(pixel, r, near.pixels[i], vertex);
+    };
+    const auto there = [&](uint32_t i, const IndirectVertex& vertex) {
+      return target_there(pixel, near.pixels[i], vertex);
+    };
+    if (!traced) return combine_neighbours_basic(own, reservoirs, near, here, there, numbers);
+    return combine_neighbours_pairwise(
+        own, reservoirs, near,
+        [&](uint32_t i, const IndirectReservoir& neighbour) { return here(i, neighbour.sample); },
+        [&](uint32_t i) { return there(i, own.sample); }, numbers);
   }
 
-  RELUME_HD IndirectReservoir basic(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
-                                    const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
-    BasicCombination<IndirectVertex> combination;
-    combination.add(own, 0, own.target, 0.0f);
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const IndirectReservoir neighbour = reservoirs[near.pixels[i]];
-      const float here = neighbour.weight > 0.0f ? target_here(pixel, r, near.pixels[i], neighbour.sample) : 0.0f;
-      combination.add(neighbour, i + 1, here, numbers.next());
-    }
-    const IndirectVertex& vertex = combination.sample();
-    if (!vertex.valid()) return combination.finish(0.0f, 0.0f);
-    const uint32_t chosen = combination.chosen();
-    float of_source = chosen == 0 ? own.target : target_here(pixel, r, near.pixels[chosen - 1], vertex);
-    float of_all = own.confidence * of_source;
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const float target = target_there(pixel, near.pixels[i], vertex);
-      of_all += reservoirs[near.pixels[i]].confidence * target;
-      if (chosen == i + 1) of_source = target;
-    }
-    return combination.finish(of_source, of_all);
-  }
-
-  /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives. A weight that is
-  /// not finite shows as such.
+  /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives.
   RELUME_HD void shade(uint32_t pixel, const Receiver& r, const IndirectReservoir& result) const {
-    if (result.weight == 0.0f) return;
-    if (!is_finite(result.weight)) {
-      image.radiance[pixel] += Rgb(result.weight);
-      return;
-    }
+    if (!image.takes(result.weight, pixel)) return;
     const SurfacePlace place = place_of(scene, result.sample);
     const Reconnection c = reconnect(r.sp.position, place);
     if (!traced) {

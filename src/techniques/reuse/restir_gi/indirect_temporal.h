@@ -13,17 +13,13 @@ struct IndirectTemporalKernel {
   ReconnectionRule rule;
   View<const Hit> hits;
   View<const IndirectSample> samples;
-  BackwardReprojection reprojection;
-  View<const IndirectReservoir> history;       ///< of the previous frame
-  View<const ReceiverRecord> history_records;  ///< receivers of the previous frame
-  View<const Rgb> validated;                   ///< radiance of `history` in this frame; empty: as stored
+  ReservoirHistory<IndirectVertex> history;
+  View<const Rgb> validated;  ///< radiance of `history` in this frame; empty: as stored
   View<IndirectReservoir> reservoirs;
   View<ReceiverRecord> records;
   IndirectImage image;
   uint32_t max_bounces = 0;
-  float cap = 0;
   bool traced = true;  ///< whether targets contain occlusion
-  bool moved = false;  ///< whether instances were placed differently in the previous frame
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -85,28 +81,23 @@ struct IndirectTemporalKernel {
                        IndirectReservoir& own) const {
     const float u_source = numbers.next();
     const float u = numbers.next();
-    const uint32_t source = cap > 0.0f ? history_source(reprojection, x, y, u_source) : kNoSurface;
+    const uint32_t source = history.find(scene, x, y, u_source);
     if (source == kNoSurface) return;
-    IndirectReservoir before = history[source];
-    before.confidence = relume::min(before.confidence, cap * own.confidence);
-    if (!(before.confidence > 0.0f)) return;
-    const ReceiverRecord& old_record = history_records[source];
-    if (!exists(scene, old_record.hit)) return;
+    IndirectReservoir before = history.at(source, history.cap * own.confidence);
     if (before.weight > 0.0f && !exists(scene, before.sample.hit())) return;
-    const Instance& instance = scene.instances[old_record.hit.instance];
-    if (moved && scene.meshes[instance.mesh].deforms) return;  // its previous shape is not fully known
     if (!validated.empty()) follow_light(validated[source], before);
-    if (moved && before.weight > 0.0f) turn_normal(previous_to_current(scene, before.sample.hit()), before.sample);
+    if (history.moved && before.weight > 0.0f)
+      turn_normal(previous_to_current(scene, before.sample.hit()), before.sample);
     uint32_t& rays = image.rays[y * width + x];
     const Vec3 here = position_of(record);
-    const Vec3 there = position_of(old_record);
+    const Vec3 there = position_of(history.records[source]);
     const auto now_target = [&](const IndirectVertex& vertex) {
       const SurfacePlace place = place_of(scene, vertex);
       return connects(vertex, place, here, there) ? moved_target(scene, r, vertex, place, traced, rays) : 0.0f;
     };
     const auto before_target = [&](const IndirectVertex& vertex) {
       const SurfacePlace place = place_of(scene, vertex);
-      return connects(vertex, place, here, there) ? old_target(instance, old_record, vertex, rays) : 0.0f;
+      return connects(vertex, place, here, there) ? old_target(source, vertex, rays) : 0.0f;
     };
     own = traced ? combine_balanced(own, before, now_target, before_target, u)
                  : combine_basic(own, before, now_target, before_target, u);
@@ -116,7 +107,7 @@ struct IndirectTemporalKernel {
   RELUME_HD bool connects(const IndirectVertex& vertex, const SurfacePlace& now, const Vec3& here,
                           const Vec3& there) const {
     if (!rule.moves(vertex)) return false;
-    const SurfacePlace old = moved ? old_place(vertex) : now;
+    const SurfacePlace old = history.moved ? old_place(vertex) : now;
     return rule.connects(reconnect(here, now).geometry(), reconnect(there, old).geometry());
   }
 
@@ -124,12 +115,11 @@ struct IndirectTemporalKernel {
     return place_of(scene, previous_instance(scene.instances[vertex.instance]), vertex);
   }
 
-  /// p̂ at the receiver of the previous frame.
-  RELUME_HD float old_target(const Instance& instance, const ReceiverRecord& record, const IndirectVertex& vertex,
-                             uint32_t& rays) const {
+  /// p̂ at the receiver of a pixel in the previous frame.
+  RELUME_HD float old_target(uint32_t source, const IndirectVertex& vertex, uint32_t& rays) const {
     Receiver old;
-    make_receiver(scene, scene.previous_camera, moved ? previous_instance(instance) : instance, record, old);
-    if (!moved) return moved_target(scene, old, vertex, place_of(scene, vertex), traced, rays);
+    make_receiver(scene, scene.previous_camera, history.instance_of(scene, source), history.records[source], old);
+    if (!history.moved) return moved_target(scene, old, vertex, place_of(scene, vertex), traced, rays);
     IndirectVertex turned = vertex;
     turn_normal(glm::inverse(previous_to_current(scene, vertex.hit())), turned);
     return moved_target(scene, old, turned, old_place(vertex), traced, rays);

@@ -6,6 +6,7 @@
 #include "scene/surface_place.h"
 #include "techniques/reuse/reservoir/receiver.h"
 #include "techniques/reuse/reservoir/reservoir.h"
+#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/transport/path/indirect_sample.h"
 #include "techniques/transport/path/specular_part.h"
 
@@ -129,11 +130,7 @@ RELUME_HD inline float moved_target(const SceneView& scene, const Receiver& r, c
 }
 
 /// Planes to which reservoirs add their light.
-struct IndirectImage {
-  View<Rgb> radiance;
-  View<Rgb> specular;  ///< part from specular lobes; may be empty
-  View<uint32_t> rays;
-
+struct IndirectImage : ReuseImage {
   /// Adds the light of a vertex. `weight`: per area.
   RELUME_HD void add(const SceneView& scene, const Receiver& r, const Reconnection& c, const Rgb& light, float weight,
                      uint32_t pixel) const {

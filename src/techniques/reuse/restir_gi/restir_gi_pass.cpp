@@ -1,24 +1,22 @@
 #include "techniques/reuse/restir_gi/restir_gi_pass.h"
 
+#include "techniques/reuse/reservoir/reuse_pass.h"
 #include "techniques/reuse/restir_gi/indirect_spatial.h"
 #include "techniques/reuse/restir_gi/indirect_temporal.h"
 #include "techniques/reuse/restir_gi/indirect_validation.h"
-#include "techniques/temporal/reprojection/backward_buffers.h"
 
 namespace relume {
 namespace {
 
-constexpr BufferKey<IndirectReservoir> kIndirectReservoirs{"restir-gi-reservoirs"};
-constexpr BufferKey<IndirectReservoir> kIndirectHistory{"restir-gi-history"};
-constexpr BufferKey<ReceiverRecord> kIndirectReceivers{"restir-gi-receivers"};
+constexpr ReuseBuffers<IndirectVertex> kIndirect{
+    {"restir-gi-reservoirs"}, {"restir-gi-history"}, {"restir-gi-receivers"}, "indirect light"};
 constexpr BufferKey<Rgb> kValidatedRadiance{"restir-gi-validated"};
 
 /// Changes after which reservoirs of the previous frame are not reused. The radiance of their samples depends on all
 /// lights and surfaces.
 Change ends_reservoirs(const RestirGiSettings& settings) {
-  const Change always = Change::materials | Change::settings | Change::light_list;
-  if (settings.correction != ReuseCorrection::exact) return always;
-  return always | Change::geometry | Change::lights;
+  const bool exact = settings.correction == ReuseCorrection::exact;
+  return exact ? kEndsReservoirs | Change::geometry | Change::lights : kEndsReservoirs;
 }
 
 bool is_traced(const RestirGiSettings& settings) { return settings.correction != ReuseCorrection::basic; }
@@ -29,10 +27,6 @@ ReconnectionRule rule_of(const RestirGiSettings& settings) {
           .largest_jacobian = settings.jacobian};
 }
 
-IndirectImage image_of(const FrameContext& frame) {
-  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays)};
-}
-
 }  // namespace
 
 bool RestirGiPass::validates() const {
@@ -40,26 +34,13 @@ bool RestirGiPass::validates() const {
 }
 
 PassDeclaration RestirGiPass::declaration() const {
-  PassDeclaration declaration{
-      .name = "restir-gi",
-      .stage = Stage::resolve,
-      .owns = {{.id = kIndirectReservoirs, .help = "reservoirs of indirect light before the reuse of neighbours"},
-               {.id = kIndirectHistory,
-                .help = "reservoirs of indirect light that the next frame reuses",
-                .persistent = true,
-                .double_buffered = true,
-                .reset = ends_reservoirs(settings_)},
-               {.id = kIndirectReceivers,
-                .help = "primary hits as receivers of indirect light",
-                .persistent = true,
-                .double_buffered = true,
-                .reset = ends_reservoirs(settings_)}},
-      .reads = {kPrimaryHits, kIndirectSamples},
-      .writes = {kRadiance, kRays},
-      .writes_if_any = {kRadianceSpecular}};
-  for (const BufferId& id : {BufferId(kSurface.motion), BufferId(kSurface.previous), BufferId(kSurface.position),
-                             BufferId(kSurface.normal), BufferId(kSurface.depth), BufferId(kSurface.surface)})
-    declaration.reads.push_back(id);
+  PassDeclaration declaration{.name = "restir-gi",
+                              .stage = Stage::resolve,
+                              .owns = reuse_descriptions(kIndirect, ends_reservoirs(settings_)),
+                              .reads = {kPrimaryHits, kIndirectSamples},
+                              .writes = {kRadiance, kRays},
+                              .writes_if_any = {kRadianceSpecular}};
+  read_surfaces(declaration);
   if (validates()) {
     declaration.owns.push_back(
         {.id = kValidatedRadiance, .help = "radiance of the previous frame's samples in this frame"});
@@ -76,8 +57,8 @@ bool RestirGiPass::validate(const FrameContext& frame) const {
   kernel.context = make_path_context(source_, frame);
   kernel.index = frame.index;
   kernel.rule = rule_of(settings_);
-  kernel.history = frame.previous(kIndirectHistory);
-  kernel.records = frame.previous(kIndirectReceivers);
+  kernel.history = frame.previous(kIndirect.history);
+  kernel.records = frame.previous(kIndirect.receivers);
   kernel.radiance = frame.write(kValidatedRadiance);
   kernel.rays = frame.write(kRays);
   kernel.interval = static_cast<uint32_t>(settings_.validate);
@@ -92,17 +73,13 @@ bool RestirGiPass::reuse_history(const FrameContext& frame) const {
   kernel.rule = rule_of(settings_);
   kernel.hits = frame.read(kPrimaryHits);
   kernel.samples = frame.read(kIndirectSamples);
-  kernel.reprojection = backward_reprojection(frame, kSurface);
-  kernel.history = frame.previous(kIndirectHistory);
-  kernel.history_records = frame.previous(kIndirectReceivers);
+  kernel.history = reservoir_history(frame, kIndirect, settings_.cap);
   if (validates()) kernel.validated = frame.read(kValidatedRadiance);
-  kernel.reservoirs = frame.write(kIndirectReservoirs);
-  kernel.records = frame.write(kIndirectReceivers);
-  kernel.image = image_of(frame);
+  kernel.reservoirs = frame.write(kIndirect.reservoirs);
+  kernel.records = frame.write(kIndirect.receivers);
+  kernel.image = {reuse_image(frame)};
   kernel.max_bounces = static_cast<uint32_t>(source_.settings.max_bounces);
-  kernel.cap = static_cast<float>(settings_.cap);
   kernel.traced = is_traced(settings_);
-  kernel.moved = includes(frame.changes, Change::geometry);
   kernel.width = frame.width();
   return frame.launch_or_stop("restir-gi-temporal", kernel);
 }
@@ -111,16 +88,11 @@ bool RestirGiPass::reuse_neighbours(const FrameContext& frame) const {
   IndirectSpatialKernel kernel;
   kernel.scene = frame.scene;
   kernel.rule = rule_of(settings_);
-  kernel.search = {.normal = frame.read(kSurface.normal),
-                   .depth = frame.read(kSurface.depth),
-                   .count = static_cast<uint32_t>(settings_.neighbours),
-                   .radius = settings_.radius,
-                   .width = frame.width(),
-                   .height = frame.height()};
-  kernel.reservoirs = frame.read(kIndirectReservoirs);
-  kernel.records = frame.read(kIndirectReceivers);
-  kernel.history = frame.write(kIndirectHistory);
-  kernel.image = image_of(frame);
+  kernel.search = neighbour_search(frame, settings_.neighbours, settings_.radius);
+  kernel.reservoirs = frame.read(kIndirect.reservoirs);
+  kernel.records = frame.read(kIndirect.receivers);
+  kernel.history = frame.write(kIndirect.history);
+  kernel.image = {reuse_image(frame)};
   kernel.seed = frame.index.seed;
   kernel.frame = frame.index.frame;
   kernel.traced = is_traced(settings_);

@@ -19,8 +19,7 @@ class RestirGiPass final : public Pass {
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   bool keeps_to_pixels() const override { return false; }
-  /// As for ReSTIR DI: the sum over k of the correlations (cap / (cap + 1))^k, forwards and backwards.
-  uint32_t correlated_frames() const override { return 1 + 2 * static_cast<uint32_t>(settings_.cap); }
+  uint32_t correlated_frames() const override { return frames_correlated_by(settings_.cap); }
 
  private:
   bool validates() const;

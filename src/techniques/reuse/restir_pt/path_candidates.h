@@ -2,6 +2,7 @@
 // resampling with their luminances as weights ([Lin22]).
 #pragma once
 
+#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/reuse/restir_pt/path_walk.h"
 #include "techniques/transport/path/specular_part.h"
 
@@ -233,13 +234,6 @@ struct CandidateTracer {
   }
 };
 
-/// Planes to which reservoirs add their light.
-struct PathImage {
-  View<Rgb> radiance;
-  View<Rgb> specular;  ///< part from specular lobes; may be empty
-  View<uint32_t> rays;
-};
-
 struct PathCandidateKernel {
   PathContext context;
   ConnectRule rule;
@@ -247,7 +241,7 @@ struct PathCandidateKernel {
   View<const Hit> hits;
   View<PathReservoir> reservoirs;
   View<ReceiverRecord> records;
-  PathImage image;
+  ReuseImage image;
   uint32_t width = 0;
   bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
 

@@ -12,17 +12,16 @@ inline constexpr uint32_t kDuplicateRadius = 8;
 inline constexpr uint32_t kMostDuplicates = (2 * kDuplicateRadius + 1) * (2 * kDuplicateRadius + 1) - 1;
 
 /// How much histories count, by the published formula of RTXDI.
-struct DuplicateCap {
-  float cap = 0;       ///< largest confidence of a history, in frames; at least 1
+struct DuplicateLimit {
   float exponent = 0;  ///< of the fraction of duplicates; 0: all histories have the same cap
 
   /// `strength`: in [0, 1]; 0: all histories have the same cap.
-  static DuplicateCap of(float cap, float strength) {
-    return {cap, strength > 0.0f ? 0.1f * math::exp2(6.0f * (1.0f - strength) - 3.0f) : 0.0f};
+  static DuplicateLimit of(float strength) {
+    return {strength > 0.0f ? 0.1f * math::exp2(6.0f * (1.0f - strength) - 3.0f) : 0.0f};
   }
 
-  /// Cap of a history with `duplicates` copies of its path nearby: between `cap` and 1.
-  RELUME_HD float at(uint32_t duplicates) const {
+  /// Cap of a history with `duplicates` copies of its path nearby, between `cap`, at least 1, and 1; in frames.
+  RELUME_HD float at(float cap, uint32_t duplicates) const {
     if (exponent == 0.0f || duplicates == 0) return cap;
     constexpr float kPerDuplicate = 1.0f / static_cast<float>(static_cast<int>(kMostDuplicates));
     const float fraction = static_cast<float>(static_cast<int>(duplicates)) * kPerDuplicate;

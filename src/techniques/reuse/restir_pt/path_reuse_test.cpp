@@ -189,14 +189,14 @@ TEST(PathDuplicates, FillTheWindowAtMost) {
 }
 
 /// Values of RTXDI's formula: t = (n / 288)^(0.1 · 2^(6 (1 − s) − 3)), cap + t (1 − cap).
-TEST(DuplicateCap, FollowsThePublishedFormula) {
-  const DuplicateCap strong = DuplicateCap::of(20, 0.8f);
-  EXPECT_EQ(strong.at(0), 20);
-  EXPECT_NEAR(strong.at(1), 3.852f, 0.01f);
-  EXPECT_NEAR(strong.at(kMostDuplicates), 1, 1e-4f);
-  EXPECT_NEAR(DuplicateCap::of(20, 0.2f).at(1), 17.356f, 0.01f);
-  EXPECT_EQ(DuplicateCap::of(20, 0).at(kMostDuplicates), 20);
-  for (uint32_t n = 1; n < kMostDuplicates; ++n) EXPECT_GT(strong.at(n), strong.at(n + 1));
+TEST(DuplicateLimit, FollowsThePublishedFormula) {
+  const DuplicateLimit strong = DuplicateLimit::of(0.8f);
+  EXPECT_EQ(strong.at(20, 0), 20);
+  EXPECT_NEAR(strong.at(20, 1), 3.852f, 0.01f);
+  EXPECT_NEAR(strong.at(20, kMostDuplicates), 1, 1e-4f);
+  EXPECT_NEAR(DuplicateLimit::of(0.2f).at(20, 1), 17.356f, 0.01f);
+  EXPECT_EQ(DuplicateLimit::of(0).at(20, kMostDuplicates), 20);
+  for (uint32_t n = 1; n < kMostDuplicates; ++n) EXPECT_GT(strong.at(20, n), strong.at(20, n + 1));
 }
 
 }  // namespace

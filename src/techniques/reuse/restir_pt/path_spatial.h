@@ -2,6 +2,7 @@
 // of [Lin22], and adds the light of the result.
 #pragma once
 
+#include "techniques/reuse/reservoir/combine_neighbours.h"
 #include "techniques/reuse/restir_pt/path_candidates.h"
 #include "techniques/reuse/restir_pt/path_pairs.h"
 
@@ -19,7 +20,7 @@ struct PathSpatialKernel {
   View<const PathReservoir> reservoirs;                 ///< before this kernel
   View<const ReceiverRecord> records;
   View<PathReservoir> history;  ///< for the next frame
-  PathImage image;
+  ReuseImage image;
   PathCorrection correction = PathCorrection::exact;
   bool reciprocal = false;  ///< whether neighbours come in pairs
   bool feeds_back = true;   ///< whether the history is the result of this kernel
@@ -64,18 +65,12 @@ struct PathSpatialKernel {
     return shifter.shift(path, scene.camera, scene.instances[record.hit.instance], record, traced, image.rays[pixel]);
   }
 
-  /// The reservoir of neighbour `i`, whose path has the value that it has at `pixel`.
-  RELUME_HD PathReservoir moved(uint32_t pixel, const PathNeighbours& near, uint32_t i) const {
-    PathReservoir neighbour = reservoirs[near.pixels[i]];
-    if (!(neighbour.weight > 0.0f)) return neighbour;
-    if (!knows_shifts()) {
-      move_to(shift(pixel, pixel, neighbour.sample, true), neighbour.sample);
-      return neighbour;
-    }
-    const PairedPath& path = paired[near.pair[i]][pixel];
-    neighbour.sample.value = path.value;
-    neighbour.sample.first = path.first;
-    return neighbour;
+  /// Gives the path of neighbour `i` the value that it has at `pixel`.
+  RELUME_HD void move(uint32_t pixel, const PathNeighbours& near, uint32_t i, StoredPath& path) const {
+    if (!knows_shifts()) return move_to(shift(pixel, pixel, path, true), path);
+    const PairedPath& moved = paired[near.pair[i]][pixel];
+    path.value = moved.value;
+    path.first = moved.first;
   }
 
   /// p̂ of the path of `pixel` at neighbour `i`.
@@ -87,14 +82,12 @@ struct PathSpatialKernel {
 
   RELUME_HD PathReservoir combine_pairs(uint32_t pixel, const PathReservoir& own, const PathNeighbours& near,
                                         ChoiceNumbers& numbers) const {
-    PairwiseCombination<StoredPath> combination(own, near.count);
-    for (uint32_t i = 0; i < near.count; ++i) {
-      const PathReservoir neighbour = moved(pixel, near, i);
-      const float here = neighbour.weight > 0.0f ? luminance(neighbour.sample.value) : 0.0f;
-      const float there = own.weight > 0.0f ? target_there(pixel, near, i, own.sample) : 0.0f;
-      combination.add(neighbour, here, there, numbers.next());
-    }
-    return combination.finish(numbers.next());
+    const auto here = [&](uint32_t i, PathReservoir& neighbour) {
+      move(pixel, near, i, neighbour.sample);
+      return luminance(neighbour.sample.value);
+    };
+    const auto there = [&](uint32_t i) { return target_there(pixel, near, i, own.sample); };
+    return combine_neighbours_pairwise(own, reservoirs, near, here, there, numbers);
   }
 
   /// The modes "basic" and "constant".
@@ -104,7 +97,8 @@ struct PathSpatialKernel {
     combination.add(own, 0, own.target, 0.0f);
     float confidence = own.confidence;
     for (uint32_t i = 0; i < near.count; ++i) {
-      const PathReservoir neighbour = moved(pixel, near, i);
+      PathReservoir neighbour = reservoirs[near.pixels[i]];
+      if (neighbour.weight > 0.0f) move(pixel, near, i, neighbour.sample);
       combination.add(neighbour, i + 1, luminance(neighbour.sample.value), numbers.next());
       confidence += neighbour.confidence;
     }
@@ -125,13 +119,9 @@ struct PathSpatialKernel {
     return combination.finish(of_source, of_all);
   }
 
-  /// Adds the light of the result, whose path is known to be visible. A weight that is not finite shows as such.
+  /// Adds the light of the result, whose path is known to be visible.
   RELUME_HD void shade(uint32_t pixel, const PathReservoir& result) const {
-    if (result.weight == 0.0f) return;
-    if (!is_finite(result.weight)) {
-      image.radiance[pixel] += Rgb(result.weight);
-      return;
-    }
+    if (!image.takes(result.weight, pixel)) return;
     const Rgb value = result.sample.value * result.weight;
     image.radiance[pixel] += value;
     if (!image.specular.empty()) image.specular[pixel] += value * share_of_specular(pixel, result.sample);

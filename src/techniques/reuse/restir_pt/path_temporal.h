@@ -18,16 +18,13 @@ RELUME_HD inline PathReservoir combine_constant(const PathReservoir& now, const 
 
 struct PathTemporalKernel {
   PathShifter shifter;
-  BackwardReprojection reprojection;
-  View<const PathReservoir> history;           ///< of the previous frame
-  View<const ReceiverRecord> history_records;  ///< primary hits of the previous frame
-  View<const uint32_t> duplicates;             ///< by PathDuplicatesKernel; empty: none
+  ReservoirHistory<StoredPath> history;
+  View<const uint32_t> duplicates;  ///< in the history, by PathDuplicatesKernel; empty: not counted
   View<const ReceiverRecord> records;
   View<PathReservoir> reservoirs;
   View<uint32_t> rays;
   PathCorrection correction = PathCorrection::exact;
-  DuplicateCap cap;
-  bool moved = false;  ///< whether instances were placed differently in the previous frame
+  DuplicateLimit limit;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * shifter.width + x;
@@ -37,24 +34,19 @@ struct PathTemporalKernel {
     ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPathHistory);
     const float u_source = numbers.next();
     const float u = numbers.next();
-    const uint32_t source = history_source(reprojection, x, y, u_source);
-    if (source == kNoSurface) return;
-    PathReservoir before = history[source];
-    const float limit = cap.at(duplicates.empty() ? 0 : duplicates[source]);
-    before.confidence = relume::min(before.confidence, limit * own.confidence);
-    if (!(before.confidence > 0.0f) || !is_finite(before.weight)) return;
     const SceneView& scene = shifter.context.scene;
-    const ReceiverRecord& old = history_records[source];
-    if (!exists(scene, old.hit)) return;
+    const uint32_t source = history.find(scene, x, y, u_source);
+    if (source == kNoSurface) return;
+    const float cap = limit.at(history.cap, duplicates.empty() ? 0 : duplicates[source]);
+    PathReservoir before = history.at(source, cap * own.confidence);
+    if (!is_finite(before.weight)) return;
     if (before.weight > 0.0f && !exists(scene, before.sample, shifter.context.max_bounces)) return;
-    const Instance& instance = scene.instances[old.hit.instance];
-    if (moved && scene.meshes[instance.mesh].deforms) return;  // its previous shape is not fully known
-    reservoirs[pixel] = combine(pixel, own, before, old, instance, u);
+    reservoirs[pixel] = combine(pixel, own, before, source, u);
   }
 
  private:
-  RELUME_HD PathReservoir combine(uint32_t pixel, const PathReservoir& own, PathReservoir& before,
-                                  const ReceiverRecord& old, const Instance& instance, float u) const {
+  RELUME_HD PathReservoir combine(uint32_t pixel, const PathReservoir& own, PathReservoir& before, uint32_t source,
+                                  float u) const {
     const SceneView& scene = shifter.context.scene;
     if (before.weight > 0.0f) {
       const ReceiverRecord& now = records[pixel];
@@ -62,21 +54,21 @@ struct PathTemporalKernel {
               before.sample);
     }
     if (correction == PathCorrection::constant) return combine_constant(own, before, u);
-    const float there = own.weight > 0.0f ? old_target(own.sample, old, instance, rays[pixel]) : 0.0f;
+    const float there = own.weight > 0.0f ? old_target(own.sample, source, rays[pixel]) : 0.0f;
     const auto now_target = [](const StoredPath& path) { return luminance(path.value); };
     const auto before_target = [there](const StoredPath&) { return there; };
     return correction == PathCorrection::basic ? combine_basic(own, before, now_target, before_target, u)
                                                : combine_balanced(own, before, now_target, before_target, u);
   }
 
-  /// p̂ of this pixel's path at the primary hit of the previous frame.
-  RELUME_HD float old_target(const StoredPath& path, const ReceiverRecord& old, const Instance& instance,
-                             uint32_t& ray_count) const {
-    const CameraView& camera = shifter.context.scene.previous_camera;
+  /// p̂ of this pixel's path at the primary hit of a pixel in the previous frame.
+  RELUME_HD float old_target(const StoredPath& path, uint32_t source, uint32_t& ray_count) const {
+    const SceneView& scene = shifter.context.scene;
     const bool traced = correction != PathCorrection::basic;
-    const Shifted there = moved ? shifter.shift(path, camera, previous_instance(instance), old, traced, ray_count)
-                                : shifter.shift(path, camera, instance, old, traced, ray_count);
-    return there.target();
+    return shifter
+        .shift(path, scene.previous_camera, history.instance_of(scene, source), history.records[source], traced,
+               ray_count)
+        .target();
   }
 };
 
