@@ -42,6 +42,7 @@ constexpr Variation kContenders[] = {
     {"restir-di, basic, svgf", R"({"reuse": "restir-di", "restir.correction": "basic", "denoise": "svgf"})", true},
     {"restir-di, cap 5, svgf", R"({"reuse": "restir-di", "restir.cap": 5, "denoise": "svgf"})", true},
     {"restir-gi, svgf", R"({"reuse": "restir-gi", "denoise": "svgf"})", true},
+    {"restir-di+gi, svgf", R"({"reuse": "restir-di+gi", "denoise": "svgf"})", true},
     {"restir-pt, svgf", R"({"reuse": "restir-pt", "denoise": "svgf"})", true},
     {"ris", R"({"reuse": "ris", "history": "none"})"},
     {"restir-di", R"({"reuse": "restir-di", "history": "none"})", true},

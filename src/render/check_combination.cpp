@@ -26,7 +26,7 @@ void check_crop(const RenderSettings& s) {
       {s.guide != GuideChoice::bsdf, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.reuse == ReuseChoice::restir_di, "reservoirs of other pixels; use --reuse ris"},
-      {s.reuse == ReuseChoice::restir_gi || s.reuse == ReuseChoice::restir_pt,
+      {resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt,
        "reservoirs of other pixels; use --reuse none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
       {upscales(s), "temporal upscaling, which fills pixels from their neighbours; use --upscale 1"},
@@ -58,16 +58,16 @@ void check_chains(const RenderSettings& s) {
         "records either samples or states for chains; use lights 'mcls' with guide 'mcpg', or lights 'vlc' or 'neeat' "
         "with guide 'cdq'");
   }
-  const bool resamples_lights = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
+  const bool resamples_lights = resamples_direct_light(s.reuse);
   if (resamples_lights && s.lights == LightSelectionChoice::mcls) {
     throw Error(
-        "lights 'mcls' does not combine with reuse 'ris' and 'restir-di', whose light candidates leave no records to "
-        "learn from; use lights 'light-tree' or 'vlc', or reuse 'none'");
+        "lights 'mcls' does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', whose light candidates leave "
+        "no records to learn from; use lights 'light-tree' or 'vlc', or reuse 'none'");
   }
   if (resamples_lights && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
-        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris' and 'restir-di', which are next event "
-        "estimation; use mcpg.nee on, or reuse 'none'");
+        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', which are "
+        "next event estimation; use mcpg.nee on, or reuse 'none'");
   }
 }
 
@@ -109,14 +109,15 @@ void check_forward_history(const RenderSettings& s) {
 void check_restir_gi(const RenderSettings& s) {
   if (needs_first_vertices(s)) {
     throw Error(
-        "reuse 'restir-gi' does not combine with history 'reproject' by reproject.method 'forward', which verifies the "
-        "light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse 'none'");
+        "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward', "
+        "which verifies the light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or "
+        "reuse 'none'");
   }
   if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
     throw Error(
-        "reuse 'restir-gi' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
-        "would have no reservoir for their neighbours and the next frame; use reuse 'none', or allocation 'uniform' "
-        "with upscale 1");
+        "reuse 'restir-gi' and 'restir-di+gi' do not combine with allocation 'adaptive' or with upscale above 1: "
+        "pixels without a path would have no reservoir for their neighbours and the next frame; use reuse 'none', or "
+        "allocation 'uniform' with upscale 1");
   }
 }
 
@@ -146,15 +147,17 @@ void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
-        "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with estimators 'bdpt', 'light' and "
+        "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', "
+        "'light' and "
         "'vcm', whose MIS weights do not include reservoirs; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
-        "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with a radiance cache: its cells would "
+        "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: "
+        "its cells would "
         "lack the light that reservoirs add; use cache 'none' or reuse 'none'");
   }
-  if (s.reuse == ReuseChoice::restir_gi) return check_restir_gi(s);
+  if (resamples_indirect_light(s.reuse)) return check_restir_gi(s);
   if (s.reuse == ReuseChoice::restir_pt) return check_restir_pt(s);
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
     throw Error(
@@ -169,7 +172,8 @@ void check_reuse(const RenderSettings& s) {
 void check_shutter(const RenderSettings& s) {
   if (s.reuse != ReuseChoice::none) {
     throw Error(
-        "reuse 'ris', 'restir-di', 'restir-gi' and 'restir-pt' do not combine with an open shutter: reservoirs "
+        "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with an open shutter: "
+        "reservoirs "
         "describe lights and surfaces at one time; use reuse 'none' or shutter 0");
   }
   if (needs_first_vertices(s)) {

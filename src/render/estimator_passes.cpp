@@ -20,22 +20,23 @@ bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
 
-/// Whether reservoirs take over direct light at primary hits.
-bool reuses_direct_light(const RenderSettings& settings) {
-  return settings.reuse == ReuseChoice::ris || settings.reuse == ReuseChoice::restir_di;
-}
-
 /// Adds the reservoirs at primary hits.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const PathRecording* recording) {
+  const auto add_direct = [&] {
+    builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
+  };
+  const auto add_indirect = [&] {
+    builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
+  };
   switch (settings.reuse) {
     case ReuseChoice::none: break;
     case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, recording); break;
-    case ReuseChoice::restir_di:
-      builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
-      break;
-    case ReuseChoice::restir_gi:
-      builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
+    case ReuseChoice::restir_di: add_direct(); break;
+    case ReuseChoice::restir_gi: add_indirect(); break;
+    case ReuseChoice::restir_di_gi:
+      add_direct();
+      add_indirect();
       break;
     case ReuseChoice::restir_pt: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(source); break;
   }
@@ -155,8 +156,8 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   }
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .specular = splits_light(settings),
-                            .first_scatters = reuses_direct_light(settings),
-                            .indirect_samples = settings.reuse == ReuseChoice::restir_gi,
+                            .first_scatters = resamples_direct_light(settings.reuse),
+                            .indirect_samples = resamples_indirect_light(settings.reuse),
                             .only_specular = settings.reuse == ReuseChoice::restir_pt};
   auto& paths = builder.add_tracing<PathPass>(source, records, recording, chains);
   add_reuse(builder, settings, source, recording);

@@ -75,11 +75,11 @@ SettingList describe_slots(RenderSettings& s) {
       {"guide", choice(s.guide, {"bsdf", "cdq", "mcpg"}),
        "Direction sampling: by the BSDF, or by a mixture of the BSDF and the light that arrived in earlier frames "
        "(path guiding): cdq stores it in quadtrees, mcpg as lobes of Markov chains"},
-      {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi", "restir-pt"}),
+      {"reuse", choice(s.reuse, {"none", "ris", "restir-di", "restir-gi", "restir-di+gi", "restir-pt"}),
        "Reservoirs at primary hits. none; ris: for direct light, chooses one of several lights by the light that the "
        "surface would reflect from it (resampled importance sampling); restir-di: also reuses the choices of earlier "
        "frames and of neighbouring pixels (ReSTIR DI); restir-gi: reuses their indirect light instead (ReSTIR GI); "
-       "restir-pt: reuses their whole paths (ReSTIR PT)"},
+       "restir-di+gi: both, each with its own settings; restir-pt: reuses their whole paths (ReSTIR PT)"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg", "sharc"}),
        "Radiance cache: none, path space filtering, its adaptive form, adaptive path graphs, both adaptive techniques, "

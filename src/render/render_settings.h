@@ -48,11 +48,20 @@ inline constexpr int kMostSeed = 900'000'000;
 enum class EstimatorChoice : int { path, bdpt, light, vcm };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc, neeat, mcls };
 enum class GuideChoice : int { bsdf, cdq, mcpg };
-enum class ReuseChoice : int { none, ris, restir_di, restir_gi, restir_pt };
+enum class ReuseChoice : int { none, ris, restir_di, restir_gi, restir_di_gi, restir_pt };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg, sharc };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
 enum class DenoiseChoice : int { none, bmfr, svgf, asvgf, oidn };
+
+/// Whether reservoirs resample the direct light of primary hits, and leave other light to paths or other reservoirs.
+constexpr bool resamples_direct_light(ReuseChoice reuse) {
+  return reuse == ReuseChoice::ris || reuse == ReuseChoice::restir_di || reuse == ReuseChoice::restir_di_gi;
+}
+/// Whether reservoirs resample the light that second vertices reflect.
+constexpr bool resamples_indirect_light(ReuseChoice reuse) {
+  return reuse == ReuseChoice::restir_gi || reuse == ReuseChoice::restir_di_gi;
+}
 
 /// Which samples of an image a session renders, and how it adds them up. Derived from the command, so not named
 /// settings.

@@ -15,6 +15,7 @@ bool samples_adapt(const RenderSettings& settings) {
     case ReuseChoice::ris: return false;
     case ReuseChoice::restir_di:
     case ReuseChoice::restir_gi:
+    case ReuseChoice::restir_di_gi:
     case ReuseChoice::restir_pt: return true;
   }
   return true;

@@ -50,6 +50,8 @@ inline const auto kOtherWays = ::testing::Values(
         ReuseChoice::restir_di},
     Way{"restir_gi", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 16, false,
         ReuseChoice::restir_gi},
+    Way{"restir_di_gi", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::bsdf, 16, false,
+        ReuseChoice::restir_di_gi},
     Way{"restir_pt", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::bsdf, 16, false,
         ReuseChoice::restir_pt},
     Way{"mcpg", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::mcpg, 8},

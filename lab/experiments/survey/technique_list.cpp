@@ -30,6 +30,7 @@ const SurveyTechnique kPairings[] = {
     {"restir-di + asvgf", "reuse:restir-di,denoise:asvgf"},
     {"restir-di + vlc + svgf", "reuse:restir-di,lights:vlc,denoise:svgf"},
     {"restir-gi + light-tree + svgf", "reuse:restir-gi,lights:light-tree,denoise:svgf"},
+    {"restir-di+gi + light-tree + svgf", "reuse:restir-di+gi,lights:light-tree,denoise:svgf"},
     {"mcpg + light-tree + svgf", "guide:mcpg,lights:light-tree,denoise:svgf"},
     {"restir-pt + light-tree + svgf", "reuse:restir-pt,lights:light-tree,denoise:svgf"},
     {"bdpt + bmfr", "estimator:bdpt,denoise:bmfr"},

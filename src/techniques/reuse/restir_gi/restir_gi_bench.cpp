@@ -27,6 +27,8 @@ BENCHMARK_CAPTURE(bm_restir_gi, cornell_lagging, "cornell", ReuseChoice::restir_
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(bm_restir_gi, cornell_basic, "cornell", ReuseChoice::restir_gi, ReuseCorrection::basic)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bm_restir_gi, cornell_with_di, "cornell", ReuseChoice::restir_di_gi, ReuseCorrection::exact)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(bm_restir_gi, corridor_exact, "corridor", ReuseChoice::restir_gi, ReuseCorrection::exact)
     ->Unit(benchmark::kMillisecond);
 

@@ -60,8 +60,8 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing. Indirect samples combine with neither
-// first scattering events nor first vertices.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing. Indirect samples do not combine with
+// first vertices.
 
 struct Tracing {
   const PathSource& source;
@@ -83,7 +83,9 @@ struct Tracing {
 
   template <typename... Outputs>
   bool run_indirect(const Outputs&... outputs) const {
-    return run_with_specular(outputs..., IndirectSampleOutput{frame.write(kIndirectSamples)});
+    const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
+    if (!records.first_scatters) return run_with_specular(outputs..., samples);
+    return run_with_specular(outputs..., FirstScatterOutput{frame.write(kFirstScatters)}, samples);
   }
 
   template <typename... Outputs>
