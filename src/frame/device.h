@@ -25,6 +25,9 @@ struct DeviceLaunch {
   uint32_t threads = 0;     ///< of a group, for group kernels; 0: a pass kernel, with one thread per element
   std::span<const std::byte> argument = {};  ///< the kernel, with zeroed padding; at most 4 KiB
   Tile window = {};                          ///< at least one element
+  /// Whether the device may keep the launch, and begin it together with later ones: once it gets one without this mark,
+  /// has enough of them, or anyone waits for launches or accesses its memory.
+  bool may_wait = false;
 };
 
 /// Edges of a rectangle of elements.
@@ -50,7 +53,7 @@ class Device {
   virtual ElementBlock block(const Tile& /*window*/) const { return {}; }
 
   /// Queues a launch. Copies everything that `launch` refers to. Throws Error if the device cannot accept it, or as
-  /// finish() for an earlier launch.
+  /// finish() for an earlier launch. Launches that have not begun when another fails are dropped.
   virtual void launch(const DeviceLaunch& launch) = 0;
 
   /// Waits until at most `launches` queued launches have not ended. Throws as finish().

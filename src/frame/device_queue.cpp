@@ -11,6 +11,10 @@ namespace {
 constexpr double kBandSeconds = 0.010;
 constexpr double kQueueSeconds = 0.015;
 
+/// Launches up to this time may wait for later ones. Their start would take a share of their time; that of longer ones
+/// takes little.
+constexpr double kShortSeconds = 0.002;
+
 // The first band of a kernel is small, because its time is unknown. Later ones have at most so many times the threads
 // of the largest so far: the time of a band grows at most in proportion.
 constexpr uint64_t kGrowth = 8;          ///< after bands that took less than kBandSeconds / kGrowth
@@ -99,9 +103,18 @@ bool DeviceQueue::launch_bands(const DeviceLaunch& launch, const std::stop_token
   return true;
 }
 
-void DeviceQueue::add(const DeviceLaunch& band, Estimate& estimate, bool is_trial) {
-  const uint64_t threads = threads_of(band);
+bool DeviceQueue::may_wait(double expected_s) {
+  kept_s_ += expected_s;
+  if (expected_s <= kShortSeconds && kept_s_ <= kBandSeconds) return true;
+  kept_s_ = 0;
+  return false;
+}
+
+void DeviceQueue::add(const DeviceLaunch& launch, Estimate& estimate, bool is_trial) {
+  const uint64_t threads = threads_of(launch);
   const double expected_s = is_trial ? kQueueSeconds : expected_seconds(estimate, threads);
+  DeviceLaunch band = launch;
+  band.may_wait = may_wait(expected_s);
   device_.launch(band);
   bands_.push_back({std::string(band.name), &estimate, threads, expected_s});
   expected_s_ += expected_s;
@@ -138,6 +151,7 @@ void DeviceQueue::learn(Estimate& estimate, uint64_t threads, double seconds) co
 void DeviceQueue::make_room() {
   collect_times();
   while (!bands_.empty() && expected_s_ >= kQueueSeconds) {
+    kept_s_ = 0;
     device_.wait(bands_.size() - 1);
     collect_times();
   }
@@ -155,6 +169,7 @@ void DeviceQueue::collect_times() {
 }
 
 void DeviceQueue::finish() {
+  kept_s_ = 0;
   try {
     device_.finish();
     collect_times();
@@ -173,6 +188,7 @@ void DeviceQueue::discard() noexcept {
   }
   bands_.clear();
   expected_s_ = 0;
+  kept_s_ = 0;
 }
 
 }  // namespace relume

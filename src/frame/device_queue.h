@@ -1,4 +1,5 @@
-// Sends launches to a device in bands, so that a stop is answered soon, and collects their times.
+// Sends launches to a device in bands, so that a stop is answered soon, and collects their times. Marks short launches
+// that the device may begin together, of at most a band's time.
 #pragma once
 
 #include <cstddef>
@@ -51,7 +52,7 @@ class DeviceQueue {
 
   bool launch_bands(const DeviceLaunch& launch, const std::stop_token& stop, const std::function<void()>& before_band);
   /// `is_trial`: whether the next band waits for this one, which may show that it can be larger.
-  void add(const DeviceLaunch& band, Estimate& estimate, bool is_trial);
+  void add(const DeviceLaunch& launch, Estimate& estimate, bool is_trial);
   Estimate& estimate_of(const DeviceLaunch& launch);
   /// Whether a launch takes the same time with more threads, up to parallel_threads().
   bool fills_device(const Estimate& estimate) const;
@@ -59,6 +60,8 @@ class DeviceQueue {
   /// Number of threads that the device executes in kBandSeconds; at least those that take no longer than one.
   uint64_t fitting_threads(const Estimate& estimate) const;
   void learn(Estimate& estimate, uint64_t threads, double seconds) const;
+  /// Whether the device may keep a launch, with those that it keeps already.
+  bool may_wait(double expected_s);
   /// Waits until the queue is expected to be empty after kQueueSeconds.
   void make_room();
   void collect_times();
@@ -69,6 +72,7 @@ class DeviceQueue {
   std::function<void(std::string_view, double)> add_time_;
   std::deque<Band> bands_;
   double expected_s_ = 0;                                              ///< sum over the bands
+  double kept_s_ = 0;                                                  ///< the same for those that the device may keep
   std::map<std::pair<std::string, std::string>, Estimate> estimates_;  ///< by kernel and name of the launch
 };
 
