@@ -17,6 +17,7 @@ struct Tile {
 
   uint32_t width() const { return x1 - x0; }
   uint32_t height() const { return y1 - y0; }
+  bool operator==(const Tile&) const = default;
 };
 
 /// Grid of elements, in square tiles. The last column and row may be narrower.

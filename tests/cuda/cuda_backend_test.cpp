@@ -58,6 +58,46 @@ TEST_F(CudaBackendTest, DividesLaunchesThatCanBeStopped) {
   EXPECT_FALSE(launch(backend, "draw", kernel, kWidth, kHeight, source.get_token()));
 }
 
+TEST_F(CudaBackendTest, LaunchesShortKernelsAsGraphs) {
+  constexpr uint32_t kElements = 500;
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(kElements, 0);
+  std::stop_source source;
+  size_t launches = 0;
+  for (int frame = 0; frame < 6; ++frame) {
+    for (int pass = 1; pass <= 6; ++pass) {
+      const AddKernel kernel{static_cast<uint8_t>(pass), values.mutable_view()};
+      EXPECT_TRUE(launch(backend, "pass", kernel, kElements, 1, source.get_token()));
+    }
+    backend.run("host", [] {});
+    if (frame == 2) launches = StubDriver::calls("cuLaunchKernel");
+  }
+  EXPECT_EQ(StubDriver::calls("cuLaunchKernel"), launches);
+  EXPECT_GE(StubDriver::calls("cuGraphLaunch"), 4u);
+  for (const uint32_t value : values.read()) EXPECT_EQ(value, 6u * (1 + 2 + 3 + 4 + 5 + 6));
+}
+
+TEST_F(CudaBackendTest, StopsWithLaunchesThatWait) {
+  constexpr uint32_t kElements = 500;
+  Backend backend(*device_, 1);
+  Array<uint32_t> values(backend.memory());
+  values.assign(kElements, 0);
+  std::stop_source source;
+  const AddKernel kernel{1, values.mutable_view()};
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(launch(backend, "add", kernel, kElements, 1, source.get_token()));
+    backend.run("host", [] {});
+  }
+  const size_t before = StubDriver::calls("cuLaunchKernel");
+  EXPECT_TRUE(launch(backend, "add", kernel, kElements, 1, source.get_token()));
+  EXPECT_TRUE(launch(backend, "add", kernel, kElements, 1, source.get_token()));
+  EXPECT_EQ(StubDriver::calls("cuLaunchKernel"), before) << "they wait for the next ones";
+  source.request_stop();
+  EXPECT_FALSE(launch(backend, "add", kernel, kElements, 1, source.get_token()));
+  EXPECT_EQ(values.read()[0], 7u) << "the launches before the stop are executed";
+}
+
 TEST_F(CudaBackendTest, StopsBetweenBandsAndDrains) {
   constexpr uint32_t kElements = 100000;
   Backend backend(*device_, 1);

@@ -24,6 +24,7 @@ namespace {
 using testing::AddKernel;
 using testing::AppendKernel;
 using testing::queue;
+using testing::queue_waiting;
 using testing::RowSumKernel;
 using testing::StubDriver;
 using testing::TrapKernel;
@@ -263,7 +264,13 @@ void use_device(const StubDriver& stub) {
   device->take_times();
   EXPECT_EQ(to.read()[0], 0u);
   EXPECT_EQ(to.read()[1], 2u);
-  device->finish();
+  // A sequence is launched without a graph, then captured, and then updates the graph.
+  for (const uint32_t elements : {100u, 100u, 200u}) {
+    queue_waiting(*device, AddKernel{1, to.mutable_view()}, {0, 0, elements, 1});
+    queue_waiting(*device, AddKernel{2, to.mutable_view()}, {0, 0, elements, 1});
+    device->finish();
+  }
+  EXPECT_EQ(to.read()[1], 11u);
   device->take_times();
 }
 
@@ -285,16 +292,21 @@ class DriverFunctionTest : public ::testing::TestWithParam<std::string> {
 /// The first call fails with an error that the device survives, for lack of memory, and because the device is lost.
 TEST_P(DriverFunctionTest, FailsOnce) {
   const std::string& function = GetParam();
-  const bool frees = is_one_of(
-      function, {"cuMemFree_v2", "cuMemFreeHost", "cuModuleUnload", "cuStreamDestroy_v2", "cuEventDestroy_v2"});
+  const bool frees = is_one_of(function, {"cuMemFree_v2", "cuMemFreeHost", "cuModuleUnload", "cuStreamDestroy_v2",
+                                          "cuEventDestroy_v2", "cuGraphExecDestroy", "cuGraphDestroy"});
   const bool releases = function == "cuDevicePrimaryCtxRelease_v2";
   // Destructors ignore errors. After the loss of the device, the next call fails, too.
+  const bool is_for_graphs =
+      is_one_of(function, {"cuStreamBeginCapture_v2", "cuStreamEndCapture", "cuEventRecordWithFlags",
+                           "cuGraphInstantiate_v2", "cuGraphExecUpdate", "cuGraphLaunch"});
   const bool in_destructors = frees || releases || is_one_of(function, {"cuCtxPopCurrent_v2", "cuStreamSynchronize"});
   for (const auto& [result, name] : {std::pair(1, "CUDA_ERROR_INVALID_VALUE"), std::pair(2, "CUDA_ERROR_OUT_OF_MEMORY"),
                                      std::pair(719, "CUDA_ERROR_LAUNCH_FAILED")}) {
     SCOPED_TRACE(name);
     const bool is_lost = result == 719;
-    const bool is_ignored = in_destructors && !(is_lost && function == "cuCtxPopCurrent_v2");
+    // Launches need no graphs.
+    const bool is_noticed = is_lost && (is_for_graphs || is_one_of(function, {"cuCtxPopCurrent_v2", "cuGraphDestroy"}));
+    const bool is_ignored = (in_destructors || is_for_graphs) && !is_noticed;
     StubDriver::configure("fail=" + function + ":1:" + std::to_string(result));
     const std::string error = error_of([&] { use_device(stub_); });
     EXPECT_GT(StubDriver::calls(function.c_str()), 0u);

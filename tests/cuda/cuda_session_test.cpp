@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <future>
@@ -74,6 +75,31 @@ TEST_F(CudaSessionTest, RendersTheBitsOfTheHost) {
   expect_same_bits("three frames");
   EXPECT_EQ(gpu_.statistics().rays, host_.statistics().rays);
   EXPECT_EQ(gpu_.estimated_error(), host_.estimated_error());
+}
+
+TEST_F(CudaSessionTest, LaunchesTheSameFramesAsGraphs) {
+  StubDriver::configure("open=1");  // for two sessions
+  struct Result {
+    std::vector<uint32_t> bits;
+    size_t kernels = 0;  ///< that were launched one by one
+    size_t graphs = 0;
+  };
+  const auto result_of = [](Session& session) {
+    const size_t kernels = StubDriver::calls("cuLaunchKernel");
+    const size_t graphs = StubDriver::calls("cuGraphLaunch");
+    render(session, 8);
+    return Result{bits_of(session), StubDriver::calls("cuLaunchKernel") - kernels,
+                  StubDriver::calls("cuGraphLaunch") - graphs};
+  };
+  const Result with = result_of(gpu_);
+  ::setenv("RELUME_CUDA_GRAPHS", "0", 1);
+  Session single(build("cornell"), settings_of("cuda"));
+  ::unsetenv("RELUME_CUDA_GRAPHS");
+  const Result without = result_of(single);
+  EXPECT_GT(with.graphs, 0u);
+  EXPECT_EQ(without.graphs, 0u);
+  EXPECT_LT(with.kernels, without.kernels);
+  EXPECT_TRUE(with.bits == without.bits);
 }
 
 TEST_F(CudaSessionTest, ChangesTheSizeOfTheImage) {

@@ -49,7 +49,7 @@ TEST_P(CudaThreadTest, MemoryIsUsedDuringLaunches) {
     });
   }
   for (uint32_t i = 0; i < kRounds; ++i) {
-    queue(*device_, AddKernel{1, launched.mutable_view()}, {0, 0, 16, 1});
+    queue(*device_, AddKernel{1, launched.mutable_view()}, {0, 0, 16, 1}, "test", i % 3 > 0);  // some may wait
     if (i % 7 == 0) device_->finish();
     device_->take_times();
   }

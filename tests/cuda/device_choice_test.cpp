@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <string>
 
 #include "relume/error.h"
@@ -61,6 +62,21 @@ TEST(DeviceChoice, FallsBackToTheHostIfAGpuHasNoMemory) {
   EXPECT_EQ(open_chosen_device("auto"), nullptr);
   StubDriver::configure("fail=cuStreamCreate:1:2");
   EXPECT_THROW(open_chosen_device("cuda"), DeviceMemoryError);
+}
+
+TEST(DeviceChoice, RefusesUnknownValuesOfTheVariable) {
+  const StubDriver stub;
+  for (const char* value : {"0", "1"}) {
+    ::setenv("RELUME_CUDA_GRAPHS", value, 1);
+    EXPECT_EQ(error_of("cuda"), "no error");
+  }
+  ::setenv("RELUME_CUDA_GRAPHS", "off", 1);
+  const std::string error =
+      "RELUME_CUDA_GRAPHS is 'off', but must be 0 (launches without CUDA graphs) or 1; unset it for 1";
+  EXPECT_EQ(error_of("cuda"), error);
+  EXPECT_EQ(error_of("cuda:0"), error);
+  EXPECT_EQ(error_of("cpu"), "no error");
+  ::unsetenv("RELUME_CUDA_GRAPHS");
 }
 
 TEST(DeviceChoice, ResolvesAutoToTheGpuThatOpens) {

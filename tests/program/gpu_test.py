@@ -15,6 +15,8 @@ GPU = ["--device", "cuda"]
 HOST = ["--device", "cpu", "--accel", "bvh"]
 LOST = "failed in or after the launch of '"
 NO_MEMORY = "CUDA_ERROR_OUT_OF_MEMORY"
+# Without graphs, each launch of a kernel is a call of the driver.
+NO_GRAPHS = {**os.environ, "RELUME_CUDA_GRAPHS": "0"}
 
 
 class GpuTest(ProgramTest):
@@ -31,9 +33,9 @@ class GpuTest(ProgramTest):
             (self.folder / name).unlink()
         return max(number for number, name in enumerate(launches, 1) if "PathKernel" in name)
 
-    def assert_fails(self, *arguments, settings, sentence, before=()):
+    def assert_fails(self, *arguments, settings, sentence, before=(), base=os.environ):
         """Runs a command that fails with one sentence, after these lines."""
-        done = run(*arguments, cwd=self.folder, env=environment(settings))
+        done = run(*arguments, cwd=self.folder, env=environment(settings, base=base))
         self.assertEqual(done.returncode, 1, done.stderr)
         *lines, last = done.stderr.splitlines()
         self.assertEqual(lines, list(before))
@@ -64,6 +66,17 @@ class Images(GpuTest):
         for settings, uses_gpu in (("", True), ("capability=61", False), ("devices=0", False), ("version=9020", False)):
             self.succeed("render", "cornell", *SIZE, "--spp", "1", "-o", "auto.exr", "--device", "auto", env=logging(log, settings))
             self.assertEqual(len(launches_in(log)) > 0, uses_gpu, settings)
+
+    def test_graphs_of_launches_change_no_bits(self):
+        image = ["render", "cornell", *SIZE, "--spp", "8", "--history", "reproject", "--denoise", "svgf", *GPU, "-o"]
+        self.succeed(*image, "graphs.exr", env=environment())
+        self.succeed(*image, "single.exr", env=environment(base=NO_GRAPHS))
+        self.succeed(*image, "refused.exr", env=environment("fail=cuGraphLaunch:3:2"))
+        self.assert_equal_bits("graphs.exr", "single.exr")
+        self.assert_equal_bits("graphs.exr", "refused.exr")
+        done = run(*image, "other.exr", cwd=self.folder, env=environment(base={**os.environ, "RELUME_CUDA_GRAPHS": "yes"}))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("RELUME_CUDA_GRAPHS is 'yes', but must be 0", done.stderr)
 
     def test_statistics_have_times_and_memory(self):
         self.render("cornell", "--spp", "2", "-o", "gpu.exr", *GPU, "--stats", "gpu.json")
@@ -125,9 +138,9 @@ class Errors(GpuTest):
         in_third = self.last_path_launch(*sequence, *output, "--frames", "0-2")
         self.succeed(*sequence, "-o", "whole.####.exr", "--frames", "0-2", env=environment())
         complete = self.files()
-        for settings, sentence in ((f"lose={in_third}", LOST), (f"fail=cuLaunchKernel:{in_third}:2", NO_MEMORY)):
+        for settings, sentence, base in ((f"lose={in_third}", LOST, os.environ), (f"fail=cuLaunchKernel:{in_third}:2", NO_MEMORY, NO_GRAPHS)):
             with self.subTest(settings):
-                self.assert_fails(*sequence, *output, "--frames", "0-3", settings=settings, sentence=sentence)
+                self.assert_fails(*sequence, *output, "--frames", "0-3", settings=settings, sentence=sentence, base=base)
                 self.assertEqual(self.files(), sorted(["f.0000.exr", "f.0001.exr", *complete]))
                 for frame in range(2):
                     self.assert_equal_bits(f"f.{frame:04}.exr", f"whole.{frame:04}.exr")
@@ -160,7 +173,7 @@ class Errors(GpuTest):
     def test_an_image_is_kept_where_memory_runs_out(self):
         image = ["render", "cornell", *SIZE, *GPU, "-o", "a.exr"]
         in_fifth = self.last_path_launch(*image, "--spp", "5")
-        self.assert_fails(*image, "--spp", "8", settings=f"fail=cuLaunchKernel:{in_fifth}:2", sentence=NO_MEMORY,
+        self.assert_fails(*image, "--spp", "8", settings=f"fail=cuLaunchKernel:{in_fifth}:2", sentence=NO_MEMORY, base=NO_GRAPHS,
                   before=["the GPU failed; wrote a.exr with 4 samples per pixel"])
         self.render("cornell", "--spp", "4", "-o", "host.exr", *HOST)
         self.assert_equal_bits("a.exr", "host.exr")

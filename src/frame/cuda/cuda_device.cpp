@@ -1,13 +1,18 @@
 #include "frame/cuda/cuda_device.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
+#include <mutex>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "frame/cuda/devices.h"
+#include "frame/cuda/kernel_call.h"
+#include "frame/cuda/launch_graphs.h"
 #include "frame/cuda/launch_slots.h"
 #include "frame/cuda/managed_memory.h"
 #include "frame/cuda/memory_budget.h"
@@ -20,19 +25,6 @@ namespace {
 
 /// Left to the driver and to other programs, bytes.
 constexpr size_t kSpareBytes = size_t{256} << 20;
-/// Most blocks of a grid in y.
-constexpr uint32_t kMaxGridHeight = 65535;
-
-/// The threads of a block, for pass kernels. A warp has 32 consecutive threads: 8 × 4 pixels of an image, whose rays
-/// are similar, or 32 elements of a list, which is a row or a column.
-ElementBlock block_of(const Tile& window) {
-  if (window.height() == 1) return {128, 1};
-  if (window.width() == 1) return {1, 128};
-  return {8, 16};
-}
-
-uint32_t blocks(uint32_t elements, uint32_t block) { return elements / block + (elements % block > 0 ? 1 : 0); }
-
 /// The GPU, if relume can use it. Throws Error otherwise.
 GpuInfo usable_gpu(const Driver& driver, int index) {
   GpuInfo gpu = gpu_info(driver, index);
@@ -56,10 +48,16 @@ class CudaDevice final : public Device {
         queue_(driver, number_of(driver, gpu_.index), fmt::format("{} (cuda:{})", gpu_.name, gpu_.index)),
         module_(queue_, ptx),
         slots_(queue_),
+        graphs_(queue_, slots_, module_.argument(), options.graphs),
         memory_(queue_, options.memory_bytes > 0 ? options.memory_bytes : std::numeric_limits<size_t>::max(),
                 MemoryBudget::of_gpu(queue_.device(), gpu_.concurrent_access, queue_.device_name(),
                                      [this] { return free_bytes(); }),
-                gpu_.concurrent_access) {}
+                gpu_.concurrent_access) {
+    queue_.on_submit([this] {
+      const std::lock_guard lock(mutex_);
+      submit();
+    });
+  }
 
   Memory& memory() override { return memory_; }
   uint32_t parallel_threads() const override {
@@ -70,24 +68,38 @@ class CudaDevice final : public Device {
   void wait(size_t launches) override;
   void finish() override;
   std::vector<double> take_times() override;
-  double take_move_time() override { return slots_.take_move_time(); }
+  double take_move_time() override {
+    const std::lock_guard lock(mutex_);
+    return slots_.take_move_time();
+  }
   std::optional<DeviceStatistics> statistics() const override;
 
  private:
   /// Memory of the GPU that blocks may take, with room left for the stacks of all threads.
   size_t free_bytes();
   const Kernel& kernel_of(const DeviceLaunch& launch) const;
-  void copy_argument(const DeviceLaunch& launch, const LaunchSlot& slot);
-  void run(const DeviceLaunch& launch, const Kernel& kernel);
+  // The functions below need the mutex.
+  /// Gives the launches that it keeps to the driver. Drops the rest after an error, which it throws.
+  void submit();
+  void submit_calls(std::span<const KernelCall> calls);
+  void submit_call(const KernelCall& call);
+  /// Returns false if they are to be launched one by one.
+  bool submit_graph(std::span<const KernelCall> calls);
+  /// Queues what precedes the launches of a slot.
+  void begin(LaunchSlot& slot);
+  void copy_argument(const KernelCall& call, const LaunchSlot& slot);
   void record(Event event);
 
   GpuInfo gpu_;
   std::string driver_version_;
   Queue queue_;
   LoadedModule module_;
+  std::mutex mutex_;  ///< guards the launches, because any thread may submit them: slots_ and the members below
   LaunchSlots slots_;
-  ManagedMemory memory_;
+  LaunchGraphs graphs_;
+  std::vector<KernelCall> kept_;          ///< launches that the driver does not have yet
   std::vector<std::byte> last_argument_;  ///< in the device's constant, once the queued copies have ended
+  ManagedMemory memory_;
 };
 
 size_t CudaDevice::free_bytes() {
@@ -115,56 +127,98 @@ const Kernel& CudaDevice::kernel_of(const DeviceLaunch& launch) const {
 
 void CudaDevice::launch(const DeviceLaunch& launch) {
   const Queue::Current current(queue_);
-  const Kernel& kernel = kernel_of(launch);
-  LaunchSlot& slot = slots_.free_slot();
+  KernelCall call{.name = std::string(launch.name),
+                  .kernel = &kernel_of(launch),
+                  .group_threads = launch.threads,
+                  .window = launch.window,
+                  .argument = {launch.argument.begin(), launch.argument.end()}};
+  const bool waits = launch.may_wait && is_one_grid(call);
+  const std::lock_guard lock(mutex_);
+  if (!waits) submit();
+  queue_.added();
+  if (!waits) return submit_calls(std::span(&call, 1));
+  kept_.push_back(std::move(call));
+  if (kept_.size() == LaunchGraphs::kMostLaunches) submit();
+}
+
+void CudaDevice::submit() {
+  if (kept_.empty()) return;
+  const std::vector<KernelCall> calls = std::exchange(kept_, {});
+  const size_t before = slots_.launched();
   try {
-    slot.has_moves = memory_.has_moves();
-    if (slot.has_moves) record(slot.moves);
-    memory_.move_to_device();
-    record(slot.begin);
-    copy_argument(launch, slot);
-    run(launch, kernel);
-    record(slot.end);
+    submit_calls(calls);
   } catch (...) {
-    // The copy of the argument may be queued.
+    // Each launch that was accepted has a time.
+    try {
+      slots_.add_dropped(before + calls.size() - slots_.launched());
+    } catch (...) {  // the device is lost
+    }
+    throw;
+  }
+}
+
+void CudaDevice::submit_calls(std::span<const KernelCall> calls) {
+  try {
+    if (submit_graph(calls)) return;
+    for (const KernelCall& call : calls) submit_call(call);
+  } catch (...) {
+    // Copies of arguments may be queued.
     queue_.driver().cuStreamSynchronize(queue_.stream());
     last_argument_.clear();
     throw;
   }
-  slots_.add(launch.name);
+}
+
+void CudaDevice::submit_call(const KernelCall& call) {
+  LaunchSlot& slot = slots_.free_slot();
+  begin(slot);
+  copy_argument(call, slot);
+  const Result result = queue_kernel(queue_.driver(), queue_.stream(), call);
+  if (result != Result::success) queue_.check(result, fmt::format("launching '{}'", call.name));
+  record(slot.end);
+  slots_.add(call.name);
+}
+
+bool CudaDevice::submit_graph(std::span<const KernelCall> calls) {
+  LaunchGraph* const graph = graphs_.prepare(calls);
+  if (!graph) return false;
+  const Event end = slots_.free_slot(calls.size() - 1).end;
+  begin(slots_.free_slot());
+  if (!graphs_.accepts(queue_.driver().cuGraphLaunch(graph->execution, queue_.stream()))) return false;
+  record(end);
+  std::vector<std::string_view> names;
+  for (const KernelCall& call : calls) names.push_back(call.name);
+  slots_.add_graph(names, graph->ends);
+  graphs_.launched(*graph);
+  last_argument_ = calls.back().argument;
+  return true;
+}
+
+void CudaDevice::begin(LaunchSlot& slot) {
+  slot.has_moves = memory_.has_moves();
+  if (slot.has_moves) record(slot.moves);
+  memory_.move_to_device();
+  record(slot.begin);
 }
 
 void CudaDevice::record(Event event) {
   queue_.check(queue_.driver().cuEventRecord(event, queue_.stream()), "recording an event");
 }
 
-void CudaDevice::copy_argument(const DeviceLaunch& launch, const LaunchSlot& slot) {
-  const std::span<const std::byte> argument = launch.argument;
-  if (std::equal(argument.begin(), argument.end(), last_argument_.begin(), last_argument_.end())) return;
-  last_argument_.assign(argument.begin(), argument.end());
-  if (argument.empty()) return;
-  std::memcpy(slot.argument, argument.data(), argument.size());
-  queue_.check(queue_.driver().cuMemcpyHtoDAsync(module_.argument(), slot.argument, argument.size(), queue_.stream()),
-               "copying the argument of a kernel");
-}
-
-void CudaDevice::run(const DeviceLaunch& launch, const Kernel& kernel) {
-  const ElementBlock block = kernel.is_group ? ElementBlock{} : block_of(launch.window);
-  const uint32_t rows = kMaxGridHeight * block.height;
-  Tile part = launch.window;
-  for (; part.y0 < launch.window.y1; part.y0 = part.y1) {
-    part.y1 = launch.window.y1 - part.y0 > rows ? part.y0 + rows : launch.window.y1;
-    std::array<void*, 4> parameters{&part.x0, &part.y0, &part.x1, &part.y1};  // groups have the first two
-    const uint32_t threads = kernel.is_group ? launch.threads : block.width;
-    const Result result = queue_.driver().cuLaunchKernel(kernel.function, blocks(part.width(), block.width),
-                                                         blocks(part.height(), block.height), 1, threads, block.height,
-                                                         1, 0, queue_.stream(), parameters.data(), nullptr);
-    if (result != Result::success) queue_.check(result, fmt::format("launching '{}'", launch.name));
-  }
+void CudaDevice::copy_argument(const KernelCall& call, const LaunchSlot& slot) {
+  if (call.argument == last_argument_) return;
+  last_argument_ = call.argument;
+  if (call.argument.empty()) return;
+  std::memcpy(slot.argument, call.argument.data(), call.argument.size());
+  queue_.check(
+      queue_.driver().cuMemcpyHtoDAsync(module_.argument(), slot.argument, call.argument.size(), queue_.stream()),
+      "copying the argument of a kernel");
 }
 
 void CudaDevice::wait(size_t launches) {
   const Queue::Current current(queue_);
+  const std::lock_guard lock(mutex_);
+  submit();
   slots_.wait(launches);
 }
 
@@ -172,16 +226,22 @@ void CudaDevice::finish() {
   const Queue::Current current(queue_);
   try {
     queue_.finish();
+    const std::lock_guard lock(mutex_);
     slots_.wait(0);
-    memory_.free_blocks();
   } catch (...) {
+    const std::lock_guard lock(mutex_);
+    // Work may be queued that reads the slots.
+    queue_.driver().cuStreamSynchronize(queue_.stream());
+    kept_.clear();
     slots_.clear();
     throw;
   }
+  memory_.free_blocks();
 }
 
 std::vector<double> CudaDevice::take_times() {
   const Queue::Current current(queue_);
+  const std::lock_guard lock(mutex_);
   return slots_.take_times();
 }
 

@@ -13,6 +13,7 @@ namespace relume::cuda {
 struct DeviceOptions {
   int index = 0;            ///< of the GPU among those of the driver
   size_t memory_bytes = 0;  ///< limit of the total of its blocks; 0: only that of all devices on the GPU
+  bool graphs = true;       ///< whether sequences of launches that may wait become graphs (launch_graphs.h)
 };
 
 /// Opens a GPU for the PTX of kernels (frame/cuda/device_entry.h). The driver compiles it, and keeps the result on disk

@@ -1,6 +1,7 @@
 #include "frame/cuda/device_choice.h"
 
 #include <charconv>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -17,14 +18,28 @@ struct OpenedGpu {
   int index = 0;
 };
 
+/// Options of a GPU. Throws Error for unknown values of the environment variable.
+DeviceOptions options_of(int index) {
+  constexpr const char* kGraphs = "RELUME_CUDA_GRAPHS";
+  const char* const variable = std::getenv(kGraphs);
+  const std::string_view value = variable ? variable : "1";
+  if (value != "0" && value != "1") {
+    throw Error(
+        fmt::format("{} is '{}', but must be 0 (launches without CUDA graphs) or 1; unset it for 1", kGraphs, value));
+  }
+  return {.index = index, .graphs = value == "1"};
+}
+
 /// The first GPU that can be used.
 OpenedGpu open_any() {
   if (device_code_bytes() == 0) return {};
+  DeviceOptions options = options_of(0);
   const std::string code = device_code();
   for (const GpuInfo& gpu : list_gpus().gpus) {
     if (!gpu.problem.empty()) continue;
+    options.index = gpu.index;
     try {
-      return {open_device(driver(), code, {.index = gpu.index}), gpu.index};
+      return {open_device(driver(), code, options), gpu.index};
     } catch (const Error&) {
       continue;  // the next GPU, or the host, takes its place
     } catch (const DeviceMemoryError&) {
@@ -57,7 +72,7 @@ std::unique_ptr<Device> open_chosen_device(std::string_view value) {
   const DeviceChoice choice = parse_device(value);
   if (choice.kind == DeviceChoice::Kind::host) return nullptr;
   if (choice.kind == DeviceChoice::Kind::automatic) return open_any().device;
-  return open_device(driver(), device_code(), {.index = choice.index});
+  return open_device(driver(), device_code(), options_of(choice.index));
 }
 
 std::string resolved_device(std::string_view value) {

@@ -23,8 +23,9 @@ struct DeviceChoice {
 /// Throws Error for other values.
 DeviceChoice parse_device(std::string_view value);
 
-/// Opens the GPU that the value names, with the device code of the library. nullptr: the host. Throws Error for other
-/// values, and if a GPU is named that cannot be used.
+/// Opens the GPU that the value names, with the device code of the library. nullptr: the host. The environment variable
+/// RELUME_CUDA_GRAPHS turns off graphs of launches ("0"). Throws Error for other values, and if a GPU is named that
+/// cannot be used.
 std::unique_ptr<Device> open_chosen_device(std::string_view value);
 
 /// The value, with "auto" replaced by what it opens now: "cuda:N" or "cpu". Opens and closes that GPU. Throws Error for

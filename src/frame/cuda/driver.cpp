@@ -36,6 +36,11 @@ class Finder {
     }
     function = reinterpret_cast<Function*>(found);
   }
+  /// The same for a function that drivers may lack.
+  template <typename Function>
+  void find_optional(const char* symbol, Function*& function) const {
+    function = reinterpret_cast<Function*>(::dlsym(library_, symbol));
+  }
 
  private:
   void* library_;
@@ -58,9 +63,21 @@ void check_version(void* library) {
 Driver load_driver(const std::string& library) {
   void* const handle = open_library(library);
   check_version(handle);
+  const Finder find{handle};
   Driver driver;
-  driver.for_each_function(Finder{handle});
+#define RELUME_FIND(member, symbol) find(#symbol, driver.member);
+  RELUME_CUDA_FUNCTIONS(RELUME_FIND)
+#undef RELUME_FIND
+#define RELUME_FIND(member, symbol) find.find_optional(#symbol, driver.member);
+  RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_FIND)
+#undef RELUME_FIND
   return driver;
+}
+
+bool Driver::has_graphs() const {
+#define RELUME_AND_HAS(member, symbol) &&member != nullptr
+  return true RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_AND_HAS);
+#undef RELUME_AND_HAS
 }
 
 const Driver& driver() {

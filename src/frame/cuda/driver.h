@@ -79,6 +79,10 @@ inline constexpr unsigned kAttachGlobal = 1;
 inline constexpr unsigned kStreamNonBlocking = 1;
 /// An event on which the host waits without occupying a core (CU_EVENT_BLOCKING_SYNC).
 inline constexpr unsigned kEventBlockingSync = 1;
+/// A capture that forbids calls which could break it to its own thread only (CU_STREAM_CAPTURE_MODE_THREAD_LOCAL).
+inline constexpr int kCaptureThreadLocal = 1;
+/// A captured event becomes a node, which records it in each launch of the graph (CU_EVENT_RECORD_EXTERNAL).
+inline constexpr unsigned kEventRecordExternal = 1;
 
 // Objects of the driver.
 using DeviceNumber = int;
@@ -88,11 +92,17 @@ struct ModuleObject;
 struct FunctionObject;
 struct StreamObject;
 struct EventObject;
+struct GraphObject;
+struct GraphExecutionObject;
+struct GraphNodeObject;
 using Context = ContextObject*;
 using Module = ModuleObject*;
 using Function = FunctionObject*;
 using Stream = StreamObject*;
 using Event = EventObject*;
+using Graph = GraphObject*;
+using GraphExecution = GraphExecutionObject*;
+using GraphNode = GraphNodeObject*;
 
 /// Version of the driver's interface that PTX 6.3 needs, as cuDriverGetVersion() writes it: 10.0.
 inline constexpr int kMinDriverVersion = 10000;
@@ -147,6 +157,21 @@ struct Driver {
   Result (*cuEventSynchronize)(Event event) = nullptr;
   Result (*cuEventElapsedTime)(float* milliseconds, Event begin, Event end) = nullptr;
 
+  // Graphs. nullptr if the driver lacks them: cuEventRecordWithFlags needs CUDA 11.1, the others need less.
+  Result (*cuStreamBeginCapture)(Stream stream, int mode) = nullptr;
+  Result (*cuStreamEndCapture)(Stream stream, Graph* graph) = nullptr;
+  Result (*cuEventRecordWithFlags)(Event event, Stream stream, unsigned flags) = nullptr;
+  Result (*cuGraphInstantiate)(GraphExecution* execution, Graph graph, GraphNode* failed, char* log,
+                               size_t log_bytes) = nullptr;
+  /// Its first form: the second one needs driver 12.0.
+  Result (*cuGraphExecUpdate)(GraphExecution execution, Graph graph, GraphNode* failed, int* reason) = nullptr;
+  Result (*cuGraphLaunch)(GraphExecution execution, Stream stream) = nullptr;
+  Result (*cuGraphExecDestroy)(GraphExecution execution) = nullptr;
+  Result (*cuGraphDestroy)(Graph graph) = nullptr;
+
+  /// Whether the driver has all functions of graphs.
+  bool has_graphs() const;
+
   /// Calls f(symbol, function) for each function, with its name in the library.
   template <typename F>
   void for_each_function(const F& f);
@@ -174,7 +199,7 @@ void check(const Driver& driver, Result result, std::string_view action);
 /// A version of the driver's interface, such as "12.4" for 12040.
 std::string version_text(int version);
 
-/// X(member, symbol) for each function: its member of Driver, and its name in the library.
+/// X(member, symbol) for each function that relume needs: its member of Driver, and its name in the library.
 #define RELUME_CUDA_FUNCTIONS(X)                             \
   X(cuGetErrorName, cuGetErrorName)                          \
   X(cuGetErrorString, cuGetErrorString)                      \
@@ -214,10 +239,22 @@ std::string version_text(int version);
   X(cuEventSynchronize, cuEventSynchronize)                  \
   X(cuEventElapsedTime, cuEventElapsedTime)
 
+/// The same for the functions of graphs, under their oldest names that take these parameters.
+#define RELUME_CUDA_GRAPH_FUNCTIONS(X)              \
+  X(cuStreamBeginCapture, cuStreamBeginCapture_v2)  \
+  X(cuStreamEndCapture, cuStreamEndCapture)         \
+  X(cuEventRecordWithFlags, cuEventRecordWithFlags) \
+  X(cuGraphInstantiate, cuGraphInstantiate_v2)      \
+  X(cuGraphExecUpdate, cuGraphExecUpdate)           \
+  X(cuGraphLaunch, cuGraphLaunch)                   \
+  X(cuGraphExecDestroy, cuGraphExecDestroy)         \
+  X(cuGraphDestroy, cuGraphDestroy)
+
 template <typename F>
 void Driver::for_each_function(const F& f) {
 #define RELUME_VISIT(member, symbol) f(#symbol, member);
   RELUME_CUDA_FUNCTIONS(RELUME_VISIT)
+  RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_VISIT)
 #undef RELUME_VISIT
 }
 

@@ -166,6 +166,7 @@ void ManagedMemory::copy(void* to, const void* from, size_t bytes) {
   if (!moves_blocks_) return Memory::copy(to, from, bytes);
   if (bytes == 0) return;
   const Queue::Current current(queue_);
+  queue_.submit();
   const std::lock_guard lock(mutex_);
   bring(static_cast<const std::byte*>(from));
   bring(static_cast<const std::byte*>(to));
@@ -178,6 +179,7 @@ void ManagedMemory::zero(void* to, size_t bytes) {
   if (!moves_blocks_) return Memory::zero(to, bytes);
   if (bytes == 0) return;
   const Queue::Current current(queue_);
+  queue_.submit();
   const std::lock_guard lock(mutex_);
   bring(static_cast<const std::byte*>(to));
   const Result result = queue_.driver().cuMemsetD8Async(address_of(to), 0, bytes, queue_.stream());

@@ -79,11 +79,8 @@ void Queue::destroy_objects() const {
 }
 
 void Queue::launched(std::string_view name) {
-  {
-    const std::lock_guard lock(mutex_);
-    launches_.emplace_back(name);
-  }
-  added();
+  const std::lock_guard lock(mutex_);
+  launches_.emplace_back(name);
 }
 
 void Queue::oldest_ended() {
@@ -101,6 +98,7 @@ void Queue::finish() {
   const uint64_t added = added_.load();
   uint64_t finished = finished_.load();
   if (finished >= added) return;
+  submit();
   wait_for_stream("executing kernels");
   while (finished < added && !finished_.compare_exchange_weak(finished, added)) {
   }
@@ -113,6 +111,11 @@ void Queue::wait_for_stream(std::string_view action) {
 
 void Queue::check(Result result, std::string_view action) {
   if (result != Result::success) fail(result, action);
+}
+
+bool Queue::accepts(Result result, std::string_view action) {
+  if (ends_context(result)) fail(result, action);
+  return result == Result::success;
 }
 
 void Queue::check_usable() const {

@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "frame/cuda/driver.h"
 
@@ -40,12 +42,20 @@ class Queue {
   const std::string& device_name() const { return device_name_; }
   Stream stream() const { return stream_; }
 
-  /// Call it after each launch. `name`: for messages.
+  /// Calls `submit` where host code or other work needs the launches that the device keeps: `submit` gives them to the
+  /// driver. The context is current then. Call this before other threads use the queue.
+  void on_submit(std::function<void()> submit) { submit_ = std::move(submit); }
+  /// Call it before work is queued that depends on launches. Throws as `submit`.
+  void submit() const {
+    if (submit_) submit_();
+  }
+
+  /// Call it after the driver has a launch. `name`: for messages.
   void launched(std::string_view name);
   /// Call it when the host knows that the oldest launch has ended, or that all have ended or failed.
   void oldest_ended();
   void all_ended();
-  /// Call it after other work is queued that accesses memory.
+  /// Call it after work is queued that accesses memory, or a launch is kept.
   void added() { ++added_; }
   /// Pieces of work that were queued so far.
   uint64_t queued() const { return added_.load(); }
@@ -62,6 +72,8 @@ class Queue {
   /// failed, for the sentence. The driver may report errors of earlier launches. After an error that the device does
   /// not survive, check_usable() throws it again.
   void check(Result result, std::string_view action);
+  /// Returns whether `result` is success. Throws as check() only after an error that the device does not survive.
+  bool accepts(Result result, std::string_view action);
   /// Throws Error if the device has failed.
   void check_usable() const;
 
@@ -89,6 +101,7 @@ class Queue {
   std::atomic<uint64_t> added_ = 0;     ///< pieces of work that were queued
   std::atomic<uint64_t> finished_ = 0;  ///< those whose work has ended
   std::atomic<bool> failed_ = false;
+  std::function<void()> submit_;
   mutable std::mutex mutex_;          ///< guards the texts
   std::deque<std::string> launches_;  ///< in the queue
   std::string failure_;

@@ -9,9 +9,9 @@ extern "C" {
 /// them); other settings have their defaults. Aborts on unknown words.
 void relume_stub_configure(const char* text);
 
-/// Objects of a kind that exist: "contexts", "modules", "streams", "events", "managed" and "locked" blocks. Of two
-/// kinds, those since the last relume_stub_configure(): "leaked" objects existed when the last context ended without an
-/// error, and blocks were "moved to N", a device.
+/// Objects of a kind that exist: "contexts", "modules", "streams", "events", "graphs" (captured or to be launched),
+/// "managed" and "locked" blocks. Of two kinds, those since the last relume_stub_configure(): "leaked" objects existed
+/// when the last context ended without an error, and blocks were "moved to N", a device.
 size_t relume_stub_objects(const char* kind);
 
 /// Calls of a function of the driver since the last relume_stub_configure(), with the name in the library.

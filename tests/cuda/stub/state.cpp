@@ -31,14 +31,21 @@ void State::configure(const std::string& text) {
 }
 
 void State::end_contexts() {
-  if (sticky == kSuccess) leaked += modules.size() + streams.size() + events.size() + managed.count() + locked.size();
+  if (sticky == kSuccess) {
+    leaked += modules.size() + streams.size() + events.size() + graphs.size() + executions.size() + managed.count() +
+              locked.size();
+  }
   for (const Module* module : modules) delete module;
   for (const Stream* stream : streams) delete stream;
   for (const Event* event : events) delete event;
+  for (const Graph* graph : graphs) delete graph;
+  for (const GraphExecution* execution : executions) delete execution;
   for (const auto& block : locked) std::free(block.first);
   modules.clear();
   streams.clear();
   events.clear();
+  graphs.clear();
+  executions.clear();
   locked.clear();
   managed.clear();
   memory_work_ = 0;
@@ -97,6 +104,25 @@ void State::add_work(Stream& stream, std::function<void()> work) {
 void State::add_kernel(Stream& stream, KernelCall call) {
   launched_.push_back(call.function->entry);
   add_work(stream, [this, call = std::move(call)] { run(call); });
+}
+
+int State::add_node(Stream& stream, GraphNode node) {
+  if (!stream.capture) {
+    node.add(stream);
+    return kSuccess;
+  }
+  if (!stream.capture->valid) return kCaptureInvalidated;
+  stream.capture->graph.nodes.push_back(std::move(node));
+  return kSuccess;
+}
+
+void State::record(Stream& stream, Event* event) {
+  event->done = false;
+  add(stream, [this, event, record = ++event->records] {
+    if (sticky != kSuccess || !events.contains(event) || record != event->records) return;
+    event->done = true;
+    event->time_s = clock_s;
+  });
 }
 
 bool State::execute_one(Stream& stream) {

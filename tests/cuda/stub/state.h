@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "runtime/module.h"
@@ -33,6 +34,10 @@ inline constexpr int kNotFound = 500;
 inline constexpr int kNotReady = 600;
 inline constexpr int kIllegalAddress = 700;
 inline constexpr int kLaunchFailed = 719;
+inline constexpr int kCaptureUnsupported = 900;
+inline constexpr int kCaptureInvalidated = 901;
+inline constexpr int kCaptureUnmatched = 903;
+inline constexpr int kGraphUpdateFailure = 910;
 
 // Objects behind the handles.
 struct Context {
@@ -56,10 +61,31 @@ struct Event {
   bool done = false;   ///< whether that was reached
   double time_s = 0;
 };
+struct Stream;
+/// A node of a graph: work that each launch of the graph adds to a stream, after the nodes before it.
+struct GraphNode {
+  enum class Kind { kernel, copy, event };
+  Kind kind = Kind::kernel;
+  std::function<void(Stream&)> add;
+};
+struct Graph {
+  std::vector<GraphNode> nodes;
+};
+/// A graph that can be launched, with copies of the nodes.
+struct GraphExecution {
+  std::vector<GraphNode> nodes;
+};
+/// A capture: the stream's calls become nodes.
+struct Capture {
+  std::thread::id thread;
+  Graph graph;
+  bool valid = true;  ///< not after a call that it does not permit
+};
 /// Work of a queue, in order. Without "eager", it runs when the host waits for it or asks about it, which shows whether
 /// the host waits where it must.
 struct Stream {
   std::deque<std::function<void()>> work;
+  std::optional<Capture> capture;
 };
 
 /// A kernel that is launched.
@@ -91,6 +117,9 @@ class State {
   /// host has waited.
   void add_work(Stream& stream, std::function<void()> work);
   void add_kernel(Stream& stream, KernelCall call);
+  /// Adds a node to the stream's capture, or its work to the stream if there is no capture.
+  int add_node(Stream& stream, GraphNode node);
+  void record(Stream& stream, Event* event);
   /// Executes the first piece of work. Returns false if there is none.
   bool execute_one(Stream& stream);
   /// The host has waited: it may access managed memory if no work on it is queued.
@@ -108,6 +137,8 @@ class State {
   std::set<Module*> modules;
   std::set<Stream*> streams;
   std::set<Event*> events;
+  std::set<Graph*> graphs;
+  std::set<GraphExecution*> executions;
   ManagedBlocks managed;
   std::map<void*, size_t> locked;  ///< page-locked blocks
   size_t leaked = 0;               ///< objects that end_contexts() freed after no error

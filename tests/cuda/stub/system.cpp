@@ -34,6 +34,9 @@ constexpr ErrorText kErrors[] = {
     {701, "CUDA_ERROR_LAUNCH_OUT_OF_RESOURCES", "too many resources requested for launch"},
     {719, "CUDA_ERROR_LAUNCH_FAILED", "unspecified launch failure"},
     {803, "CUDA_ERROR_SYSTEM_DRIVER_MISMATCH", "system has unsupported display driver / cuda driver combination"},
+    {900, "CUDA_ERROR_STREAM_CAPTURE_UNSUPPORTED", "operation not permitted when stream is capturing"},
+    {901, "CUDA_ERROR_STREAM_CAPTURE_INVALIDATED", "operation failed due to a previous error during capture"},
+    {910, "CUDA_ERROR_GRAPH_EXEC_UPDATE_FAILURE", "the graph update was not performed"},
     {999, "CUDA_ERROR_UNKNOWN", "unknown error"},
 };
 
@@ -98,6 +101,7 @@ size_t relume_stub_objects(const char* kind) {
   if (name == "modules") return state.modules.size();
   if (name == "streams") return state.streams.size();
   if (name == "events") return state.events.size();
+  if (name == "graphs") return state.graphs.size() + state.executions.size();
   if (name == "managed") return state.managed.count();
   if (name == "locked") return state.locked.size();
   if (name == "leaked") return state.leaked;

@@ -31,6 +31,16 @@ bool is_locked(const State& state, const void* address, size_t bytes) {
   });
 }
 
+/// Executes a copy. Its source must not be freed before.
+void copy_locked(State& state, unsigned long long to, const void* from, size_t bytes) {
+  if (state.sticky != kSuccess) return;
+  if (is_locked(state, from, bytes)) {
+    std::memcpy(pointer(to), from, bytes);
+  } else {
+    state.sticky = kIllegalAddress;
+  }
+}
+
 /// Whether the bytes are in a variable of a loaded module.
 bool is_variable(const State& state, const void* address, size_t bytes) {
   const auto* const begin = static_cast<const unsigned char*>(address);
@@ -83,7 +93,7 @@ int cuMemGetInfo_v2(size_t* free, size_t* total) {
 }
 
 int cuMemAllocManaged(unsigned long long* address, size_t bytes, unsigned flags) {
-  return with_context("cuMemAllocManaged", [&](State& state) {
+  return outside_of_captures("cuMemAllocManaged", [&](State& state) {
     if (bytes == 0 || flags != kAttachGlobal) return kInvalidValue;
     void* const block = state.managed.allocate(bytes);
     *address = address_of(block);
@@ -92,12 +102,12 @@ int cuMemAllocManaged(unsigned long long* address, size_t bytes, unsigned flags)
 }
 
 int cuMemFree_v2(unsigned long long address) {
-  return with_context("cuMemFree_v2",
-                      [&](State& state) { return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue; });
+  return outside_of_captures(
+      "cuMemFree_v2", [&](State& state) { return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue; });
 }
 
 int cuMemHostAlloc(void** address, size_t bytes, unsigned) {
-  return with_context("cuMemHostAlloc", [&](State& state) {
+  return outside_of_captures("cuMemHostAlloc", [&](State& state) {
     *address = std::malloc(bytes);
     if (!*address) return kOutOfMemory;
     state.locked.emplace(*address, bytes);
@@ -106,7 +116,7 @@ int cuMemHostAlloc(void** address, size_t bytes, unsigned) {
 }
 
 int cuMemFreeHost(void* address) {
-  return with_context("cuMemFreeHost", [&](State& state) {
+  return outside_of_captures("cuMemFreeHost", [&](State& state) {
     if (state.locked.erase(address) == 0) return kInvalidValue;
     std::free(address);
     return kSuccess;
@@ -114,11 +124,10 @@ int cuMemFreeHost(void* address) {
 }
 
 int cuMemPrefetchAsync(unsigned long long address, size_t bytes, int device, Stream* stream) {
-  return with_context("cuMemPrefetchAsync", [&](State& state) {
+  return with_idle_stream("cuMemPrefetchAsync", stream, [&](State& state) {
     if (!state.settings.concurrent) return kInvalidDevice;
     if (device != kHost && (device < 0 || device >= state.settings.devices)) return kInvalidDevice;
     if (bytes == 0 || !state.managed.contains(pointer(address), bytes)) return kInvalidValue;
-    if (!state.streams.contains(stream)) return kInvalidHandle;
     if (device != kHost) ++state.moved_to[device];
     state.add(*stream, [&state, address, bytes] {
       state.clock_s += 1e-10 * static_cast<double>(bytes);
@@ -134,16 +143,15 @@ int cuMemcpyHtoDAsync_v2(unsigned long long to, const void* from, size_t bytes, 
     if (!state.streams.contains(stream)) return kInvalidHandle;
     // Other memory is copied before the driver's function returns, if at all.
     if (!is_locked(state, from, bytes) || !is_variable(state, pointer(to), bytes)) return kInvalidValue;
-    state.add(*stream, [&state, to, from, bytes] {
-      if (state.sticky == kSuccess) std::memcpy(pointer(to), from, bytes);
-    });
-    return kSuccess;
+    return state.add_node(*stream, {GraphNode::Kind::copy, [&state, to, from, bytes](Stream& into) {
+                                      state.add(into,
+                                                [&state, to, from, bytes] { copy_locked(state, to, from, bytes); });
+                                    }});
   });
 }
 
 int cuMemcpyDtoDAsync_v2(unsigned long long to, unsigned long long from, size_t bytes, Stream* stream) {
-  return with_context("cuMemcpyDtoDAsync_v2", [&](State& state) {
-    if (!state.streams.contains(stream)) return kInvalidHandle;
+  return with_idle_stream("cuMemcpyDtoDAsync_v2", stream, [&](State& state) {
     if (!state.managed.contains(pointer(to), bytes) || !state.managed.contains(pointer(from), bytes))
       return kInvalidValue;
     state.add_work(*stream, [=] { std::memcpy(pointer(to), pointer(from), bytes); });
@@ -152,8 +160,7 @@ int cuMemcpyDtoDAsync_v2(unsigned long long to, unsigned long long from, size_t 
 }
 
 int cuMemsetD8Async(unsigned long long to, unsigned char value, size_t bytes, Stream* stream) {
-  return with_context("cuMemsetD8Async", [&](State& state) {
-    if (!state.streams.contains(stream)) return kInvalidHandle;
+  return with_idle_stream("cuMemsetD8Async", stream, [&](State& state) {
     if (!state.managed.contains(pointer(to), bytes)) return kInvalidValue;
     state.add_work(*stream, [=] { std::memset(pointer(to), value, bytes); });
     return kSuccess;
@@ -161,7 +168,7 @@ int cuMemsetD8Async(unsigned long long to, unsigned char value, size_t bytes, St
 }
 
 int cuModuleLoadDataEx(Module** handle, const void* image, unsigned options, const int* names, void** values) {
-  return with_context("cuModuleLoadDataEx", [&](State& state) {
+  return outside_of_captures("cuModuleLoadDataEx", [&](State& state) {
     std::string message;
     const ptx::Module* const translated = find_module(static_cast<const char*>(image), message);
     if (!translated) {
@@ -223,12 +230,13 @@ int cuLaunchKernel(const Function* function, unsigned grid_x, unsigned grid_y, u
     const uint64_t threads = uint64_t{block_x} * block_y * block_z;
     if (grid_x == 0 || grid_y == 0 || grid_z == 0 || grid_y > kMaxGridHeight || threads == 0 || threads > 1024 || extra)
       return kInvalidValue;
-    state.add_kernel(*stream, {function,
-                               {grid_x, grid_y, grid_z},
-                               {block_x, block_y, block_z},
-                               shared_bytes,
-                               copy_parameters(*function->entry, parameters)});
-    return kSuccess;
+    const KernelCall call{function,
+                          {grid_x, grid_y, grid_z},
+                          {block_x, block_y, block_z},
+                          shared_bytes,
+                          copy_parameters(*function->entry, parameters)};
+    return state.add_node(*stream,
+                          {GraphNode::Kind::kernel, [&state, call](Stream& into) { state.add_kernel(into, call); }});
   });
 }
 
@@ -241,8 +249,7 @@ int cuStreamDestroy_v2(Stream* stream) {
 }
 
 int cuStreamSynchronize(Stream* stream) {
-  return with_context("cuStreamSynchronize", [&](State& state) {
-    if (!state.streams.contains(stream)) return kInvalidHandle;
+  return with_idle_stream("cuStreamSynchronize", stream, [&](State& state) {
     state.drain(*stream);
     return state.sticky;
   });
@@ -260,14 +267,10 @@ int cuEventDestroy_v2(Event* event) {
 }
 
 int cuEventRecord(Event* event, Stream* stream) {
-  return with_context("cuEventRecord", [&](State& state) {
-    if (!state.events.contains(event) || !state.streams.contains(stream)) return kInvalidHandle;
-    event->done = false;
-    state.add(*stream, [&state, event, record = ++event->records] {
-      if (state.sticky != kSuccess || record != event->records) return;
-      event->done = true;
-      event->time_s = state.clock_s;
-    });
+  // In a capture, it would record nothing: the event could be neither asked for nor timed.
+  return with_idle_stream("cuEventRecord", stream, [&](State& state) {
+    if (!state.events.contains(event)) return kInvalidHandle;
+    state.record(*stream, event);
     return kSuccess;
   });
 }
