@@ -7,12 +7,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/array.h"
+#include "frame/device_display.h"
 #include "frame/tile.h"
 #include "relume/statistics.h"
 
@@ -72,6 +74,10 @@ class Device {
 
   /// Its name, driver and memory, also after an error; absent for a device without a driver.
   virtual std::optional<DeviceStatistics> statistics() const { return std::nullopt; }
+
+  /// Copies `bytes` from an address in a block of its memory for a window, after the queued launches, and does not wait
+  /// for the copy. Returns nullptr if it cannot, or lacks the memory. Throws as finish() if the device has failed.
+  virtual std::shared_ptr<DeviceImage> copy_image(const void* /*pixels*/, size_t /*bytes*/) { return nullptr; }
 };
 
 }  // namespace relume

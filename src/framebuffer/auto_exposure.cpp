@@ -15,8 +15,7 @@ constexpr float kMostStops = 16;
 class StopHistogram {
  public:
   explicit StopHistogram(std::span<const Rgb> radiance) {
-    constexpr size_t kEnoughPixels = 1 << 16;
-    const size_t stride = (radiance.size() / kEnoughPixels) | 1;  // odd, to sample alternating columns equally
+    const size_t stride = metering_stride(radiance.size());
     for (size_t i = 0; i < radiance.size(); i += stride) {
       const float y = luminance(radiance[i]);
       if (!is_finite(y) || !(y > 0)) continue;
@@ -64,6 +63,11 @@ class StopHistogram {
 };
 
 }  // namespace
+
+size_t metering_stride(size_t pixels) {
+  constexpr size_t kEnoughPixels = 1 << 16;
+  return (pixels / kEnoughPixels) | 1;  // odd, to sample alternating columns equally
+}
 
 float auto_exposure(std::span<const Rgb> radiance) {
   const StopHistogram histogram(radiance);

@@ -44,5 +44,17 @@ TEST(AutoExposure, SubsamplesLargeImages) {
   EXPECT_NEAR(auto_exposure(image), 0.0f, 2 * kBin);
 }
 
+TEST(AutoExposure, NeedsOnlyTheMeteredPixels) {
+  for (const size_t size :
+       {size_t{1}, size_t{65535}, size_t{65536}, size_t{131071}, size_t{131072}, size_t{200001}, size_t{1920} * 1080}) {
+    std::vector<Rgb> image(size);
+    for (size_t i = 0; i < size; ++i) image[i] = Rgb(0.001f * static_cast<float>(1 + i * 7919 % 1013));
+    std::vector<Rgb> metered;
+    for (size_t i = 0; i < size; i += metering_stride(size)) metered.push_back(image[i]);
+    EXPECT_LT(metered.size(), size_t{1} << 17);
+    EXPECT_EQ(auto_exposure(metered), auto_exposure(image)) << size;
+  }
+}
+
 }  // namespace
 }  // namespace relume

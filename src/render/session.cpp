@@ -42,9 +42,6 @@ void check_size(const RenderSettings& settings) {
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 
-/// Name of launches between frames. Statistics omit their times.
-constexpr std::string_view kBetweenFrames = "statistics";
-
 /// Opens the devices that replace the host; empty: none.
 std::function<std::unique_ptr<Device>()>& host_replacement() {
   static std::function<std::unique_ptr<Device>()> open;

@@ -34,6 +34,11 @@ Session make_session(Scene scene, const Settings& settings, Memory& memory);
 /// A session whose kernels run on `device`. Throws as the constructor of Session, and Error if the settings do not
 /// choose relume's BVH.
 Session make_session(Scene scene, const Settings& settings, std::unique_ptr<Device> device);
+/// Copies the session's image for a window (Device::copy_image()). Returns nullptr if it is in host memory, or if the
+/// device cannot copy it. Throws as Device::copy_image().
+std::shared_ptr<DeviceImage> copy_device_image(Session& session);
+/// auto_exposure() of that image. The device copies only the pixels that it reads to the host.
+float meter_device_image(Session& session);
 /// Whether the session's device has failed in a way that it does not survive (Device::finish()).
 bool device_is_lost(const Session& session);
 /// Sessions constructed from now on whose setting `device` chooses the processor run their kernels on the devices that

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "render/session_state.h"
 
 namespace relume {
+
+/// Name of launches between frames in timings. Statistics omit their times.
+inline constexpr std::string_view kBetweenFrames = "statistics";
 
 struct SessionAccess {
   static const Session::State& state(const Session& session) { return *session.state_; }

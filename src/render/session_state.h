@@ -89,6 +89,7 @@ struct Session::State {
         backend(make_backend(s, memory, device.get())),
         scene_launcher(*backend),
         blue_noise(memory),
+        metered(memory),
         pool(BlockPool::create(memory)) {
     const double start_s = now_s();
     rebuild_pipeline();
@@ -181,11 +182,14 @@ struct Session::State {
     if (shows_kept_image) return view_of(kept_image);
     if (counters.frames == first_frame()) return {};
     if (has_sums(*buffers)) return mean_of_sums();
+    return buffers->read(image_buffer());
+  }
+  /// The buffer of the image, if there are no sums.
+  BufferKey<Rgb> image_buffer() const {
     for (const BufferKey<Rgb>& key : {kDenoised, kFilled}) {
-      const View<const Rgb> image = buffers->read(key);
-      if (!image.empty()) return image;
+      if (buffers->find(key.name)) return key;
     }
-    return buffers->read(kMean);
+    return kMean;
   }
   /// The mean of the exact sums, computed once per frame.
   View<const Rgb> mean_of_sums() const {
@@ -368,6 +372,7 @@ struct Session::State {
   BackendSceneLauncher scene_launcher;
   PrimitiveScratch scratch;
   Array<uint16_t> blue_noise;       ///< blue_noise_tile() for kernels; empty until used
+  Array<Rgb> metered;               ///< pixels of the image that auto_exposure() reads; empty until used
   std::shared_ptr<BlockPool> pool;  ///< memory of `buffers`, across image sizes
   std::unique_ptr<BufferTable> buffers;
   FramePasses passes;

@@ -1,10 +1,14 @@
 // Compares the declarations of frame/cuda/driver.h with NVIDIA's header, where it is installed. Compiling is the test.
 #include "frame/cuda/driver.h"
 
+#include <cstddef>
 #include <type_traits>
 
 #define __CUDA_API_VERSION_INTERNAL  // declares all versions of functions, under their names in the library
 #include <cuda.h>
+#if __has_include(<GL/gl.h>)
+#include <cudaGL.h>
+#endif
 
 namespace relume::cuda {
 namespace {
@@ -25,6 +29,10 @@ requires(sizeof...(As) ==
 #define CHECK_FUNCTION(member, symbol) static_assert(kSameFunction<decltype(Driver::member), decltype(&::symbol)>);
 RELUME_CUDA_FUNCTIONS(CHECK_FUNCTION)
 CHECK_FUNCTION(cuDevicePrimaryCtxRelease, cuDevicePrimaryCtxRelease)  // of old drivers
+RELUME_CUDA_GRAPH_FUNCTIONS(CHECK_FUNCTION)
+#if __has_include(<GL/gl.h>)
+RELUME_CUDA_TEXTURE_FUNCTIONS(CHECK_FUNCTION)
+#endif
 #undef CHECK_FUNCTION
 
 template <typename A, typename B>
@@ -83,6 +91,20 @@ static_assert(same_value(kHostDevice, CU_DEVICE_CPU));
 static_assert(same_value(kAttachGlobal, CU_MEM_ATTACH_GLOBAL));
 static_assert(same_value(kStreamNonBlocking, CU_STREAM_NON_BLOCKING));
 static_assert(same_value(kEventBlockingSync, CU_EVENT_BLOCKING_SYNC));
+static_assert(same_value(kCaptureThreadLocal, CU_STREAM_CAPTURE_MODE_THREAD_LOCAL));
+static_assert(same_value(kEventRecordExternal, CU_EVENT_RECORD_EXTERNAL));
+static_assert(same_value(kWriteDiscard, CU_GRAPHICS_REGISTER_FLAGS_WRITE_DISCARD));
+static_assert(same_value(MemoryType::device, CU_MEMORYTYPE_DEVICE));
+static_assert(same_value(MemoryType::array, CU_MEMORYTYPE_ARRAY));
+
+static_assert(sizeof(RowCopy) == sizeof(CUDA_MEMCPY2D));
+static_assert(offsetof(RowCopy, from.type) == offsetof(CUDA_MEMCPY2D, srcMemoryType));
+static_assert(offsetof(RowCopy, from.device) == offsetof(CUDA_MEMCPY2D, srcDevice));
+static_assert(offsetof(RowCopy, from.pitch_bytes) == offsetof(CUDA_MEMCPY2D, srcPitch));
+static_assert(offsetof(RowCopy, to) == offsetof(CUDA_MEMCPY2D, dstXInBytes));
+static_assert(offsetof(RowCopy, to.array) == offsetof(CUDA_MEMCPY2D, dstArray));
+static_assert(offsetof(RowCopy, row_bytes) == offsetof(CUDA_MEMCPY2D, WidthInBytes));
+static_assert(offsetof(RowCopy, rows) == offsetof(CUDA_MEMCPY2D, Height));
 
 }  // namespace
 }  // namespace relume::cuda

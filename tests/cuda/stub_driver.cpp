@@ -43,6 +43,14 @@ size_t StubDriver::calls(const char* function) {
   return control<decltype(relume_stub_calls)>("relume_stub_calls")(function);
 }
 
+void StubDriver::make_texture(unsigned name, size_t row_bytes, size_t rows) {
+  control<decltype(relume_stub_make_texture)>("relume_stub_make_texture")(name, row_bytes, rows);
+}
+
+const void* StubDriver::texture(unsigned name) {
+  return control<decltype(relume_stub_texture)>("relume_stub_texture")(name);
+}
+
 std::string test_device_code() {
   std::ifstream file(RELUME_TEST_PTX);
   std::ostringstream text;

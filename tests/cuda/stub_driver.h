@@ -24,6 +24,9 @@ class StubDriver {
   static void configure(const std::string& settings);
   static size_t objects(const char* kind);
   static size_t calls(const char* function);
+  /// A texture of OpenGL, and its content.
+  static void make_texture(unsigned name, size_t row_bytes, size_t rows);
+  static const void* texture(unsigned name);
 
  private:
   Driver driver_;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "frame/cuda/devices.h"
+#include "frame/cuda/display.h"
 #include "frame/cuda/kernel_call.h"
 #include "frame/cuda/launch_graphs.h"
 #include "frame/cuda/launch_slots.h"
@@ -73,6 +74,7 @@ class CudaDevice final : public Device {
     return slots_.take_move_time();
   }
   std::optional<DeviceStatistics> statistics() const override;
+  std::shared_ptr<DeviceImage> copy_image(const void* pixels, size_t bytes) override;
 
  private:
   /// Memory of the GPU that blocks may take, with room left for the stacks of all threads.
@@ -100,6 +102,7 @@ class CudaDevice final : public Device {
   std::vector<KernelCall> kept_;          ///< launches that the driver does not have yet
   std::vector<std::byte> last_argument_;  ///< in the device's constant, once the queued copies have ended
   ManagedMemory memory_;
+  std::shared_ptr<Display> display_;  ///< nullptr until the first image for a window
 };
 
 size_t CudaDevice::free_bytes() {
@@ -245,12 +248,29 @@ std::vector<double> CudaDevice::take_times() {
   return slots_.take_times();
 }
 
+std::shared_ptr<DeviceImage> CudaDevice::copy_image(const void* pixels, size_t bytes) {
+  queue_.check_usable();
+  // Without concurrent access, the host must access no memory while an image is copied.
+  if (!gpu_.concurrent_access || bytes == 0) return nullptr;
+  try {
+    if (!display_) {
+      display_ = std::make_shared<Display>(queue_.driver(), queue_.device(), queue_.device_name(), memory_.budget());
+    }
+    return display_->copy(queue_, memory_, pixels, bytes);
+  } catch (const Error&) {
+    queue_.check_usable();
+    return nullptr;
+  } catch (const DeviceMemoryError&) {
+    return nullptr;
+  }
+}
+
 std::optional<DeviceStatistics> CudaDevice::statistics() const {
   return DeviceStatistics{.name = queue_.device_name(),
                           .driver = driver_version_,
                           .memory_bytes = gpu_.memory_bytes,
-                          .memory_limit_bytes = memory_.budget().limit_bytes(),
-                          .memory_used_bytes = memory_.budget().used_bytes()};
+                          .memory_limit_bytes = memory_.budget()->limit_bytes(),
+                          .memory_used_bytes = memory_.budget()->used_bytes()};
 }
 
 }  // namespace

@@ -70,15 +70,15 @@ Driver load_driver(const std::string& library) {
 #undef RELUME_FIND
 #define RELUME_FIND(member, symbol) find.find_optional(#symbol, driver.member);
   RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_FIND)
+  RELUME_CUDA_TEXTURE_FUNCTIONS(RELUME_FIND)
 #undef RELUME_FIND
   return driver;
 }
 
-bool Driver::has_graphs() const {
 #define RELUME_AND_HAS(member, symbol) &&member != nullptr
-  return true RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_AND_HAS);
+bool Driver::has_graphs() const { return true RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_AND_HAS); }
+bool Driver::has_textures() const { return true RELUME_CUDA_TEXTURE_FUNCTIONS(RELUME_AND_HAS); }
 #undef RELUME_AND_HAS
-}
 
 const Driver& driver() {
   static const Driver loaded = load_driver(kLibrary);  // tried again after an error

@@ -84,6 +84,11 @@ inline constexpr int kCaptureThreadLocal = 1;
 /// A captured event becomes a node, which records it in each launch of the graph (CU_EVENT_RECORD_EXTERNAL).
 inline constexpr unsigned kEventRecordExternal = 1;
 
+/// A texture of OpenGL with two dimensions (GL_TEXTURE_2D).
+inline constexpr unsigned kTexture2d = 0x0de1;
+/// A texture that only the device writes, as a whole (CU_GRAPHICS_REGISTER_FLAGS_WRITE_DISCARD).
+inline constexpr unsigned kWriteDiscard = 2;
+
 // Objects of the driver.
 using DeviceNumber = int;
 using DeviceAddress = unsigned long long;
@@ -95,6 +100,8 @@ struct EventObject;
 struct GraphObject;
 struct GraphExecutionObject;
 struct GraphNodeObject;
+struct TextureObject;
+struct ArrayObject;
 using Context = ContextObject*;
 using Module = ModuleObject*;
 using Function = FunctionObject*;
@@ -103,6 +110,31 @@ using Event = EventObject*;
 using Graph = GraphObject*;
 using GraphExecution = GraphExecutionObject*;
 using GraphNode = GraphNodeObject*;
+using Texture = TextureObject*;
+using TextureArray = ArrayObject*;
+
+/// Kind of memory in a copy (CUmemorytype).
+enum class MemoryType : int {
+  device = 2,
+  array = 3,
+};
+
+/// A copy of rows of bytes (CUDA_MEMCPY2D).
+struct RowCopy {
+  struct End {
+    size_t x_bytes = 0;
+    size_t y = 0;
+    MemoryType type = MemoryType::device;
+    const void* host = nullptr;
+    DeviceAddress device = 0;
+    TextureArray array = nullptr;
+    size_t pitch_bytes = 0;  ///< from row to row; not for arrays
+  };
+  End from;
+  End to;
+  size_t row_bytes = 0;
+  size_t rows = 0;
+};
 
 /// Version of the driver's interface that PTX 6.3 needs, as cuDriverGetVersion() writes it: 10.0.
 inline constexpr int kMinDriverVersion = 10000;
@@ -127,6 +159,7 @@ struct Driver {
 
   Result (*cuMemGetInfo)(size_t* free, size_t* total) = nullptr;
   Result (*cuMemAllocManaged)(DeviceAddress* address, size_t bytes, unsigned flags) = nullptr;
+  Result (*cuMemAlloc)(DeviceAddress* address, size_t bytes) = nullptr;
   Result (*cuMemFree)(DeviceAddress address) = nullptr;
   Result (*cuMemHostAlloc)(void** address, size_t bytes, unsigned flags) = nullptr;
   Result (*cuMemFreeHost)(void* address) = nullptr;
@@ -134,6 +167,7 @@ struct Driver {
   Result (*cuMemPrefetchAsync)(DeviceAddress address, size_t bytes, DeviceNumber to, Stream stream) = nullptr;
   Result (*cuMemcpyHtoDAsync)(DeviceAddress to, const void* from, size_t bytes, Stream stream) = nullptr;
   Result (*cuMemcpyDtoDAsync)(DeviceAddress to, DeviceAddress from, size_t bytes, Stream stream) = nullptr;
+  Result (*cuMemcpyDtoHAsync)(void* to, DeviceAddress from, size_t bytes, Stream stream) = nullptr;
   Result (*cuMemsetD8Async)(DeviceAddress to, unsigned char value, size_t bytes, Stream stream) = nullptr;
 
   Result (*cuModuleLoadDataEx)(Module* module, const void* image, unsigned options, CompilerOption* names,
@@ -149,6 +183,7 @@ struct Driver {
   Result (*cuStreamCreate)(Stream* stream, unsigned flags) = nullptr;
   Result (*cuStreamDestroy)(Stream stream) = nullptr;
   Result (*cuStreamSynchronize)(Stream stream) = nullptr;
+  Result (*cuStreamWaitEvent)(Stream stream, Event event, unsigned flags) = nullptr;
 
   Result (*cuEventCreate)(Event* event, unsigned flags) = nullptr;
   Result (*cuEventDestroy)(Event event) = nullptr;
@@ -169,8 +204,18 @@ struct Driver {
   Result (*cuGraphExecDestroy)(GraphExecution execution) = nullptr;
   Result (*cuGraphDestroy)(Graph graph) = nullptr;
 
-  /// Whether the driver has all functions of graphs.
+  // Textures of OpenGL. nullptr if the driver lacks them.
+  Result (*cuMemcpy2DAsync)(const RowCopy* copy, Stream stream) = nullptr;
+  Result (*cuGraphicsGLRegisterImage)(Texture* texture, unsigned name, unsigned target, unsigned flags) = nullptr;
+  Result (*cuGraphicsUnregisterResource)(Texture texture) = nullptr;
+  Result (*cuGraphicsMapResources)(unsigned count, Texture* textures, Stream stream) = nullptr;
+  Result (*cuGraphicsUnmapResources)(unsigned count, Texture* textures, Stream stream) = nullptr;
+  Result (*cuGraphicsSubResourceGetMappedArray)(TextureArray* array, Texture texture, unsigned index,
+                                                unsigned level) = nullptr;
+
+  /// Whether the driver has all functions of graphs, and of textures.
   bool has_graphs() const;
+  bool has_textures() const;
 
   /// Calls f(symbol, function) for each function, with its name in the library.
   template <typename F>
@@ -216,12 +261,14 @@ std::string version_text(int version);
   X(cuCtxPopCurrent, cuCtxPopCurrent_v2)                     \
   X(cuMemGetInfo, cuMemGetInfo_v2)                           \
   X(cuMemAllocManaged, cuMemAllocManaged)                    \
+  X(cuMemAlloc, cuMemAlloc_v2)                               \
   X(cuMemFree, cuMemFree_v2)                                 \
   X(cuMemHostAlloc, cuMemHostAlloc)                          \
   X(cuMemFreeHost, cuMemFreeHost)                            \
   X(cuMemPrefetchAsync, cuMemPrefetchAsync)                  \
   X(cuMemcpyHtoDAsync, cuMemcpyHtoDAsync_v2)                 \
   X(cuMemcpyDtoDAsync, cuMemcpyDtoDAsync_v2)                 \
+  X(cuMemcpyDtoHAsync, cuMemcpyDtoHAsync_v2)                 \
   X(cuMemsetD8Async, cuMemsetD8Async)                        \
   X(cuModuleLoadDataEx, cuModuleLoadDataEx)                  \
   X(cuModuleUnload, cuModuleUnload)                          \
@@ -232,6 +279,7 @@ std::string version_text(int version);
   X(cuStreamCreate, cuStreamCreate)                          \
   X(cuStreamDestroy, cuStreamDestroy_v2)                     \
   X(cuStreamSynchronize, cuStreamSynchronize)                \
+  X(cuStreamWaitEvent, cuStreamWaitEvent)                    \
   X(cuEventCreate, cuEventCreate)                            \
   X(cuEventDestroy, cuEventDestroy_v2)                       \
   X(cuEventRecord, cuEventRecord)                            \
@@ -250,11 +298,21 @@ std::string version_text(int version);
   X(cuGraphExecDestroy, cuGraphExecDestroy)         \
   X(cuGraphDestroy, cuGraphDestroy)
 
+/// The same for the functions of textures.
+#define RELUME_CUDA_TEXTURE_FUNCTIONS(X)                        \
+  X(cuMemcpy2DAsync, cuMemcpy2DAsync_v2)                        \
+  X(cuGraphicsGLRegisterImage, cuGraphicsGLRegisterImage)       \
+  X(cuGraphicsUnregisterResource, cuGraphicsUnregisterResource) \
+  X(cuGraphicsMapResources, cuGraphicsMapResources)             \
+  X(cuGraphicsUnmapResources, cuGraphicsUnmapResources)         \
+  X(cuGraphicsSubResourceGetMappedArray, cuGraphicsSubResourceGetMappedArray)
+
 template <typename F>
 void Driver::for_each_function(const F& f) {
 #define RELUME_VISIT(member, symbol) f(#symbol, member);
   RELUME_CUDA_FUNCTIONS(RELUME_VISIT)
   RELUME_CUDA_GRAPH_FUNCTIONS(RELUME_VISIT)
+  RELUME_CUDA_TEXTURE_FUNCTIONS(RELUME_VISIT)
 #undef RELUME_VISIT
 }
 

@@ -30,7 +30,7 @@ class ManagedMemory final : public Memory {
   ManagedMemory(const ManagedMemory&) = delete;
   ManagedMemory& operator=(const ManagedMemory&) = delete;
 
-  const MemoryBudget& budget() const { return *budget_; }
+  const std::shared_ptr<MemoryBudget>& budget() const { return budget_; }
 
   /// Throws DeviceMemoryError above the limit or if the driver has no more, Error if the device has failed.
   void* allocate(size_t bytes, size_t alignment) override;

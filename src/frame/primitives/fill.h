@@ -33,6 +33,15 @@ struct CopyElementsKernel {
   void operator()(const Tile& tile) const { std::copy(from.data + tile.x0, from.data + tile.x1, to.data + tile.x0); }
 };
 
+template <typename T>
+struct TakeElementsKernel {
+  View<const T> from;
+  View<T> to;
+  uint32_t stride;
+
+  RELUME_HD void operator()(uint32_t i, uint32_t) const { to[i] = from[i * stride]; }
+};
+
 /// Sets all elements. Returns false if `stop` was requested first; some elements are then unchanged.
 template <typename T>
 bool fill(Backend& backend, std::string_view name, View<T> elements, const T& value, const std::stop_token& stop = {}) {
@@ -44,6 +53,12 @@ bool fill(Backend& backend, std::string_view name, View<T> elements, const T& va
 template <typename T>
 bool copy(Backend& backend, std::string_view name, View<const T> from, View<T> to, const std::stop_token& stop = {}) {
   return launch(backend, name, CopyElementsKernel<T>{from, to}, from.size, 1, stop, kFillTile);
+}
+
+/// Copies elements 0, stride, 2 stride … of `from` to the elements of `to`, all of which must have a source.
+template <typename T>
+void take_elements(Backend& backend, std::string_view name, View<const T> from, uint32_t stride, View<T> to) {
+  launch(backend, name, TakeElementsKernel<T>{from, to, stride}, to.size, 1, {}, kFillTile);
 }
 
 /// Replaces the content of `to` by that of `from`. Changes nothing if memory is missing.

@@ -24,6 +24,7 @@ class ManagedBlocks {
   void clear();
   void open();
   void close();
+  bool is_open() const { return open_; }
 
   size_t count() const { return blocks_.size(); }
   size_t bytes() const { return bytes_; }

@@ -1,5 +1,6 @@
 #include "stub/state.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -32,20 +33,22 @@ void State::configure(const std::string& text) {
 
 void State::end_contexts() {
   if (sticky == kSuccess) {
-    leaked += modules.size() + streams.size() + events.size() + graphs.size() + executions.size() + managed.count() +
-              locked.size();
+    leaked += modules.size() + streams.size() + events.size() + graphs.size() + executions.size() + shared.size() +
+              managed.count() + locked.size();
   }
   for (const Module* module : modules) delete module;
   for (const Stream* stream : streams) delete stream;
   for (const Event* event : events) delete event;
   for (const Graph* graph : graphs) delete graph;
   for (const GraphExecution* execution : executions) delete execution;
+  for (const SharedTexture* texture : shared) delete texture;
   for (const auto& block : locked) std::free(block.first);
   modules.clear();
   streams.clear();
   events.clear();
   graphs.clear();
   executions.clear();
+  shared.clear();
   locked.clear();
   managed.clear();
   memory_work_ = 0;
@@ -101,6 +104,25 @@ void State::add_work(Stream& stream, std::function<void()> work) {
   });
 }
 
+void State::add_copy(Stream& stream, std::function<void()> work) {
+  add(stream, [this, work = std::move(work)] {
+    if (sticky != kSuccess) return;
+    const bool was_open = managed.is_open();
+    managed.open();
+    work();
+    if (!was_open) managed.close();
+  });
+}
+
+void State::wait_for(const Stream& waiting, const Event* event, size_t record) {
+  const auto progresses = [&] {
+    return std::any_of(streams.begin(), streams.end(),
+                       [&](Stream* stream) { return stream != &waiting && execute_one(*stream); });
+  };
+  while (sticky == kSuccess && event->reached < record && progresses()) {
+  }
+}
+
 void State::add_kernel(Stream& stream, KernelCall call) {
   launched_.push_back(call.function->entry);
   add_work(stream, [this, call = std::move(call)] { run(call); });
@@ -119,7 +141,9 @@ int State::add_node(Stream& stream, GraphNode node) {
 void State::record(Stream& stream, Event* event) {
   event->done = false;
   add(stream, [this, event, record = ++event->records] {
-    if (sticky != kSuccess || !events.contains(event) || record != event->records) return;
+    if (sticky != kSuccess || !events.contains(event)) return;
+    event->reached = record;
+    if (record != event->records) return;
     event->done = true;
     event->time_s = clock_s;
   });

@@ -27,7 +27,10 @@ inline constexpr int kNotInitialized = 3;
 inline constexpr int kNoDevice = 100;
 inline constexpr int kInvalidDevice = 101;
 inline constexpr int kInvalidContext = 201;
+inline constexpr int kAlreadyMapped = 208;
+inline constexpr int kNotMapped = 211;
 inline constexpr int kInvalidPtx = 218;
+inline constexpr int kInvalidGraphicsContext = 219;
 inline constexpr int kContained = 226;
 inline constexpr int kInvalidHandle = 400;
 inline constexpr int kNotFound = 500;
@@ -58,6 +61,7 @@ struct Module {
 };
 struct Event {
   size_t records = 0;  ///< the last one counts
+  size_t reached = 0;  ///< the last one that was reached
   bool done = false;   ///< whether that was reached
   double time_s = 0;
 };
@@ -88,6 +92,18 @@ struct Stream {
   std::optional<Capture> capture;
 };
 
+/// A texture of OpenGL.
+struct Texture {
+  size_t row_bytes = 0;
+  size_t rows = 0;
+  std::vector<std::byte> pixels;
+};
+/// A texture that the driver has registered.
+struct SharedTexture {
+  unsigned name = 0;
+  bool mapped = false;
+};
+
 /// A kernel that is launched.
 struct KernelCall {
   const Function* function = nullptr;
@@ -116,6 +132,10 @@ class State {
   /// The same for work that accesses managed memory. The host cannot access any until no such work is queued and the
   /// host has waited.
   void add_work(Stream& stream, std::function<void()> work);
+  /// The same for work that accesses blocks which the host does not access meanwhile: others stay open.
+  void add_copy(Stream& stream, std::function<void()> work);
+  /// Executes work of other streams until a record of the event is reached.
+  void wait_for(const Stream& waiting, const Event* event, size_t record);
   void add_kernel(Stream& stream, KernelCall call);
   /// Adds a node to the stream's capture, or its work to the stream if there is no capture.
   int add_node(Stream& stream, GraphNode node);
@@ -139,6 +159,8 @@ class State {
   std::set<Event*> events;
   std::set<Graph*> graphs;
   std::set<GraphExecution*> executions;
+  std::map<unsigned, Texture> textures;  ///< by name
+  std::set<SharedTexture*> shared;
   ManagedBlocks managed;
   std::map<void*, size_t> locked;  ///< page-locked blocks
   size_t leaked = 0;               ///< objects that end_contexts() freed after no error

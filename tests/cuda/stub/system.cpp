@@ -25,7 +25,10 @@ constexpr ErrorText kErrors[] = {
     {100, "CUDA_ERROR_NO_DEVICE", "no CUDA-capable device is detected"},
     {101, "CUDA_ERROR_INVALID_DEVICE", "invalid device ordinal"},
     {201, "CUDA_ERROR_INVALID_CONTEXT", "invalid device context"},
+    {208, "CUDA_ERROR_ALREADY_MAPPED", "resource already mapped"},
+    {211, "CUDA_ERROR_NOT_MAPPED", "resource not mapped"},
     {218, "CUDA_ERROR_INVALID_PTX", "a PTX JIT compilation failed"},
+    {219, "CUDA_ERROR_INVALID_GRAPHICS_CONTEXT", "invalid OpenGL or DirectX context"},
     {226, "CUDA_ERROR_CONTAINED", "Invalid access of peer GPU memory over nvlink or a hardware error"},
     {400, "CUDA_ERROR_INVALID_HANDLE", "invalid resource handle"},
     {500, "CUDA_ERROR_NOT_FOUND", "named symbol not found"},
@@ -102,6 +105,7 @@ size_t relume_stub_objects(const char* kind) {
   if (name == "streams") return state.streams.size();
   if (name == "events") return state.events.size();
   if (name == "graphs") return state.graphs.size() + state.executions.size();
+  if (name == "textures") return state.shared.size();
   if (name == "managed") return state.managed.count();
   if (name == "locked") return state.locked.size();
   if (name == "leaked") return state.leaked;

@@ -101,6 +101,15 @@ int cuMemAllocManaged(unsigned long long* address, size_t bytes, unsigned flags)
   });
 }
 
+int cuMemAlloc_v2(unsigned long long* address, size_t bytes) {
+  return outside_of_captures("cuMemAlloc_v2", [&](State& state) {
+    if (bytes == 0) return kInvalidValue;
+    void* const block = state.managed.allocate(bytes);
+    *address = address_of(block);
+    return block ? kSuccess : kOutOfMemory;
+  });
+}
+
 int cuMemFree_v2(unsigned long long address) {
   return outside_of_captures(
       "cuMemFree_v2", [&](State& state) { return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue; });
@@ -156,6 +165,17 @@ int cuMemcpyDtoDAsync_v2(unsigned long long to, unsigned long long from, size_t 
       return kInvalidValue;
     state.add_work(*stream, [=] { std::memcpy(pointer(to), pointer(from), bytes); });
     return kSuccess;
+  });
+}
+
+int cuMemcpyDtoHAsync_v2(void* to, unsigned long long from, size_t bytes, Stream* stream) {
+  return with_idle_stream("cuMemcpyDtoHAsync_v2", stream, [&](State& state) {
+    if (bytes == 0 || !state.managed.contains(pointer(from), bytes)) return kInvalidValue;
+    state.add_copy(*stream, [=] { std::memcpy(to, pointer(from), bytes); });
+    // The driver waits for copies to other memory.
+    while (!is_locked(state, to, bytes) && state.execute_one(*stream)) {
+    }
+    return state.sticky;
   });
 }
 
@@ -252,6 +272,15 @@ int cuStreamSynchronize(Stream* stream) {
   return with_idle_stream("cuStreamSynchronize", stream, [&](State& state) {
     state.drain(*stream);
     return state.sticky;
+  });
+}
+
+int cuStreamWaitEvent(Stream* stream, Event* event, unsigned flags) {
+  return with_idle_stream("cuStreamWaitEvent", stream, [&](State& state) {
+    if (!state.events.contains(event)) return kInvalidHandle;
+    if (flags != 0) return kInvalidValue;
+    state.add(*stream, [&state, stream, event, record = event->records] { state.wait_for(*stream, event, record); });
+    return kSuccess;
   });
 }
 
