@@ -42,6 +42,7 @@ App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixe
       loop_(state_, renderer_) {
   state_.renderer = &renderer_;
   renderer_.on_frame([this] { window_.hurry(); });
+  renderer_.keep_images_on_device(true);
   state_.settings = {settings, settings};
   state_.ocio = std::move(ocio);
   state_.follow_window = !fixed_size;

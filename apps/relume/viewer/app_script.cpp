@@ -1,6 +1,7 @@
 // Actions of scripts, and the report at the end of a smoke test.
 #include <algorithm>
 #include <cstdio>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "relume/error.h"
 #include "viewer/app.h"
 #include "viewer/model/actions.h"
+#include "viewer/render/frame_pixels.h"
 
 namespace relume::viewer {
 namespace {
@@ -60,9 +62,10 @@ void emit(State& state, float factor) {
 }
 
 double mean_luminance(const ViewerFrame& frame) {
+  const std::vector<Rgb> radiance = radiance_of(frame);
   double sum = 0;
-  for (const Rgb& c : frame.radiance) sum += static_cast<double>(luminance(c));
-  return sum / static_cast<double>(std::max<size_t>(frame.radiance.size(), 1));
+  for (const Rgb& c : radiance) sum += static_cast<double>(luminance(c));
+  return sum / static_cast<double>(std::max<size_t>(radiance.size(), 1));
 }
 
 nlohmann::json frame_report(const ViewerFrame& frame) {

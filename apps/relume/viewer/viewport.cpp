@@ -56,8 +56,7 @@ void Viewport::update(State& state) {
     const auto s = static_cast<size_t>(side);
     const ViewerFrame* frame = state.frames[s].get();
     if (!frame) continue;
-    if (display_.update(state, side))
-      images_[s].upload(frame->values.empty() ? frame->radiance : frame->values, frame->width, frame->height);
+    if (display_.update(state, side)) images_[s].show(*frame);
     if (images_[s].to_display(display_shader_, display_.transform(state, side))) ++version_;
   }
 }

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "relume/error.h"
 #include "viewer/render/display_table.h"
+#include "viewer/render/frame_pixels.h"
 
 namespace relume::viewer {
 namespace {
@@ -23,6 +25,7 @@ constexpr const char* kFragmentShader = R"(#version 330 core
 uniform sampler2D values;
 uniform sampler3D table;
 uniform sampler2D palette;
+uniform bool one_channel;  // values has three texels for each pixel
 uniform int mode;
 uniform int channel;
 uniform float scale;
@@ -41,7 +44,13 @@ vec3 to_display(vec3 radiance) {
 }
 
 void main() {
-  vec3 v = texelFetch(values, ivec2(gl_FragCoord.xy), 0).rgb;
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 v;
+  if (one_channel) {
+    for (int c = 0; c < 3; ++c) v[c] = texelFetch(values, ivec2(3 * pixel.x + c, pixel.y), 0).r;
+  } else {
+    v = texelFetch(values, pixel, 0).rgb;
+  }
   vec3 in_range = (v - range.x) / max(range.y - range.x, 1e-30);
   float chosen = channel < 0 ? (length(v) - range.x) / max(range.y - range.x, 1e-30) : in_range[max(channel, 0)];
   vec3 c = to_display(v);
@@ -80,6 +89,16 @@ GLuint link() {
   glGetProgramiv(program, GL_LINK_STATUS, &done);
   if (done == 0) throw Error("the graphics driver cannot link the viewer's shader; update the driver");
   return program;
+}
+
+/// Gives a texture room for texels of one float. Returns 0 if it cannot be that large.
+uint32_t allocate_channels(GLuint texture, int width, int height) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  if (width > most || height > most) return 0;
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, height, 0, GL_RED, GL_FLOAT, nullptr);
+  return texture;
 }
 
 GLuint make_texture(GLenum target, GLint filter) {
@@ -129,8 +148,10 @@ void DisplayShader::use_table(const DisplayTransform& wish) {
   table_of_ = source;
 }
 
-GlImage::GlImage() {
+GlImage::GlImage()
+    : frame_texture_([this](int width, int height) { return allocate_channels(channels_, width, height); }) {
   values_ = make_texture(GL_TEXTURE_2D, GL_NEAREST);
+  channels_ = make_texture(GL_TEXTURE_2D, GL_NEAREST);
   developed_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
   glGenFramebuffers(1, &frame_);
 }
@@ -138,22 +159,46 @@ GlImage::GlImage() {
 GlImage::~GlImage() {
   glDeleteFramebuffers(1, &frame_);
   glDeleteTextures(1, &developed_);
+  frame_texture_.close();
+  glDeleteTextures(1, &channels_);
   glDeleteTextures(1, &values_);
 }
 
-void GlImage::upload(const std::vector<Rgb>& values, int width, int height) {
+void GlImage::show(const ViewerFrame& frame) {
+  if (!frame.values.empty()) return upload(frame.values.data(), frame.width, frame.height);
+  if (frame.device_image) return show_device_image(frame);
+  upload(frame.radiance.data(), frame.width, frame.height);
+}
+
+void GlImage::show_device_image(const ViewerFrame& frame) {
+  DeviceImage& image = *frame.device_image;
+  if (frame_texture_.write(image, frame.width, frame.height)) return take(frame.width, frame.height, true);
+  if (const std::span<const std::byte> bytes = image.bytes(); !bytes.empty())
+    return upload(reinterpret_cast<const Rgb*>(bytes.data()), frame.width, frame.height);
+  const std::vector<Rgb> pixels = radiance_of(frame);
+  if (!pixels.empty()) upload(pixels.data(), frame.width, frame.height);
+}
+
+void GlImage::upload(const Rgb* values, int width, int height) {
   glBindTexture(GL_TEXTURE_2D, values_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  if (width != width_ || height != height_) {
-    width_ = width;
-    height_ = height;
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, width, height, 0, GL_RGB, GL_FLOAT, values.data());
-    glBindTexture(GL_TEXTURE_2D, developed_);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  if (IVec2(width, height) != uploaded_) {
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, width, height, 0, GL_RGB, GL_FLOAT, values);
+    uploaded_ = {width, height};
   } else {
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGB, GL_FLOAT, values.data());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGB, GL_FLOAT, values);
   }
+  take(width, height, false);
+}
+
+void GlImage::take(int width, int height, bool from_device) {
+  from_device_ = from_device;
   fresh_ = true;
+  if (width == width_ && height == height_) return;
+  width_ = width;
+  height_ = height;
+  glBindTexture(GL_TEXTURE_2D, developed_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
 }
 
 bool GlImage::to_display(DisplayShader& display_shader, const DisplayTransform& wish) {
@@ -170,6 +215,7 @@ bool GlImage::to_display(DisplayShader& display_shader, const DisplayTransform& 
   glUniform1i(uniform("values"), 0);
   glUniform1i(uniform("table"), 1);
   glUniform1i(uniform("palette"), 2);
+  glUniform1i(uniform("one_channel"), from_device_ ? 1 : 0);
   glUniform1i(uniform("mode"), static_cast<int>(wish.mode));
   glUniform1i(uniform("channel"), wish.channel);
   glUniform1f(uniform("scale"), std::exp2(wish.exposure));
@@ -179,7 +225,7 @@ bool GlImage::to_display(DisplayShader& display_shader, const DisplayTransform& 
   glActiveTexture(GL_TEXTURE2);
   glBindTexture(GL_TEXTURE_2D, display_shader.palette_);
   glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, values_);
+  glBindTexture(GL_TEXTURE_2D, from_device_ ? channels_ : values_);
   glBindVertexArray(display_shader.vertex_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);

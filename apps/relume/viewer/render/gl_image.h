@@ -1,4 +1,5 @@
-// A frame on the GPU: values are uploaded once per frame, and a shader converts them to display colours.
+// A frame in textures: values are written once per frame, by the host or by the GPU that renders, and a shader converts
+// them to display colours.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,9 @@
 #include "core/vec.h"
 #include "relume/tone_map.h"
 #include "viewer/render/display_transform.h"
+#include "viewer/render/frame_texture.h"
 #include "viewer/render/gl.h"
+#include "viewer/render/request.h"
 
 namespace relume::viewer {
 
@@ -44,7 +47,8 @@ class GlImage {
   GlImage(const GlImage&) = delete;
   GlImage& operator=(const GlImage&) = delete;
 
-  void upload(const std::vector<Rgb>& values, int width, int height);
+  /// Takes the values of a frame: those of the inspected buffer, or the image. Keeps its values if a GPU has failed.
+  void show(const ViewerFrame& frame);
   /// Renders the values into texture(). Returns false if values and transform are unchanged.
   bool to_display(DisplayShader& display_shader, const DisplayTransform& wish);
 
@@ -52,7 +56,16 @@ class GlImage {
   bool empty() const { return width_ == 0; }
 
  private:
-  GLuint values_ = 0;
+  void show_device_image(const ViewerFrame& frame);
+  void upload(const Rgb* values, int width, int height);
+  /// Notes new values, and gives the other texture their size.
+  void take(int width, int height, bool from_device);
+
+  GLuint values_ = 0;           ///< RGB, uploaded by the host
+  GLuint channels_ = 0;         ///< one channel, written by a GPU: three texels for each pixel
+  FrameTexture frame_texture_;  ///< gives GPUs access to `channels_`
+  bool from_device_ = false;    ///< whether `channels_` has the values
+  IVec2 uploaded_{0};           ///< size of `values_`
   GLuint developed_ = 0;
   GLuint frame_ = 0;
   int width_ = 0;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "render/build_pipeline.h"
+#include "viewer/render/frame_pixels.h"
 
 namespace relume::viewer {
 namespace {
@@ -67,7 +68,7 @@ std::string describe_pixel(const ViewerFrame& frame, const Vec2& point) {
   const int x = std::clamp(static_cast<int>(point.x * static_cast<float>(frame.width)), 0, frame.width - 1);
   const int y = std::clamp(static_cast<int>(point.y * static_cast<float>(frame.height)), 0, frame.height - 1);
   const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x);
-  const Rgb& c = frame.radiance[pixel];
+  const Rgb c = radiance_at(frame, pixel);
   std::string text = fmt::format("({}, {})  RGB {} {} {}", x, y, number(c.r), number(c.g), number(c.b));
   if (frame.values.empty()) return text;
   text += "  \xc2\xb7  " + frame.buffer;

@@ -292,21 +292,29 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const Fram
   return true;
 }
 
+void RenderThread::take_image(Session& session, ViewerFrame& frame) const {
+  frame.width = render_settings(session).width;
+  frame.height = render_settings(session).height;
+  if (keeps_images_on_device_ && request_.buffer.empty()) frame.device_image = copy_device_image(session);
+  if (frame.device_image) {
+    frame.metered_exposure = meter_device_image(session);
+    return;
+  }
+  frame.radiance = session.image().pixels;
+  frame.metered_exposure = auto_exposure(frame.radiance);
+}
+
 void RenderThread::publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before) {
   SessionSlot& slot = slots_[static_cast<size_t>(side)];
-  const Session& session = *slot.session();
+  Session& session = *slot.session();
   auto frame = std::make_shared<ViewerFrame>();
-  Image image = session.image();
+  take_image(session, *frame);
   frame->serial = ++serials_[static_cast<size_t>(side)];
   frame->request_version = request_.version;
   frame->scene = slot.scene();
-  frame->width = image.width;
-  frame->height = image.height;
   frame->full_width = request_.settings[0].render.width;
   frame->upscale = render_settings(session).upscaling.factor;
-  frame->metered_exposure = auto_exposure(image.pixels);
   frame->in_studio = session.in_studio();
-  frame->radiance = std::move(image.pixels);
   frame->statistics = session.statistics();
   frame->samples = session.kept_samples();
   frame->seconds = seconds;

@@ -35,6 +35,10 @@ class RenderThread {
   /// Calls `hook` on the rendering thread after each frame. Call before the first request.
   void on_frame(std::function<void()> hook) { frame_hook_ = std::move(hook); }
 
+  /// Whether images of a GPU reach frames as ViewerFrame::device_image where possible. At first, no. Call before the
+  /// first request.
+  void keep_images_on_device(bool keep) { keeps_images_on_device_ = keep; }
+
   /// Replaces the request. A frame that only refines an outdated image is cancelled, and so is the large one at rest.
   /// The first frame after a change is finished, so that images follow a stream of changes; only its preparation ends
   /// early. After a rest it is small, for low latency.
@@ -80,6 +84,7 @@ class RenderThread {
   bool tasks_wait() const;
   bool has_lost_device() const;
   void finish_tasks();  ///< at the end: reports unfinished tasks
+  void take_image(Session& session, ViewerFrame& frame) const;
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   void note_size(const IVec2& size, double seconds, bool rest);
   FrameScale choose_scale(bool rest);
@@ -99,7 +104,8 @@ class RenderThread {
   std::stop_source refinement_;  ///< of the frame in progress, if it may be cancelled
   std::stop_source hurry_;       ///< of the frame in progress: its preparation ends early
 
-  std::function<void()> frame_hook_;  ///< set before the first frame
+  std::function<void()> frame_hook_;     ///< set before the first frame
+  bool keeps_images_on_device_ = false;  ///< the same
 
   // Used only by the rendering thread.
   RenderRequest request_;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "frame/device_display.h"
 #include "render/aov.h"
 #include "render/session.h"
 #include "render/settings.h"
@@ -77,19 +78,20 @@ struct ViewerFrame {
   std::shared_ptr<const LoadedScene> scene;
   int width = 0;
   int height = 0;
-  int full_width = 0;  ///< without scaling
-  int upscale = 1;     ///< edge of the blocks of pixels with one path per frame
-  std::vector<Rgb> radiance;
-  std::string buffer;          ///< name of the inspected buffer; empty: the image
-  std::string channels;        ///< its channels, one letter each, at most three
-  std::vector<Rgb> values;     ///< its values; missing channels are 0
-  Vec2 value_range{0, 1};      ///< 1st and 99th percentile of its finite values
-  float metered_exposure = 0;  ///< auto_exposure() of the radiance
-  bool in_studio = false;      ///< Session::in_studio()
-  double samples = 0;          ///< Session::kept_samples()
-  double seconds = 0;          ///< frame time
-  double rays_per_s = 0;       ///< of this frame
-  bool reached_goal = false;   ///< whether --spp, --time or --error has been reached
+  int full_width = 0;                         ///< without scaling
+  int upscale = 1;                            ///< edge of the blocks of pixels with one path per frame
+  std::vector<Rgb> radiance;                  ///< empty if `device_image` has it
+  std::shared_ptr<DeviceImage> device_image;  ///< nullptr: the image is in `radiance`
+  std::string buffer;                         ///< name of the inspected buffer; empty: the image
+  std::string channels;                       ///< its channels, one letter each, at most three
+  std::vector<Rgb> values;                    ///< its values; missing channels are 0
+  Vec2 value_range{0, 1};                     ///< 1st and 99th percentile of its finite values
+  float metered_exposure = 0;                 ///< auto_exposure() of the radiance
+  bool in_studio = false;                     ///< Session::in_studio()
+  double samples = 0;                         ///< Session::kept_samples()
+  double seconds = 0;                         ///< frame time
+  double rays_per_s = 0;                      ///< of this frame
+  bool reached_goal = false;                  ///< whether --spp, --time or --error has been reached
   std::vector<PassTime> passes;
   CameraPose camera;
   float time_s = 0;
