@@ -93,6 +93,10 @@ static_assert(same_value(kStreamNonBlocking, CU_STREAM_NON_BLOCKING));
 static_assert(same_value(kEventBlockingSync, CU_EVENT_BLOCKING_SYNC));
 static_assert(same_value(kCaptureThreadLocal, CU_STREAM_CAPTURE_MODE_THREAD_LOCAL));
 static_assert(same_value(kEventRecordExternal, CU_EVENT_RECORD_EXTERNAL));
+#if __has_include(<GL/gl.h>)
+static_assert(same_value(kTexture2d, GL_TEXTURE_2D));
+static_assert(same_value(kAllGlDevices, CU_GL_DEVICE_LIST_ALL));
+#endif
 static_assert(same_value(kWriteDiscard, CU_GRAPHICS_REGISTER_FLAGS_WRITE_DISCARD));
 static_assert(same_value(MemoryType::device, CU_MEMORYTYPE_DEVICE));
 static_assert(same_value(MemoryType::array, CU_MEMORYTYPE_ARRAY));

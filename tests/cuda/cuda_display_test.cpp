@@ -185,6 +185,21 @@ TEST(CudaDisplay, RefusesTexturesThatTheDriverDoesNotKnow) {
   StubDriver::make_texture(kTexture, 0, 0);
 }
 
+TEST(CudaDisplay, RefusesTexturesThatAnotherGpuDraws) {
+  const StubDriver stub("devices=2");
+  StubDriver::make_texture(kTexture, kRowBytes, kHeight);
+  {
+    const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code(), {.index = 1});
+    Array<uint32_t> pixels(device->memory());
+    pixels.assign(kWidth * kHeight, 3);
+    const std::shared_ptr<DeviceImage> image = device->copy_image(pixels.view().data, kImageBytes);
+    EXPECT_FALSE(image->display()->share(kTexture, kRowBytes, kHeight));
+    EXPECT_EQ(StubDriver::calls("cuGraphicsGLRegisterImage"), 0u);
+    EXPECT_TRUE(all_are(numbers(image->bytes()), 3));
+  }
+  StubDriver::make_texture(kTexture, 0, 0);
+}
+
 TEST(CudaDisplay, RefusesTexturesOfDriversWithoutThem) {
   const StubDriver stub;
   Driver driver = stub.driver();

@@ -324,7 +324,7 @@ TEST_P(DriverFunctionTest, FailsOnce) {
   const bool is_optional = is_one_of(
       function, {"cuStreamBeginCapture_v2", "cuStreamEndCapture", "cuEventRecordWithFlags", "cuGraphInstantiate_v2",
                  "cuGraphExecUpdate", "cuGraphLaunch", "cuMemAlloc_v2", "cuMemcpyDtoHAsync_v2", "cuStreamWaitEvent",
-                 "cuMemcpy2DAsync_v2", "cuGraphicsGLRegisterImage", "cuGraphicsMapResources",
+                 "cuMemcpy2DAsync_v2", "cuGLGetDevices_v2", "cuGraphicsGLRegisterImage", "cuGraphicsMapResources",
                  "cuGraphicsUnmapResources", "cuGraphicsSubResourceGetMappedArray"});
   const bool in_destructors = frees || releases || is_one_of(function, {"cuCtxPopCurrent_v2", "cuStreamSynchronize"});
   for (const auto& [result, name] : {std::pair(1, "CUDA_ERROR_INVALID_VALUE"), std::pair(2, "CUDA_ERROR_OUT_OF_MEMORY"),

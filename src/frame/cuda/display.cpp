@@ -1,6 +1,7 @@
 #include "frame/cuda/display.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <span>
 #include <string_view>
@@ -229,14 +230,24 @@ void Display::copy_to_host(Queue& queue, const Slot& slot, size_t bytes) {
   queue.check(driver.cuEventRecord(slot.read, own), kAction);
 }
 
+bool Display::draws_window() {
+  constexpr unsigned kMost = 16;
+  std::array<DeviceNumber, kMost> devices{};
+  unsigned count = 0;
+  const Result result = queue_.driver().cuGLGetDevices(&count, devices.data(), kMost, kAllGlDevices);
+  if (!queue_.accepts(result, kAction)) return false;
+  const std::span drawing = std::span(devices).first(std::min(count, kMost));
+  return std::find(drawing.begin(), drawing.end(), queue_.device()) != drawing.end();
+}
+
 std::unique_ptr<DeviceTexture> Display::share(uint32_t texture, size_t row_bytes, size_t rows) {
   const Driver& driver = queue_.driver();
   Texture registered = nullptr;
-  const bool works =
-      driver.has_textures() && succeeds(queue_, [&] {
-        return queue_.accepts(driver.cuGraphicsGLRegisterImage(&registered, texture, kTexture2d, kWriteDiscard),
-                              "sharing a texture");
-      });
+  const auto registers = [&] {
+    if (!draws_window()) return false;
+    return queue_.accepts(driver.cuGraphicsGLRegisterImage(&registered, texture, kTexture2d, kWriteDiscard), kAction);
+  };
+  const bool works = driver.has_textures() && succeeds(queue_, registers);
   if (!works) return nullptr;
   return std::make_unique<CudaTexture>(shared_from_this(), registered, row_bytes, rows);
 }

@@ -62,6 +62,8 @@ class Display final : public DeviceDisplay, public std::enable_shared_from_this<
   /// Queues the copy to page-locked memory in the display's queue. Reports errors to `queue`.
   void copy_to_host(Queue& queue, const Slot& slot, size_t bytes);
   bool make_events(Slot& slot);
+  /// Whether this GPU draws the OpenGL context of the calling thread.
+  bool draws_window();
 
   std::shared_ptr<MemoryBudget> budget_;
   Queue queue_;

@@ -86,6 +86,8 @@ inline constexpr unsigned kEventRecordExternal = 1;
 
 /// A texture of OpenGL with two dimensions (GL_TEXTURE_2D).
 inline constexpr unsigned kTexture2d = 0x0de1;
+/// All devices of an OpenGL context (CU_GL_DEVICE_LIST_ALL).
+inline constexpr int kAllGlDevices = 1;
 /// A texture that only the device writes, as a whole (CU_GRAPHICS_REGISTER_FLAGS_WRITE_DISCARD).
 inline constexpr unsigned kWriteDiscard = 2;
 
@@ -206,6 +208,7 @@ struct Driver {
 
   // Textures of OpenGL. nullptr if the driver lacks them.
   Result (*cuMemcpy2DAsync)(const RowCopy* copy, Stream stream) = nullptr;
+  Result (*cuGLGetDevices)(unsigned* count, DeviceNumber* devices, unsigned most, int list) = nullptr;
   Result (*cuGraphicsGLRegisterImage)(Texture* texture, unsigned name, unsigned target, unsigned flags) = nullptr;
   Result (*cuGraphicsUnregisterResource)(Texture texture) = nullptr;
   Result (*cuGraphicsMapResources)(unsigned count, Texture* textures, Stream stream) = nullptr;
@@ -301,6 +304,7 @@ std::string version_text(int version);
 /// The same for the functions of textures.
 #define RELUME_CUDA_TEXTURE_FUNCTIONS(X)                        \
   X(cuMemcpy2DAsync, cuMemcpy2DAsync_v2)                        \
+  X(cuGLGetDevices, cuGLGetDevices_v2)                          \
   X(cuGraphicsGLRegisterImage, cuGraphicsGLRegisterImage)       \
   X(cuGraphicsUnregisterResource, cuGraphicsUnregisterResource) \
   X(cuGraphicsMapResources, cuGraphicsMapResources)             \

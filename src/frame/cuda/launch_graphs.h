@@ -32,11 +32,11 @@ struct LaunchGraph {
   uint64_t last_use = 0;
 };
 
-/// The graphs of a device. A sequence is launched without a graph when it comes for the first time. The second time it
-/// is captured. From then on, its arguments are written to the memory that the graph reads. If a window has changed,
-/// the sequence is captured again and updates the graph; if the driver refuses the update, it makes another graph. If
-/// the driver refuses a capture or a graph, no more graphs are used. One thread at a time uses this, with the queue's
-/// context current.
+/// The graphs of a device. A sequence is launched without a graph when it comes for the first time, which also loads
+/// kernels: a capture might not permit that. The second time it is captured. From then on, its arguments are written to
+/// the memory that the graph reads. If a window has changed, the sequence is captured again and updates the graph; if
+/// the driver refuses the update, it makes another graph. If the driver refuses a capture or a graph, no more graphs
+/// are used. One thread at a time uses this, with the queue's context current.
 class LaunchGraphs {
  public:
   /// Most launches of a graph.

@@ -12,6 +12,7 @@ constexpr unsigned kTexture2d = 0x0de1;
 constexpr unsigned kWriteDiscard = 2;
 constexpr int kDeviceMemory = 2;
 constexpr int kArray = 3;
+constexpr int kAllDevices = 1;
 
 /// CUDA_MEMCPY2D.
 struct RowCopy {
@@ -71,6 +72,16 @@ const void* relume_stub_texture(unsigned name) {
     }
   }
   return state.textures.at(name).pixels.data();
+}
+
+int cuGLGetDevices_v2(unsigned* count, int* devices, unsigned most, int list) {
+  return with_context("cuGLGetDevices_v2", [&](State& state) {
+    if (state.textures.empty()) return kInvalidGraphicsContext;
+    if (list != kAllDevices || most == 0) return kInvalidValue;
+    *count = 1;
+    devices[0] = 0;  // the first GPU draws
+    return kSuccess;
+  });
 }
 
 int cuGraphicsGLRegisterImage(SharedTexture** texture, unsigned name, unsigned target, unsigned flags) {
