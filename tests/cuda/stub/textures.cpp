@@ -6,13 +6,6 @@
 #include "stub/guarded.h"
 
 namespace stub {
-namespace {
-
-constexpr unsigned kTexture2d = 0x0de1;
-constexpr unsigned kWriteDiscard = 2;
-constexpr int kDeviceMemory = 2;
-constexpr int kArray = 3;
-constexpr int kAllDevices = 1;
 
 /// CUDA_MEMCPY2D.
 struct RowCopy {
@@ -30,6 +23,14 @@ struct RowCopy {
   size_t row_bytes;
   size_t rows;
 };
+
+namespace {
+
+constexpr unsigned kTexture2d = 0x0de1;
+constexpr unsigned kWriteDiscard = 2;
+constexpr int kDeviceMemory = 2;
+constexpr int kArray = 3;
+constexpr int kAllDevices = 1;
 
 const std::byte* pointer(unsigned long long address) {
   return reinterpret_cast<const std::byte*>(address);  // NOLINT(performance-no-int-to-ptr)
