@@ -44,7 +44,7 @@ bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
   has_taken_samples_ = std::exchange(prepared_, false);
   // Resized before they are grouped, because other passes read the groups until the next frame.
-  stream_.resize(frame.backend, frame.pixels(), vertices);
+  stream_.resize(frame.backend, frame.pixels(), vertices, users_.importance);
   if (!tree_) {
     frame.backend.run("octree.first", [&] { tree_ = first_tree(frame.scene, memory_); });
     ++generation_;
@@ -62,7 +62,8 @@ bool OctreePass::run(const FrameContext& frame) {
                 .pixels = frame.pixels(),
                 .jitter = settings_.jitter,
                 .seed = hash(frame.index.seed, frame.number, kJitterSeed),
-                .frozen = snapshot_.frozen()};
+                .frozen = snapshot_.frozen(),
+                .importance = stream_.importance()};
   return true;
 }
 
@@ -142,7 +143,7 @@ void OctreePass::save(std::ostream& out) const {
   write_value(out, !tree_ ? kNoTree : prepared_ ? kPreparedTree : kTree);
   if (!tree_) return;
   tree_->save(out);
-  stream_.save(out);
+  stream_.save(out, users_.importance);
   snapshot_.save(out);
 }
 
@@ -157,7 +158,7 @@ void OctreePass::load(std::istream& in) {
   prepared_ = saved == kPreparedTree;
   tree_.emplace(Vec3(0), 1.0f, memory_);
   tree_->load(in);
-  stream_.load(in);
+  stream_.load(in, users_.importance);
   snapshot_.load(in, OctreeTree(Vec3(0), 1.0f, memory_));
 }
 

@@ -52,6 +52,8 @@ class OctreePass final : public Pass {
   bool has_samples() const { return previous_.has_value(); }
   const OctreeTree& previous() const { return *previous_; }
   SampleGroupsView groups() const { return stream_.groups(); }
+  /// Whether camera subpaths record where importance arrives.
+  bool records_importance() const { return users_.importance; }
   /// The tree in which this frame's samples are recorded.
   const OctreeTree& tree() const { return *tree_; }
   /// The tree from which this frame's paths take estimates: that of the epoch's first frame.

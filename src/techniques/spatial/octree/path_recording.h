@@ -23,6 +23,7 @@ struct PathRecording {
   bool frozen = false;                ///< whether the trees differ: `sampled` is that of an earlier frame of the epoch
   View<LightFeedback> feedback = {};  ///< by pixel, for light selection that learns per pixel; empty: none
   uint32_t feedback_seed = 0;         ///< of its choices, different in each frame
+  View<ImportanceSample> importance = {};  ///< by address of `samples`; empty: not recorded
 
   RELUME_HD PathRecorder begin(uint32_t pixel) const;
   /// The regions of a vertex without jitter.
@@ -40,6 +41,13 @@ struct PathRecording {
     return sampled.find_near(q, jitter, random_vector(hash(hash(seed, q.x), q.y, q.z)));
   }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
+  RELUME_HD bool records_importance(uint32_t vertex) const { return !importance.empty() && vertex < vertices; }
+  /// Stores importance that arrived from direction `w` at a vertex. `value`: as ImportanceSample::value; may be not
+  /// finite.
+  RELUME_HD void store_importance(uint32_t vertex, uint32_t pixel, const Vec3& w, float value) const {
+    const bool counts = value > 0.0f && is_finite(value);
+    importance[vertex * pixels + pixel] = {pack_square(square_from_direction(w)), counts ? value : 0.0f};
+  }
   /// Stores the surface at a vertex in the feedback of its pixel, if it is the first.
   RELUME_HD void meet(uint32_t vertex, uint32_t pixel, const SurfacePoint& sp) const {
     if (vertex > 0 || feedback.empty()) return;

@@ -27,6 +27,13 @@ struct VertexSample {
   float weight = 1;  ///< number of paths that the record stands for; 0: none, it only names the region (culled paths)
 };
 
+/// Importance that arrived at a recorded vertex of a camera subpath. It has the address of the vertex's VertexSample,
+/// which names its region and weight.
+struct ImportanceSample {
+  uint32_t direction = 0;  ///< direction from which it came, to the previous vertex: octahedral, 16 bits per coordinate
+  float value = 0;         ///< luminance of the throughput; 0: a connection to the camera could find it
+};
+
 /// Packs two numbers, not negative, with 8 bits of precision each.
 RELUME_HD inline uint32_t pack_densities(float pdf_w, float guide_pdf_w) {
   return (float_bits(pdf_w) & 0xffff0000u) | (float_bits(guide_pdf_w) >> 16);
@@ -40,13 +47,13 @@ inline constexpr uint32_t kVisibleLight = 0x80000000u;
 /// Records grouped by region, within a region in the order of their addresses.
 struct SampleGroupsView {
   View<const VertexSample> samples;
-  View<const uint32_t> order;    ///< addresses, region by region
-  View<const uint32_t> offsets;  ///< first index into `order`, by leaf slot; then the total
-  View<const uint32_t> counts;   ///< number of records, by leaf slot
+  View<const uint32_t> order;                    ///< addresses, region by region
+  View<const uint32_t> offsets;                  ///< first index into `order`, by leaf slot; then the total
+  View<const uint32_t> counts;                   ///< number of records, by leaf slot
+  View<const ImportanceSample> importance = {};  ///< by address; empty: not recorded
 
-  RELUME_HD const VertexSample& sample(uint32_t region, uint32_t i) const {
-    return samples[order[offsets[region] + i]];
-  }
+  RELUME_HD uint32_t address(uint32_t region, uint32_t i) const { return order[offsets[region] + i]; }
+  RELUME_HD const VertexSample& sample(uint32_t region, uint32_t i) const { return samples[address(region, i)]; }
 };
 
 /// The region of each record; kNoRegion for those of culled paths.
@@ -70,14 +77,17 @@ struct CountSamplesKernel {
 /// Owns the records of one frame and their grouping.
 class SampleStream {
  public:
-  explicit SampleStream(Memory& memory = host_memory()) : samples_(memory), groups_(memory), counts_(memory) {}
+  explicit SampleStream(Memory& memory = host_memory())
+      : samples_(memory), importance_(memory), groups_(memory), counts_(memory) {}
 
   /// Allocates `vertices` records per pixel. If the number of pixels is unchanged, the first vertices keep their
-  /// records.
-  void resize(Backend& backend, uint32_t pixels, uint32_t vertices);
+  /// records. `importance`: also for samples of importance.
+  void resize(Backend& backend, uint32_t pixels, uint32_t vertices, bool importance = false);
 
   /// Record of vertex v at pixel p: element v · pixels + p.
   View<VertexSample> samples() { return samples_.mutable_view(); }
+  /// The same for importance; empty if it is not recorded.
+  View<ImportanceSample> importance() { return importance_.mutable_view(); }
 
   /// Groups the records of regions [0, region_count). The order is that of a stable sort by region with any number of
   /// threads.
@@ -87,12 +97,14 @@ class SampleStream {
   size_t memory_bytes() const;
   /// Bytes of the offsets and counts of regions.
   size_t place_bytes() const { return groups_.begins.memory_bytes() + counts_.memory_bytes(); }
-  /// Saves the records without their grouping.
-  void save(std::ostream& out) const;
-  void load(std::istream& in);
+  /// Saves the records without their grouping. `importance`, here and in load(): as for resize().
+  void save(std::ostream& out, bool importance = false) const;
+  /// Sets the stream's failbit if the numbers of records differ.
+  void load(std::istream& in, bool importance = false);
 
  private:
   Array<VertexSample> samples_;
+  Array<ImportanceSample> importance_;  ///< as many, or empty
   KeyGroups groups_;
   Array<uint32_t> counts_;
   PrimitiveScratch scratch_;
