@@ -75,7 +75,8 @@ OctreePass& add_octree(PipelineBuilder& builder, bool adds_up) {
   builder.add_follower(octree, [](const RenderSettings& s) {
     return RecordUsers{.lights = s.lights == LightSelectionChoice::vlc,
                        .infinite_lights = s.vlc.lists_infinite(),
-                       .directions = s.guide == GuideChoice::cdq};
+                       .directions = s.guide == GuideChoice::cdq,
+                       .importance = learns_importance(s)};
   });
   return octree;
 }
@@ -229,6 +230,10 @@ bool learns(const RenderSettings& settings) {
 
 bool learns_regions(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
+bool learns_importance(const RenderSettings& settings) {
+  return settings.guide == GuideChoice::cdq && settings.cdq.importance && settings.estimator != EstimatorChoice::path;
 }
 
 bool learns_in_chains(const RenderSettings& settings) {

@@ -21,6 +21,8 @@ bool learns(const RenderSettings& settings);
 /// Whether they learn in the regions of the octree, or by Markov chains in cells.
 bool learns_regions(const RenderSettings& settings);
 bool learns_in_chains(const RenderSettings& settings);
+/// Whether guiding learns importance for light subpaths.
+bool learns_importance(const RenderSettings& settings);
 
 /// Whether the history needs the first vertices of paths.
 bool needs_first_vertices(const RenderSettings& settings);

@@ -188,6 +188,16 @@ void check_shutter(const RenderSettings& s) {
   }
 }
 
+/// Throws if light tracing does not combine with learned choices of camera paths.
+void check_light_tracing(const RenderSettings& s) {
+  const bool learns_lights = s.lights == LightSelectionChoice::vlc || s.lights == LightSelectionChoice::neeat;
+  if (!learns_lights && (s.guide != GuideChoice::cdq || learns_importance(s))) return;
+  throw Error(
+      "lights 'neeat', lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at "
+      "their first surface and choose no lights or directions there; use estimator 'bdpt', guide 'cdq' with "
+      "cdq.importance on, or lights 'light-tree' and guide 'bsdf'");
+}
+
 /// Throws if light paths do not combine with the cache.
 void check_cache_of_light_paths(const RenderSettings& s) {
   if (s.cache == CacheChoice::none) return;
@@ -227,12 +237,7 @@ void check_combination(const RenderSettings& settings) {
   check_chains(settings);
   if (settings.shutter().is_open()) check_shutter(settings);
   check_sharc(settings);
-  if (learns(settings) && settings.estimator == EstimatorChoice::light) {
-    throw Error(
-        "lights 'neeat', lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at "
-        "their first surface and choose no lights or directions there; use estimator 'bdpt', or lights 'light-tree' "
-        "and guide 'bsdf'");
-  }
+  if (settings.estimator == EstimatorChoice::light) check_light_tracing(settings);
 }
 
 std::string refusal(const RenderSettings& settings) {

@@ -38,16 +38,17 @@ struct DirectionSampler {
   View<const float> fractions;  ///< learned `bsdf_fraction` by region; empty: none
   uint32_t candidates = 1;      ///< directions of which one is resampled at glossy vertices; 1: no resampling
   MarkovGuide chains;           ///< chains around vertices
+  View<uint32_t> importance;    ///< as `quadtrees`, with importance, for light subpaths; empty: these are not guided
 
-  /// Light subpaths (importance) follow the BSDF alone, because guides learn radiance.
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
-    if (mode == TransportMode::radiance && has_chains(sp)) {
+    if (mode == TransportMode::importance) return sample_importance(sp, sampler);
+    if (has_chains(sp)) {
       MarkovLobes lobes;
       chains.add_lobes(sp, lobes);
       if (!lobes.empty()) return sample_mixture(sp, lobes, chains.bsdf_fraction, sampler);
     }
-    if (mode == TransportMode::importance || !guides(sp)) return sample_bsdf(sp, sampler, mode);
+    if (!guides(sp)) return sample_bsdf(sp, sampler);
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
     return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, drawn_from(tree), fraction_at(sp), sampler);
   }
@@ -74,6 +75,18 @@ struct DirectionSampler {
     return mixed(point.fraction, pdf_bsdf, quadtrees.load(point.region).pdf(wi));
   }
 
+  /// The same for light subpaths: pdf_w of sample() with TransportMode::importance.
+  RELUME_HD float importance_pdf(const GuidedPoint& point, const Vec3& wi, float pdf_bsdf) const {
+    DirectionalQuadtree tree{};
+    if (!(pdf_bsdf > 0.0f) || !load_importance(point.region, tree)) return pdf_bsdf;
+    return mixed(bsdf_fraction, pdf_bsdf, tree.pdf(wi));
+  }
+  /// Probability with which light subpaths sample the BSDF at a point.
+  RELUME_HD float importance_fraction(const GuidedPoint& point) const {
+    DirectionalQuadtree tree{};
+    return load_importance(point.region, tree) ? bsdf_fraction : 1.0f;
+  }
+
  private:
   /// A quadtree with the chosen form of sampling.
   struct DrawnTree {
@@ -91,6 +104,14 @@ struct DirectionSampler {
   }
   RELUME_HD bool guides(const SurfacePoint& sp) const {
     return kind == DirectionSamplerKind::quadtree && sp.region < quadtrees.tree_count() && has_non_delta(sp.bsdf);
+  }
+  /// Loads the tree of importance of a region. Returns false if there is none, or a uniform one. Camera subpaths have
+  /// not reached regions with a uniform tree: half of its directions would be lost below the horizon, for no gain.
+  RELUME_HD bool load_importance(uint32_t region, DirectionalQuadtree& tree) const {
+    const QuadtreeArray trees{importance, quadtrees.bit_count};
+    if (region >= trees.tree_count()) return false;
+    tree = trees.load(region);
+    return !tree.is_uniform();
   }
   /// Probability of the BSDF at a point. Fractions are learned without delta lobes, so points with such do not use
   /// them.
@@ -111,6 +132,13 @@ struct DirectionSampler {
                                           TransportMode mode = TransportMode::radiance) {
     const float u_lobe = sp.bsdf.lobe_count > 1 || transmits(sp.bsdf.lobes[0].kind) ? numbers.next_1d() : 0.0f;
     return relume::sample(sp, u_lobe, numbers.next_2d(), mode);
+  }
+
+  RELUME_HD BsdfSample sample_importance(const SurfacePoint& sp, Sampler& sampler) const {
+    DirectionalQuadtree tree{};
+    if (!has_non_delta(sp.bsdf) || !load_importance(sp.region, tree))
+      return sample_bsdf(sp, sampler, TransportMode::importance);
+    return sample_mixture<TransportMode::importance>(sp, drawn_from(tree), bsdf_fraction, sampler);
   }
 
   /// Draws candidates from the mixture and keeps one with a probability in proportion to w = t / p, where the target t
@@ -152,12 +180,12 @@ struct DirectionSampler {
   /// One sample of the mixture of BSDF and guide, a DrawnTree or MarkovLobes; `fraction`: probability of the BSDF.
   /// `eta_scale` includes the ratio of densities, so that Russian roulette uses the weight of BSDF sampling. Guided
   /// directions have small weights because they are likely.
-  template <typename Guide, typename Numbers>
+  template <TransportMode kMode = TransportMode::radiance, typename Guide, typename Numbers>
   RELUME_HD static BsdfSample sample_mixture(const SurfacePoint& sp, const Guide& guide, float fraction,
                                              Numbers& numbers) {
     BsdfSample s;
     if (numbers.next_1d() < fraction) {
-      s = sample_bsdf(sp, numbers);
+      s = sample_bsdf(sp, numbers, kMode);
       if (!s.valid) return s;
       if (s.delta) {
         s.weight /= fraction;
@@ -173,7 +201,7 @@ struct DirectionSampler {
     }
     const Vec2 u = numbers.next_2d();
     s.wi = guide.sample(u);
-    const BsdfEval bsdf = eval_pdf(sp, s.wi);
+    const BsdfEval bsdf = eval_pdf(sp, s.wi, kMode);
     s.guide_pdf_w = guide.pdf(s.wi);
     s.bsdf_pdf_w = bsdf.pdf_forward;
     s.pdf_w = mixed(fraction, bsdf.pdf_forward, s.guide_pdf_w);
@@ -181,7 +209,8 @@ struct DirectionSampler {
     if (!s.valid) return s;
     s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);
     s.eta_scale = bsdf.pdf_forward / s.pdf_w;
-    if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.eta_scale *= refraction_eta_scale(sp.bsdf);
+    if (kMode == TransportMode::radiance && glm::dot(sp.frame.n, s.wi) < 0.0f)
+      s.eta_scale *= refraction_eta_scale(sp.bsdf);
     return s;
   }
 };

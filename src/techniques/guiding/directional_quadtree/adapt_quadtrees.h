@@ -16,6 +16,11 @@ struct QuadtreePool {
   float guided_fraction = 0;             ///< share of directions from trees
 };
 
+/// The value of `stability` (QuadtreeAdaption) for trees that learn importance. Their sums are importance itself, not
+/// its squares. With squares, a leaf of the importance F is split if stability · F² exceeds Σ f² over the four leaves
+/// to join. For equal f = T / 4, that is 2 √stability · F > T. Above 1, leaves would move back and forth.
+RELUME_HD inline float importance_stability(float stability) { return relume::min(2.0f * std::sqrt(stability), 1.0f); }
+
 /// The samples that adapt one tree: its region's, then those of the pool. With n of N = QuadtreePool::samples samples,
 /// squares from the pool count 1 − n / N.
 struct PooledSamples {
@@ -38,6 +43,12 @@ struct PooledSamples {
   }
 
   RELUME_HD uint32_t size() const { return ends[count - 1]; }
+  /// Number of the region that contains sample i.
+  RELUME_HD uint32_t number_of(uint32_t i) const {
+    uint32_t k = 0;
+    while (i >= ends[k]) ++k;
+    return k;
+  }
 
  private:
   /// Adds a region once.
@@ -51,7 +62,8 @@ struct PooledSamples {
   }
 };
 
-/// Adapts the quadtree of each region to the region's samples, and to those of its pool; one group per region.
+/// Adapts the quadtree of each region to the region's samples of radiance or importance, and to those of its pool; one
+/// group per region.
 struct AdaptQuadtreesKernel {
   static constexpr uint32_t kThreads = 128;
   using Shared = GroupAdaption;
@@ -64,6 +76,7 @@ struct AdaptQuadtreesKernel {
   View<uint64_t> moved;           ///< number of migrations, one element
   View<const float> fractions = {};  ///< learned probability of the BSDF by region; empty: none
   QuadtreePool pool = {};
+  bool importance = false;  ///< whether the trees learn importance
 
   template <typename Group>
   RELUME_HD void operator()(const Group& group, Shared& shared, uint32_t region, uint32_t) const {
@@ -105,15 +118,25 @@ struct AdaptQuadtreesKernel {
 
   /// Sample i for the tree `before` of the first pooled region.
   RELUME_HD DirectionSample sample(const DirectionalQuadtree& before, const PooledSamples& pooled, uint32_t i) const {
+    if (importance) return importance_sample(pooled, i);
     const uint32_t region = pooled.regions[0];
     if (i < pooled.ends[0]) {
       const VertexSample& s = samples.sample(region, i);
       return {s.direction, weighted_value(s) * value_scale(before, region, s, guided_fraction)};
     }
-    uint32_t k = 1;
-    while (i >= pooled.ends[k]) ++k;
+    const uint32_t k = pooled.number_of(i);
     const VertexSample& s = samples.sample(pooled.regions[k], i - pooled.ends[k - 1]);
     return {s.direction, weighted_value(s) * value_scale(before, region, s, pool.guided_fraction) * pooled.factor};
+  }
+
+  /// The same for importance. Its square is the importance that arrived: camera subpaths arrive in proportion to it,
+  /// whatever the tree is.
+  RELUME_HD DirectionSample importance_sample(const PooledSamples& pooled, uint32_t i) const {
+    const uint32_t k = pooled.number_of(i);
+    const uint32_t at = samples.address(pooled.regions[k], k == 0 ? i : i - pooled.ends[k - 1]);
+    const ImportanceSample& s = samples.importance[at];
+    const float value = std::sqrt(s.value * samples.samples[at].weight);
+    return {s.direction, k == 0 ? value : value * pooled.factor};
   }
 
   /// The value whose square is that of the record times its weight.

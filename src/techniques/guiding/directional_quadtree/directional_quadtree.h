@@ -31,6 +31,9 @@ struct DirectionalQuadtree {
 
   RELUME_HD uint32_t leaf_count() const { return bit_count / 4 * 3 + 1; }
 
+  /// Whether this is uniform_quadtree(): its ones, of which every tree has the same number, precede all zeros.
+  RELUME_HD bool is_uniform() const { return bits.words[0] == (1u << (bit_count / 4 - 1)) - 1u; }
+
   /// The leaf that contains `p` of the unit square, found top down.
   RELUME_HD QuadtreeCell find(const Vec2& p) const {
     QuadtreeCell cell;

@@ -1,45 +1,9 @@
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
 
-#include <utility>
-
+#include "core/stream_io.h"
 #include "frame/primitives/fill.h"
 
 namespace relume {
-
-bool is_quadtree(const DirectionalQuadtree& tree) {
-  const uint32_t groups = tree.bit_count / 4;
-  if (tree.bits.rank(tree.bit_count) != groups - 1) return false;
-  uint32_t depths[BitField::kWords * 8] = {1};
-  uint32_t next = 1;  // group of the next inner node's children
-  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
-    if (!tree.bits.get(bit)) continue;
-    // Parents must precede their children, or walking up would not end.
-    if (bit / 4 >= next || depths[bit / 4] >= kMaxQuadtreeDepth) return false;
-    depths[next++] = depths[bit / 4] + 1;
-  }
-  return true;
-}
-
-Quadtrees Quadtrees::copy(Backend& backend) const {
-  Quadtrees result(bit_count_, 0, memory());
-  relume::copy(backend, "cdq.copy", words_, result.words_);
-  relume::copy(backend, "cdq.copy", fractions_, result.fractions_);
-  return result;
-}
-
-void Quadtrees::load(std::istream& in) {
-  read_array(in, words_);
-  read_array(in, fractions_);
-  const QuadtreeArray trees = write();
-  bool valid = words_.size() % trees.words_per_tree() == 0 && (fractions_.empty() || fractions_.size() == size());
-  for (const float fraction : fractions_.read()) valid = valid && fraction > 0.0f && fraction <= 1.0f;
-  for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
-  if (valid) return;
-  words_.clear();
-  fractions_.clear();
-  in.setstate(std::ios::failbit);
-}
-
 namespace {
 
 /// Factor of earlier sums per frame. Together, all earlier frames then have the weight of `frames` frames.
@@ -48,83 +12,91 @@ float kept_share(int frames) { return static_cast<float>(frames) / static_cast<f
 }  // namespace
 
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
-  const bool fits = trees_.bit_count() == bit_count() && trees_.size() == octree_.tree().leaf_slots();
-  if (generation_ == octree_.generation() && fits) {
-    snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
+  const uint32_t regions = octree_.tree().leaf_slots();
+  const bool learns_importance = octree_.records_importance();
+  const bool fit = radiance_.fit(bit_count(), regions) && importance_.fit(bit_count(), learns_importance ? regions : 0);
+  if (generation_ == octree_.generation() && fit) {
+    importance_.begin_frame(frame);
+    radiance_.begin_frame(frame);
   } else {
     take_in_samples(frame);
   }
-  Quadtrees& sampled = snapshot_.of(trees_);
+  Quadtrees& sampled = radiance_.sampled();
   directions_.quadtrees = sampled.view();
   directions_.fractions = settings_.learn_fraction ? sampled.fractions() : View<const float>{};
   directions_.bsdf_fraction = settings_.bsdf_fraction;
   directions_.candidates = static_cast<uint32_t>(settings_.candidates);
   directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
+  directions_.importance = importance_.sampled().view().words;
   return true;
 }
 
 void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
-  const bool same_size =
-      octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
+  const uint32_t regions = octree_.tree().leaf_slots();
+  const uint32_t last = octree_.has_samples() ? octree_.previous().leaf_slots() : 0;
+  const bool keeps_radiance = last > 0 && radiance_.fit(bit_count(), last);
+  const bool keeps_importance = last > 0 && importance_.fit(bit_count(), last);
+  const bool learns_importance = octree_.records_importance();
   // The frames of an epoch sample the same trees, so they have the same weight.
   const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
-  next_trees_.reset(bit_count(), octree_.tree().leaf_slots(), settings_.learn_fraction);
   if (settings_.learn_fraction) {
-    moments_.reserve(trees_.size());
-    next_moments_.reset(octree_.tree().leaf_slots(), kUninitialized);
+    moments_.reserve(radiance_.trees().size());
+    next_moments_.reset(regions, kUninitialized);
   }
-  if (remembers) {
-    weights_.reserve(trees_.size());
-    successors_.reset(trees_.size(), kUninitialized);
-    next_weights_.reset(octree_.tree().leaf_slots(), kUninitialized);
+  if (learns_importance) {
+    importance_.prepare(bit_count(), regions, remembers, false);
+  } else {
+    importance_.clear(bit_count());
   }
-  // Whether the samples were drawn from other trees than those that they adapt.
-  const bool sampled_others = snapshot_.frozen();
-  moved_.write() = 0;  // may throw, so that a repeated frame must find the snapshot unchanged
-  snapshot_.begin_frame(frame.backend, frame.begins_epoch, trees_);
+  radiance_.prepare(bit_count(), regions, remembers, settings_.learn_fraction);
+  // Copying trees may throw. A repeated frame must then find the snapshot of radiance unchanged, so it is the last.
+  const bool frozen = radiance_.frozen();
+  importance_.begin_frame(frame);
+  radiance_.begin_frame(frame);
   // Nothing allocates from here on.
-  if (same_size) {
-    const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
-    const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
-                                   settings_.spread};
-    if (remembers && weights_.size() != trees_.size()) resize(frame.backend, "cdq.adapt", weights_, trees_.size());
-    const AdaptQuadtreesKernel adapt{octree_.groups(),
-                                     trees_.view(),
-                                     options,
-                                     sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
-                                     weights_.mutable_view(),
-                                     moved_.mutable_view(),
-                                     settings_.learn_fraction ? trees_.fractions() : View<const float>{},
-                                     {octree_.previous().links().neighbours.view(),
-                                      static_cast<uint32_t>(settings_.pool), 1.0f - settings_.bsdf_fraction}};
-    frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1, 1});
-    if (settings_.learn_fraction) {
-      if (moments_.size() != trees_.size()) resize(frame.backend, "cdq.fractions", moments_, trees_.size());
-      const LearnFractionsKernel learn{octree_.groups(), moments_.mutable_view()};
-      frame.launch("cdq.fractions", learn, {octree_.previous().leaf_slots(), MixtureMoments::kFractions});
-    }
-  }
-  populate(frame, same_size, remembers);
+  if (keeps_radiance) adapt_radiance(frame, frozen, remembers);
+  if (keeps_importance && learns_importance) adapt_importance(frame, frozen, remembers);
+  const View<const uint32_t> previous = octree_.tree().links().previous.view();
+  populate_fractions(frame, keeps_radiance);
+  radiance_.populate(frame, previous, keeps_radiance, remembers);
+  if (learns_importance) importance_.populate(frame, previous, keeps_importance, remembers);
   generation_ = octree_.generation();
 }
 
-void DirectionalQuadtreePass::populate(const FrameContext& frame, bool keep, bool remembers) {
-  const Grid regions{octree_.tree().leaf_slots(), 1};
-  const View<const uint32_t> previous = octree_.tree().links().previous.view();
-  const PopulateQuadtreesKernel kernel{previous, keep ? trees_.view() : QuadtreeArray{}, next_trees_.view()};
-  frame.launch("cdq.populate", kernel, regions);
-  populate_fractions(frame, keep);
-  if (!remembers || !keep) weights_.clear();
-  if (!remembers) return std::swap(trees_, next_trees_);
-  successors_.reset(weights_.size(), kUninitialized);
-  if (!weights_.empty()) {
-    fill(frame.backend, "cdq.populate", successors_.mutable_view(), 0u);
-    frame.launch("cdq.populate", CountSuccessorsKernel{previous, successors_.mutable_view()}, regions);
-  }
-  const InheritWeightsKernel inherit{previous, successors_.view(), weights_.view(), next_weights_.mutable_view()};
-  frame.launch("cdq.populate", inherit, regions);
-  std::swap(trees_, next_trees_);
-  weights_.swap(next_weights_);
+QuadtreeAdaption DirectionalQuadtreePass::adaption(bool frozen) const {
+  return {settings_.stability, static_cast<uint32_t>(settings_.migrations),
+          frozen ? 1.0f : kept_share(settings_.memory), settings_.spread};
+}
+
+QuadtreePool DirectionalQuadtreePass::pool() const {
+  return {octree_.previous().links().neighbours.view(), static_cast<uint32_t>(settings_.pool),
+          1.0f - settings_.bsdf_fraction};
+}
+
+void DirectionalQuadtreePass::adapt_radiance(const FrameContext& frame, bool frozen, bool remembers) {
+  const bool learns_fractions = settings_.learn_fraction;
+  AdaptQuadtreesKernel kernel;
+  kernel.samples = octree_.groups();
+  kernel.options = adaption(frozen);
+  kernel.guided_fraction = frozen ? 1.0f - settings_.bsdf_fraction : 0.0f;
+  kernel.fractions = learns_fractions ? radiance_.trees().fractions() : View<const float>{};
+  kernel.pool = pool();
+  radiance_.adapt(frame, kernel, remembers);
+  if (!learns_fractions) return;
+  const uint32_t regions = radiance_.trees().size();
+  if (moments_.size() != regions) resize(frame.backend, "cdq.fractions", moments_, regions);
+  const LearnFractionsKernel learn{octree_.groups(), moments_.mutable_view()};
+  frame.launch("cdq.fractions", learn, {regions, MixtureMoments::kFractions});
+}
+
+void DirectionalQuadtreePass::adapt_importance(const FrameContext& frame, bool frozen, bool remembers) {
+  AdaptQuadtreesKernel kernel;
+  kernel.samples = octree_.groups();
+  kernel.options = adaption(frozen);
+  kernel.options.stability = importance_stability(settings_.stability);
+  kernel.pool = pool();
+  kernel.importance = true;
+  importance_.adapt(frame, kernel, remembers);
 }
 
 void DirectionalQuadtreePass::populate_fractions(const FrameContext& frame, bool keep) {
@@ -134,7 +106,7 @@ void DirectionalQuadtreePass::populate_fractions(const FrameContext& frame, bool
                                       moments_.view(),
                                       {.fraction = settings_.bsdf_fraction},
                                       next_moments_.mutable_view(),
-                                      next_trees_.mutable_fractions()};
+                                      radiance_.next_trees().mutable_fractions()};
   frame.launch("cdq.populate", kernel, {octree_.tree().leaf_slots(), 1});
   moments_.swap(next_moments_);
 }
@@ -147,7 +119,7 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
   };
   const auto read = [this] {
     std::vector<Leaf> leaves;
-    Quadtrees copy = trees_;  // write() needs a mutable object
+    Quadtrees copy = radiance_.trees();  // write() needs a mutable object
     const QuadtreeArray trees = copy.write();
     for (uint32_t region = 0; region < copy.size(); ++region) {
       if (!octree_.tree().is_leaf(region)) continue;
@@ -168,27 +140,33 @@ std::vector<PassRecords> DirectionalQuadtreePass::records() const {
       read)};
 }
 
+std::vector<PassStatistic> DirectionalQuadtreePass::statistics() const {
+  std::vector<PassStatistic> list = {{"migrations", static_cast<double>(radiance_.migrations())},
+                                     {"quadtree-bytes", static_cast<double>(radiance_.trees().data_bytes())},
+                                     {"memory-bytes", static_cast<double>(radiance_.weight_bytes())}};
+  if (octree_.records_importance())
+    list.push_back({"importance-migrations", static_cast<double>(importance_.migrations())});
+  return list;
+}
+
 void DirectionalQuadtreePass::save(std::ostream& out) const {
-  trees_.save(out);
-  snapshot_.save(out);
-  write_array(out, weights_);
+  radiance_.save(out);
   write_array(out, moments_);
+  if (octree_.records_importance()) importance_.save(out);
 }
 
 void DirectionalQuadtreePass::load(std::istream& in) {
-  Memory& memory = trees_.memory();
-  trees_ = Quadtrees(bit_count(), 0, memory);
-  trees_.load(in);
-  snapshot_.load(in, Quadtrees(bit_count(), 0, memory));
-  read_array(in, weights_);
+  radiance_.load(in, bit_count());
   read_array(in, moments_);
+  if (octree_.records_importance()) {
+    importance_.load(in, bit_count());
+  } else {
+    importance_.clear(bit_count());
+  }
   generation_ = octree_.generation();
-  const bool fits =
-      (weights_.empty() || weights_.size() == trees_.size()) && (moments_.empty() || moments_.size() == trees_.size());
-  if (in && fits) return;
-  trees_ = Quadtrees(bit_count(), 0, memory);
-  snapshot_.reset();
-  weights_.clear();
+  if (in && (moments_.empty() || moments_.size() == radiance_.trees().size())) return;
+  radiance_.clear(bit_count());
+  importance_.clear(bit_count());
   moments_.clear();
   in.setstate(std::ios::failbit);
 }

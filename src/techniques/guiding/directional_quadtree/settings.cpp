@@ -39,6 +39,10 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
       {"sampling", choice(s.sampling, {"bottom-up", "stratified"}),
        "Direction sampling: bottom-up from a random leaf, or top-down, which keeps low-discrepancy numbers well "
        "distributed"},
+      {"importance", &s.importance,
+       "Also guide the light subpaths of light, bdpt and vcm, by second quadtrees that learn from camera subpaths "
+       "where "
+       "importance arrives"},
       {"view",
        &s.view,
        "Fill the layer \"directions\" with the guiding density at one point, beside the light that arrives there",

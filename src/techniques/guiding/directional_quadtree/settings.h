@@ -19,7 +19,8 @@ struct DirectionalQuadtreeSettings {
   int memory = 0;    ///< m: sums keep m / (m + 1) of their value per frame
   float spread = 0;  ///< share of a leaf's sum that is also added around it
   QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
-  bool view = false;  ///< whether to fill the layer "directions" for the point at:
+  bool importance = false;  ///< whether light subpaths are guided by trees that learn importance
+  bool view = false;        ///< whether to fill the layer "directions" for the point at:
   float view_x = 0.5f;
   float view_y = 0.5f;
 };

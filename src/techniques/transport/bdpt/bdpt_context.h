@@ -60,15 +60,17 @@ struct LearningContext : BdptContext {
   static constexpr bool kLearns = true;
 };
 
-/// Looks up the region of a point, where densities depend on it.
+/// Looks up the region of a vertex of a light subpath, where densities depend on it.
 template <typename Context>
 RELUME_HD inline void find_region(const Context& c, SurfacePoint& sp) {
   if constexpr (Context::kLearns) {
-    if (c.weighs_guide && c.path.directions.kind != DirectionSamplerKind::bsdf) sp.region = c.recording.region_at(sp);
+    const DirectionSampler& directions = c.path.directions;
+    const bool weighs = c.weighs_guide && directions.kind != DirectionSamplerKind::bsdf;
+    if (weighs || !directions.importance.empty()) sp.region = c.recording.region_at(sp);
   }
 }
 
-/// How camera subpaths choose directions at a point, as assumed by the weights.
+/// How subpaths choose directions at a point, as assumed by the weights.
 template <typename Context>
 RELUME_HD inline GuidedPoint guided_point(const Context& c, const SurfacePoint& sp) {
   if constexpr (Context::kLearns) {
@@ -87,20 +89,49 @@ RELUME_HD inline float camera_pdf(const Context& c, const GuidedPoint& point, co
   }
 }
 
-/// The same for a direction that the camera subpath has sampled.
+/// The same for light subpaths.
 template <typename Context>
-RELUME_HD inline float camera_pdf(const Context& c, const BsdfSample& s) {
+RELUME_HD inline float light_pdf(const Context& c, const GuidedPoint& point, const Vec3& wi, float pdf_bsdf) {
+  if constexpr (Context::kLearns) {
+    return c.path.directions.importance_pdf(point, wi, pdf_bsdf);
+  } else {
+    return pdf_bsdf;
+  }
+}
+
+/// Probability with which light subpaths sample the BSDF at a point, as assumed by the weights. That of camera subpaths
+/// is GuidedPoint::fraction.
+template <typename Context>
+RELUME_HD inline float light_fraction(const Context& c, const GuidedPoint& point) {
+  if constexpr (Context::kLearns) {
+    return c.path.directions.importance_fraction(point);
+  } else {
+    return 1.0f;
+  }
+}
+
+/// Density of a direction that a subpath has sampled, as assumed by the weights.
+template <typename Context>
+RELUME_HD inline float sampled_pdf(const Context& c, const BsdfSample& s) {
   if constexpr (Context::kLearns) {
     if (!c.weighs_guide && s.bsdf_pdf_w > 0.0f) return s.bsdf_pdf_w;
   }
   return s.pdf_w;
 }
 
+/// Changes the densities of a scattering from `wo` to `w` at a vertex of a light subpath to those of guided subpaths.
+template <typename Context>
+RELUME_HD inline void include_guiding(const Context& c, const GuidedPoint& guide, const Vec3& w, const Vec3& wo,
+                                      AdjointEval& e) {
+  e.pdf_light = light_pdf(c, guide, w, e.pdf_light);
+  e.pdf_camera = camera_pdf(c, guide, wo, e.pdf_camera);
+}
+
 /// Scattering at a vertex of a light subpath towards `w`, the camera's side.
 template <typename Context>
 RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const SurfacePoint& sp, const Vec3& w) {
   AdjointEval e = eval_adjoint(sp, w);
-  if constexpr (Context::kLearns) e.pdf_camera = camera_pdf(c, guided_point(c, sp), sp.wo, e.pdf_camera);
+  if constexpr (Context::kLearns) include_guiding(c, guided_point(c, sp), w, sp.wo, e);
   return e;
 }
 
@@ -109,7 +140,7 @@ template <typename Context>
 RELUME_HD inline AdjointEval eval_light_vertex(const Context& c, const PathVertex& v, const GuidedPoint& guide,
                                                const Vec3& w, float wavelength_nm, float time) {
   AdjointEval e = eval_vertex(c.scene(), v, w, wavelength_nm, time);
-  if constexpr (Context::kLearns) e.pdf_camera = camera_pdf(c, guide, v.wo, e.pdf_camera);
+  if constexpr (Context::kLearns) include_guiding(c, guide, w, v.wo, e);
   return e;
 }
 

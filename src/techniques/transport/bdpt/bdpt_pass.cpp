@@ -114,6 +114,7 @@ bool BdptPass::run(const FrameContext& frame) {
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
   c.connection_roulette = settings_.connection_roulette;
   c.light_only = mode_ == BdptMode::light_only;
+  if (c.light_only) c.path.directions.quadtrees.words = {};  // no camera subpath learns radiance
   kernel.index = frame.index;
   kernel.hits = frame.read(kPrimaryHits);
   kernel.allocation = frame.read(kAllocation);

@@ -118,15 +118,17 @@ RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpat
 }
 
 /// Evaluates the BSDF at the last vertex. The reverse density doubles the cost, so it is computed only if strategies
-/// that cut before the vertex exist. The forward density includes guiding, the reverse one does not, because light
-/// subpaths are not guided.
+/// that cut before the vertex exist. Both include guiding.
 template <typename Context>
 RELUME_HD inline BsdfEval eval_camera_vertex(const Context& c, const CameraSubpath& e, const SurfacePoint& sp,
                                              const Vec3& wi) {
   BsdfEval result = eval_pdf(sp, wi);
   if (e.weights.at().b > 0.0f && !is_black(result.f)) result.pdf_reverse = other_sides_pdf(sp, wi);
-  if (Context::kLearns && !is_black(result.f))
-    result.pdf_forward = camera_pdf(c, guided_point(c, sp), wi, result.pdf_forward);
+  if (Context::kLearns && !is_black(result.f)) {
+    const GuidedPoint guide = guided_point(c, sp);
+    result.pdf_forward = camera_pdf(c, guide, wi, result.pdf_forward);
+    result.pdf_reverse = light_pdf(c, guide, sp.wo, result.pdf_reverse);
+  }
   return result;
 }
 
@@ -291,13 +293,14 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
   const Vec3& wi = e.path.ray.direction;
   const float cosine = std::fabs(glm::dot(sp.ng, wi));
   recorder.scattered(c, sp, s, e.path);
+  const GuidedPoint guide = guided_point(c, sp);
   if (e.path.delta) {
-    const float ratio = delta_density_ratio(sp, wi) / guided_point(c, sp).fraction;
+    const float ratio = delta_density_ratio(sp, wi) * light_fraction(c, guide) / guide.fraction;
     e.weights.leave_delta(cosine, ratio);
     recorder.left_delta(cosine, ratio);
   } else {
-    const float pdf = camera_pdf(c, s);
-    const float reverse = e.weights.at().b > 0.0f ? other_sides_pdf(sp, wi) : 0.0f;
+    const float pdf = sampled_pdf(c, s);
+    const float reverse = e.weights.at().b > 0.0f ? light_pdf(c, guide, sp.wo, other_sides_pdf(sp, wi)) : 0.0f;
     e.weights.leave(cosine, pdf, reverse);
     recorder.left(cosine, pdf, reverse);
   }
@@ -310,6 +313,12 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
     e.found_before = e.path.radiance;
   }
   return true;
+}
+
+/// Whether the subpath only records where importance arrives: light tracing takes no light from beyond its first
+/// vertex.
+RELUME_HD inline bool only_records(const BdptContext& c, const CameraSubpath& e) {
+  return c.light_only && e.path.bounce > 0;
 }
 
 /// Lets the policy see and change the path at the last vertex. Returns false if the subpath ends here.
@@ -354,7 +363,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
   ++counters.rays;
   for (;;) {
     if (!hit.valid()) {
-      add_met_infinite_lights(c, e, recorder);
+      if (!only_records(c, e)) add_met_infinite_lights(c, e, recorder);
       break;
     }
     SurfacePoint sp;
@@ -366,13 +375,15 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     if (!(cosine > 0.0f)) break;
     e.weights.arrive(cosine, sqr(hit.t));
     recorder.moved(cosine, sqr(hit.t));
-    add_met_emission(c, sp, e, recorder);
-    if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
+    if (!only_records(c, e)) add_met_emission(c, sp, e, recorder);
+    if (e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
+    if (c.light_only && !recorder.records_importance(e.path.bounce)) break;
     recorder.arrived(sp, e.path);
     if (!arrive_with(c, sp, e, recorder, policy)) break;
+    if (c.light_only && !recorder.records_importance(e.path.bounce + 1)) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
-    if (has_non_delta(sp.bsdf)) {
+    if (has_non_delta(sp.bsdf) && !c.light_only) {
       connect(c, sp, kept, e, sampler, roulette, counters, recorder, policy);
       others.add(c, sp, sampler.ray_id(), e, roulette, counters, recorder, policy);
     }

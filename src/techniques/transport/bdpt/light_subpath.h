@@ -189,8 +189,8 @@ RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& len
   return !occluded_to_camera(c.scene(), ray, ray_id);
 }
 
-/// Samples the next direction from the BSDF. Returns false if the subpath ends here. The reverse density includes
-/// guiding, as camera subpaths would sample the directions.
+/// Samples the next direction. Returns false if the subpath ends here. The reverse density includes guiding, as camera
+/// subpaths would sample the directions.
 template <typename Context>
 RELUME_HD inline bool continue_light_subpath(const Context& c, const SurfacePoint& sp, LightSubpath& l,
                                              Sampler& sampler) {
@@ -203,9 +203,9 @@ RELUME_HD inline bool continue_light_subpath(const Context& c, const SurfacePoin
   const float cosine = std::fabs(glm::dot(sp.ng, s.wi));
   const GuidedPoint guide = guided_point(c, sp);
   if (s.delta) {
-    l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi) * guide.fraction);
+    l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi) * guide.fraction / light_fraction(c, guide));
   } else {
-    l.weights.leave(cosine, s.pdf_w, camera_pdf(c, guide, sp.wo, other_sides_pdf(sp, s.wi)));
+    l.weights.leave(cosine, sampled_pdf(c, s), camera_pdf(c, guide, sp.wo, other_sides_pdf(sp, s.wi)));
   }
   return follow(c.path, sp, s, l.path, sampler, TransportMode::importance);
 }

@@ -35,6 +35,8 @@ RELUME_HD inline WeightTerms weight_terms(float others, float p, float sigma, fl
 struct NoRecorder : NoPolicy {
   /// Whether outcomes of the connections to lights are recorded at the current vertex.
   RELUME_HD static constexpr bool needs_visibility() { return false; }
+  /// Whether the importance that arrives at a vertex is recorded.
+  RELUME_HD static constexpr bool records_importance(uint32_t /*vertex*/) { return false; }
   RELUME_HD void moved(float, float) const {}
   RELUME_HD void arrived(SurfacePoint&, const PathState&) const {}
   RELUME_HD void weigh(const WeightTerms&) const {}
@@ -56,6 +58,8 @@ class SubpathRecorder {
     return recorder_.current < recording.vertices || (recorder_.current == 0 && !recording.feedback.empty());
   }
 
+  RELUME_HD bool records_importance(uint32_t vertex) const { return recorder_.recording->records_importance(vertex); }
+
   /// Called with the arguments of SubpathWeights::arrive().
   RELUME_HD void moved(float cosine, float distance_squared) {
     for (uint32_t v = 0; v < behind_; ++v) weights_[v].arrive(cosine, distance_squared);
@@ -68,6 +72,11 @@ class SubpathRecorder {
     sp.region = recording.jitter > 0.0f ? recording.jittered_region(sp) : regions.sample;
     recorder_.begin_vertex(path.bounce, regions.store);
     recording.meet(path.bounce, recorder_.pixel, sp);
+    if (!recording.records_importance(path.bounce)) return;
+    // Connections to the camera find the importance of vertices up to the first one that does not only scatter
+    // specularly. Light subpaths need no guide there.
+    const float value = scattered_ ? luminance(unit_ * path.throughput) : 0.0f;
+    recording.store_importance(path.bounce, recorder_.pixel, sp.wo, value);
   }
 
   /// Sets the terms of the weight within the light that add() or add_met() gets next.
@@ -91,6 +100,7 @@ class SubpathRecorder {
   /// Called after a direction was sampled; `after`: the subpath with its new ray. left() or left_delta() follows.
   RELUME_HD void scattered(const BdptContext& c, const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
     recorder_.scattered(sp, s, in_image(after));
+    if (!after.delta) scattered_ = true;
     left_ = behind_;
     behind_ = recorder_.reached;
     for (uint32_t v = left_; v < behind_; ++v) {
@@ -147,10 +157,11 @@ class SubpathRecorder {
 
   PathRecorder recorder_;
   WeightTerms terms_;
-  Rgb unit_{1};          ///< factor by which radiance and throughput of the subpath count in the image
-  float weight_ = 1;     ///< of the records
-  uint32_t behind_ = 0;  ///< number of recorded vertices behind the current one
-  uint32_t left_ = 0;    ///< the same for the previous vertex
+  Rgb unit_{1};             ///< factor by which radiance and throughput of the subpath count in the image
+  float weight_ = 1;        ///< of the records
+  uint32_t behind_ = 0;     ///< number of recorded vertices behind the current one
+  uint32_t left_ = 0;       ///< the same for the previous vertex
+  bool scattered_ = false;  ///< whether an earlier vertex scattered other than specularly
   SubpathWeights weights_[kMaxRecordedVertices];  ///< for a camera at the recorded vertex
   Rgb found_[kMaxRecordedVertices] = {};          ///< light along the direction of the recorded vertex, in the image
 };
