@@ -35,6 +35,7 @@ struct Samples {
         if (i % 37 == 5) value = i % 2 == 0 ? kInfinity : 0.0f;
         const uint32_t densities = pack_densities(0.05f + random.next(), 0.05f + random.next());
         records.push_back({region, kNoLight, pack_square(place), value, densities});
+        importance.push_back({pack_square(place), value});
       }
     }
     offsets.push_back(total);
@@ -42,12 +43,15 @@ struct Samples {
     std::iota(order.begin(), order.end(), 0u);
   }
 
-  SampleGroupsView view() const { return {view_of(records), view_of(order), view_of(offsets), view_of(counts)}; }
+  SampleGroupsView view() const {
+    return {view_of(records), view_of(order), view_of(offsets), view_of(counts), view_of(importance)};
+  }
 
   std::vector<uint32_t> counts;
   std::vector<uint32_t> offsets;
   std::vector<uint32_t> order;
   std::vector<VertexSample> records;
+  std::vector<ImportanceSample> importance;  ///< by record
 };
 
 /// Trees with their weights.
@@ -75,7 +79,7 @@ struct Trees {
 
 /// Adapts trees in several frames by each form. Returns the number of migrations.
 uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, float guided_fraction, bool remembers,
-                       uint32_t pool = 0) {
+                       uint32_t pool = 0, bool importance = false) {
   const std::vector<uint32_t> counts = {0, 1, 5, 127, 128, 129, 700, 0, 9, 0, 0, 0, 0, 0, 0, 3};
   const auto regions = static_cast<uint32_t>(counts.size());
   std::vector<uint32_t> neighbours(6 * regions, kNoRegion);
@@ -83,6 +87,7 @@ uint64_t compare_forms(uint32_t bit_count, const QuadtreeAdaption& options, floa
   const auto kernel_of = [&](Trees& t, const Samples& samples) {
     AdaptQuadtreesKernel kernel = t.kernel(samples, options, guided_fraction);
     kernel.pool = {view_of(neighbours), pool, 0.5f};
+    kernel.importance = importance;
     return kernel;
   };
   std::vector<Trees> trees(3, Trees(bit_count, regions, remembers));
@@ -109,6 +114,8 @@ TEST(AdaptQuadtreesForms, AgreeForAllSizesAndSettings) {
     EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .spread = 1}, 0, false), 8u);
     EXPECT_GT(compare_forms(bit_count, {.migrations = 3}, 0, false, 600), 8u);
     EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .kept = 8.0f / 9}, 0.5f, true, 600), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .spread = 1}, 0, false, 0, true), 8u);
+    EXPECT_GT(compare_forms(bit_count, {.migrations = 3, .kept = 8.0f / 9}, 0, true, 600, true), 8u);
   }
 }
 
@@ -200,6 +207,65 @@ TEST(AdaptQuadtreesWeights, RecordsCountByTheirWeight) {
     largest = std::max(largest, expected);
   }
   EXPECT_GT(largest, 1.0f);
+}
+
+/// Sums of squares would count a sample of twice the importance four times.
+TEST(AdaptQuadtreesImportance, SumsAreTheImportanceOfWeightedRecords) {
+  constexpr QuadtreeAdaption kNoMigrations{.migrations = 0, .kept = 1};
+  Samples samples({40, 30}, 2);
+  Trees trees(64, 2, true);
+  std::vector<std::vector<float>> expected(2, std::vector<float>(QuadtreeWeights::kBits));
+  testing::Random random(7);
+  for (size_t i = 0; i < samples.records.size(); ++i) {
+    VertexSample& record = samples.records[i];
+    record.weight = 0.5f + random.next();
+    ImportanceSample& s = samples.importance[i];
+    s = {pack_square(random.next_2d()), i % 5 == 0 ? 0.0f : 0.1f + random.next()};
+    const uint32_t bit = trees.array().load(record.region).find(unpack_square(s.direction)).bit;
+    expected[record.region][bit] += s.value * record.weight;
+  }
+  AdaptQuadtreesKernel kernel = trees.kernel(samples, kNoMigrations, 0);
+  kernel.importance = true;
+  Backend backend(1);
+  launch(backend, "adapt", kernel, 2, 1);
+  for (uint32_t region = 0; region < 2; ++region) {
+    for (uint32_t bit = 0; bit < QuadtreeWeights::kBits; ++bit) {
+      const float sum = expected[region][bit];
+      EXPECT_NEAR(trees.weights[region].found[bit], sum, 1e-5f * sum) << bit;
+    }
+  }
+}
+
+/// Nine tenths of the importance arrive from a 64th of the directions.
+TEST(AdaptQuadtreesImportance, DensityRisesWhereImportanceArrives) {
+  Samples samples({900}, 2);
+  testing::Random random(8);
+  for (size_t i = 0; i < samples.records.size(); ++i) {
+    const Vec2 place = random.next_2d();
+    const bool bright = i % 2 == 0;
+    samples.records[i].value = 0;  // no radiance
+    samples.importance[i] = {pack_square(bright ? 0.625f + 0.125f * place : place), bright ? 0.9f : 0.1f};
+  }
+  Trees trees(128, 1, false);
+  trees.array().store(0, uniform_quadtree(128));
+  AdaptQuadtreesKernel kernel = trees.kernel(samples, {.stability = importance_stability(0.1f)}, 0);
+  kernel.importance = true;
+  Backend backend(1);
+  for (int frame = 0; frame < 60; ++frame) launch(backend, "adapt", kernel, 1, 1);
+  const DirectionalQuadtree tree = trees.array().load(0);
+  float ratio = 0;
+  constexpr int kPlaces = 100;
+  for (int i = 0; i < kPlaces; ++i) {
+    const Vec3 w = direction_from_square(0.625f + 0.125f * random.next_2d());
+    ratio += tree.pdf(w) / uniform_quadtree(128).pdf(w) / kPlaces;
+  }
+  EXPECT_GT(ratio, 8.0f);
+  EXPECT_GT(trees.moved[0], 8u);
+}
+
+TEST(AdaptQuadtreesImportance, StabilityIsThatOfSquares) {
+  EXPECT_FLOAT_EQ(importance_stability(0.04f), 0.4f);
+  EXPECT_FLOAT_EQ(importance_stability(1.0f), 1.0f);
 }
 
 TEST(AdaptQuadtreesForms, AgreeOnThreads) {

@@ -219,5 +219,19 @@ TEST(Quadtree, IsDistinguishedFromOtherBits) {
   EXPECT_FALSE(is_quadtree(chain));
 }
 
+TEST(DirectionalQuadtree, KnowsWhetherItIsUniform) {
+  for (const uint32_t bit_count : kBitCounts) {
+    DirectionalQuadtree tree = uniform_quadtree(bit_count);
+    EXPECT_TRUE(tree.is_uniform()) << bit_count;
+    QuadtreeWeights weights{};
+    weights.add(tree.bit_count - 1, 1.0f);
+    const MigrationChoice choice = choose_migration(tree, weights, {});
+    ASSERT_TRUE(choice.found);
+    migrate(tree, weights, choice.inner, choice.leaf, 0);
+    EXPECT_FALSE(tree.is_uniform()) << bit_count;
+    for (uint32_t seed = 0; seed < 20; ++seed) EXPECT_FALSE(random_tree(bit_count, seed).is_uniform()) << bit_count;
+  }
+}
+
 }  // namespace
 }  // namespace relume

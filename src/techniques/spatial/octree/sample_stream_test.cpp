@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/stream_io.h"
 #include "techniques/spatial/octree/path_recording.h"
 #include "testing/random.h"
 
@@ -72,6 +73,34 @@ TEST(SampleStream, KeepsSamplesOfFirstVertices) {
   stream.resize(backend, 3, 1);
   stream.group(backend, 2);
   EXPECT_EQ(stream.groups().counts[1], 3u);
+}
+
+TEST(SampleStream, HoldsImportanceOnlyIfItIsLearned) {
+  Backend backend(1);
+  SampleStream stream;
+  stream.resize(backend, 10, 2, true);
+  ASSERT_EQ(stream.importance().size, 20u);
+  stream.importance()[7] = {5, 0.25f};
+  std::stringstream file;
+  stream.save(file, true);
+  SampleStream loaded;
+  loaded.load(file, true);
+  ASSERT_FALSE(file.fail());
+  ASSERT_EQ(loaded.importance().size, 20u);
+  EXPECT_EQ(loaded.importance()[7].value, 0.25f);
+  EXPECT_EQ(loaded.importance()[8].value, 0.0f);
+  stream.resize(backend, 10, 2);
+  EXPECT_TRUE(stream.importance().empty());
+}
+
+TEST(SampleStream, RejectsAnotherNumberOfImportanceSamples) {
+  std::stringstream file;
+  write_vector(file, std::vector<VertexSample>(4));
+  write_vector(file, std::vector<ImportanceSample>(3));
+  SampleStream stream;
+  stream.load(file, true);
+  EXPECT_TRUE(file.fail());
+  EXPECT_TRUE(stream.importance().empty());
 }
 
 TEST(SampleStream, OmitsRegionsOutOfRange) {

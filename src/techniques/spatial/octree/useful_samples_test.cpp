@@ -13,7 +13,8 @@ namespace {
 
 constexpr LightId kFirstInfinite = 10;
 
-/// Three regions: lights, some of them hidden or at infinity; directions, some without light; nothing useful.
+/// Three regions: lights, some of them hidden or at infinity; directions, some without light; nothing useful but the
+/// importance of every third record.
 std::vector<uint32_t> count(const RecordUsers& users, KernelForm form) {
   std::vector<VertexSample> records;
   const auto add = [&](uint32_t region, uint32_t light, float value, int times) {
@@ -29,8 +30,10 @@ std::vector<uint32_t> count(const RecordUsers& users, KernelForm form) {
   add(2, kNoLight, 0, 300);
   Backend backend(2);
   SampleStream stream;
-  stream.resize(backend, static_cast<uint32_t>(records.size()), 1);
+  stream.resize(backend, static_cast<uint32_t>(records.size()), 1, true);
   std::copy(records.begin(), records.end(), stream.samples().begin());
+  for (size_t i = 0; i < records.size(); ++i)
+    stream.importance().data[i] = {0, records[i].region == 2 && i % 3 == 0 ? 0.5f : 0.0f};
   stream.group(backend, 3);
   std::vector<uint32_t> useful(3, 99);
   const CountUsefulSamplesKernel kernel{stream.groups(), users, kFirstInfinite, mutable_view_of(useful)};
@@ -44,6 +47,7 @@ TEST(UsefulSamples, CountForTheEstimatorThatUsesMost) {
     EXPECT_EQ(count({true, true, true}, form), (std::vector<uint32_t>{220, 16, 0}));
     EXPECT_EQ(count({true, false, false}, form), (std::vector<uint32_t>{200, 7, 0}));
     EXPECT_EQ(count({false, false, true}, form), (std::vector<uint32_t>{50, 16, 0}));
+    EXPECT_EQ(count({true, false, true, true}, form), (std::vector<uint32_t>{200, 16, 100}));
   }
 }
 
