@@ -75,6 +75,7 @@ struct Pair {
   const char* techniques;          ///< the combination is called "both"
   SettingTexts reference;
   int reference_spp;
+  Rectangle region = {"image"};  ///< of the error
 };
 
 void measure_pair(const ExperimentContext& context, const Pair& pair, ExperimentResult& result) {
@@ -87,13 +88,44 @@ void measure_pair(const ExperimentContext& context, const Pair& pair, Experiment
   std::string measured;
   std::vector<Ratio> ratios;
   for (const char* name : pair.alone) {
-    ratios.push_back(region_ratio(comparison, name, "both", {"image"}));
+    ratios.push_back(region_ratio(comparison, name, "both", pair.region));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", name, to_text(ratios.back()));
   }
   result.claims.push_back(
       judged_ratios(pair.id, kOurs, fmt::format("{}: {}", pair.scene, pair.claim), measured + " the MSE", ratios, 1));
   for (Block& block : study_blocks(fmt::format("{}, equal time", pair.scene), comparison))
     result.blocks.push_back(std::move(block));
+}
+
+/// Quadtrees of importance for light subpaths, against unguided subpaths and guided camera subpaths.
+void measure_guided_light_subpaths(const ExperimentContext& context, ExperimentResult& result) {
+  constexpr const char* kClaim =
+      "at equal time, guided subpaths from both ends have less error than unguided ones and than guided camera "
+      "subpaths.";
+  for (const auto& [id, scene] :
+       {std::pair("corridor-guided-light-subpaths", "corridor"), std::pair("door-guided-light-subpaths", "door")}) {
+    measure_pair(context,
+                 {id,
+                  scene,
+                  kClaim,
+                  "estimator:bdpt,guide:cdq,cdq.importance:on,octree.vertices:4",
+                  {"bdpt", "guided"},
+                  "bdpt=estimator:bdpt,guided=estimator:bdpt,guide:cdq,octree.vertices:4",
+                  {{"estimator", "bdpt"}},
+                  512},
+                 result);
+  }
+  measure_pair(context,
+               {"water-guided-light-subpaths",
+                "cornell-water",
+                kClaim,
+                "estimator:vcm,guide:cdq,cdq.importance:on,octree.vertices:4",
+                {"vcm", "guided"},
+                "vcm=estimator:vcm,guided=estimator:vcm,guide:cdq,octree.vertices:4",
+                {{"estimator", "vcm"}, {"vcm.radius", "0.002"}, {"vcm.alpha", "0.75"}},
+                384,
+                {"below the water", 0.05, 0.78, 0.95, 0.96}},
+               result);
 }
 
 ExperimentResult run_together(const ExperimentContext& context) {
@@ -119,12 +151,16 @@ ExperimentResult run_together(const ExperimentContext& context) {
                 {{"estimator", "bdpt"}},
                 512},
                result);
+  measure_guided_light_subpaths(context, result);
   result.setup = {{"Size", size_text(context)},
                   {"Warehouse", fmt::format("{} seeds, two bounces, error without edges of lamps; reference of {} "
                                             "samples with the light tree",
                                             context.choose(64, 2), learning_reference_spp(context))},
                   {"Corridor", "8 bounces; reference of 1024 samples with guided directions"},
                   {"Lamp room", "8 bounces; reference of 512 samples of bdpt"},
+                  {"Guided light subpaths",
+                   "8 bounces; references of 512 samples of bdpt, and of 384 samples of vcm "
+                   "with radius 0.002 and alpha 0.75; quadtrees learn from four vertices"},
                   {"Equal time", context.quick ? "0.05 s" : "2 s"}};
   return result;
 }

@@ -50,7 +50,12 @@ std::vector<Way> ways() {
   all.octree.vertices = 4;
   all.octree.jitter = 1;
   all.octree.count = OctreeCount::useful;
+  add("bdpt-importance", EstimatorChoice::bdpt, LightSelectionChoice::power, GuideChoice::cdq);
+  list.back().settings.cdq.importance = true;
+  list.back().settings.cdq.memory = 4;
+  list.back().settings.octree.vertices = 4;
   add("vcm-vlc-cdq", EstimatorChoice::vcm, LightSelectionChoice::vlc, GuideChoice::cdq);
+  list.back().settings.cdq.importance = true;
   list.back().settings.vcm.radius = 0.01f;
   // The blur of merging is a bias, largest for pixels at edges.
   list.back().options.pixels = false;

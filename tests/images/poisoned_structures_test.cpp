@@ -41,7 +41,7 @@ const Effort kSharp{64, 128, {.detectable = 0.04, .detectable_mean = 0.03}};  //
 
 /// Paths, those with the policy of a cache, or subpaths from both ends. Cells stay empty: images show the paths' own
 /// estimates.
-enum class PathKind { plain, psf, apg, bdpt };
+enum class PathKind { plain, psf, apg, bdpt, light };
 
 /// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
@@ -98,6 +98,14 @@ class Poisoned {
     for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) fractions_.push_back(0.1f + 0.8f * random_.next());
     PathContext context = guided();
     context.directions.fractions = view_of(fractions_);
+    return context;
+  }
+  /// The same with other quadtrees for light subpaths.
+  PathContext guided_from_both_ends() {
+    testing::Random random(6);
+    importance_ = random_quadtrees(tree_.leaf_slots(), random);
+    PathContext context = guided_by_fractions();
+    context.directions.importance = importance_.view().words;
     return context;
   }
   PathContext cached() const {
@@ -199,7 +207,8 @@ class Poisoned {
       }
       case PathKind::psf: return trace_into_cells(context, index, recording, filter);
       case PathKind::apg: break;
-      case PathKind::bdpt: return trace_from_both_ends(context, index, recording);
+      case PathKind::bdpt: return trace_from_both_ends(context, index, recording, false);
+      case PathKind::light: return trace_from_both_ends(context, index, recording, true);
     }
     PathGraphContext graph;
     graph.filter = filter;
@@ -219,7 +228,7 @@ class Poisoned {
 
   /// Looks up regions with jitter, which light subpaths repeat.
   std::vector<Rgb> trace_from_both_ends(const PathContext& context, const SampleIndex& index,
-                                        const PathRecording& recording) {
+                                        const PathRecording& recording, bool light_only) {
     const std::vector<AliasEntry> power = build_power_lights(context.scene.lights);
     std::vector<FixedPointRgb> splats(kPixels);
     LearningContext c;
@@ -228,6 +237,7 @@ class Poisoned {
     c.splats = mutable_view_of(splats);
     c.width = kWidth;
     c.connection_roulette = 0.25f;
+    c.light_only = light_only;
     c.recording = recording;
     c.recording.jitter = 1;
     c.recording.seed = hash(index.seed, index.sample);
@@ -261,6 +271,7 @@ class Poisoned {
   OctreeTree tree_;
   Quadtrees quadtrees_;
   std::vector<float> fractions_;
+  Quadtrees importance_{kBits};
   LightCaches caches_;
   ExplorationTables exploration_{host_memory()};
   std::vector<uint32_t> proxies_;
@@ -323,6 +334,14 @@ void check_both_ends(const std::string& name, const Effort& effort) {
                     effort.options);
 }
 
+void check_importance(const std::string& name, const Effort& effort) {
+  Poisoned poisoned("cornell");
+  const Moments expected = poisoned.images(poisoned.plain(), effort, 1001);
+  const PathContext guided = poisoned.guided_from_both_ends();
+  expect_same_image(name + "-bdpt", poisoned.images(guided, effort, 1, PathKind::bdpt), expected, effort.options);
+  expect_same_image(name + "-light", poisoned.images(guided, effort, 1, PathKind::light), expected, effort.options);
+}
+
 TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
 TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions", kQuick); }
 TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
@@ -330,6 +349,7 @@ TEST(PoisonedStructures, TilesKeepTheMean) { check_tiles("poisoned-tiles", kQuic
 TEST(PoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf", kQuick); }
 TEST(PoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg", kQuick); }
 TEST(PoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt", kQuick); }
+TEST(PoisonedStructures, GuidedLightSubpathsKeepTheMean) { check_importance("poisoned-importance", kQuick); }
 
 TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
@@ -338,6 +358,7 @@ TEST(SlowPoisonedStructures, TilesKeepTheMean) { check_tiles("poisoned-tiles-sha
 TEST(SlowPoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf-sharp", kSharp); }
 TEST(SlowPoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg-sharp", kSharp); }
 TEST(SlowPoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt-sharp", kSharp); }
+TEST(SlowPoisonedStructures, GuidedLightSubpathsKeepTheMean) { check_importance("poisoned-importance-sharp", kSharp); }
 
 }  // namespace
 }  // namespace relume::support

@@ -196,6 +196,7 @@ class Combinations(RefusalTest):
             (FAILED, "--guide mcpg --cache psf", "lights 'mcls' and guide 'mcpg' .* radiance cache.*; use cache 'none'"),
             (FAILED, "--guide cdq --lights mcls", "lights 'mcls' does not combine with guide 'cdq'.*; use lights 'mcls' with guide 'mcpg'"),
             (FAILED, "--estimator light --lights vlc", "lights 'vlc' and guide 'cdq' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
+            (FAILED, "--estimator light --guide cdq --cdq.importance --lights vlc", "lights 'vlc' and guide 'cdq' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq", "lights 'vlc' and guide 'cdq' do not combine with estimator 'light'.*; use .* guide 'bsdf'"),
             (FAILED, "--estimator light --cache apsf", "estimator 'light' .* radiance cache.*; use estimator 'bdpt' or cache 'none'"),
             (FAILED, "--estimator bdpt --cache apg", "estimators 'bdpt' and 'vcm' .* caches 'apg', 'apsf\\+apg' and 'sharc'.*; use cache 'psf' or 'apsf'"),

@@ -31,7 +31,7 @@ struct VertexSample {
 /// which names its region and weight.
 struct ImportanceSample {
   uint32_t direction = 0;  ///< direction from which it came, to the previous vertex: octahedral, 16 bits per coordinate
-  float value = 0;         ///< luminance of the throughput; 0: a connection to the camera could find it
+  float value = 0;         ///< luminance of the throughput; 0 until the subpath has scattered other than specularly
 };
 
 /// Packs two numbers, not negative, with 8 bits of precision each.

@@ -1,6 +1,7 @@
 // Records of camera subpaths for learned structures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -172,6 +173,68 @@ TEST(BdptRecording, TestsAllConnectionsToLightsOfRecordedVertices) {
   EXPECT_GT(without[kVertices - 1], 20u);
 }
 
+/// A frame whose camera subpaths record importance.
+struct ImportanceFrame {
+  ImportanceFrame(Scene scene, const BdptOptions& options)
+      : frame(std::move(scene), options),
+        guides(frame.backend, frame.compiled.view()),
+        samples(frame.hits.size() * kVertices),
+        importance(samples.size()),
+        context{frame.context()} {
+    const DirectionSampler from_bsdf = context.path.directions;
+    guides.guide(context);
+    context.path.directions = from_bsdf;
+    context.recording.samples = mutable_view_of(samples);
+    context.recording.vertices = kVertices;
+    context.recording.pixels = static_cast<uint32_t>(frame.hits.size());
+    context.recording.importance = mutable_view_of(importance);
+  }
+
+  BdptFrame frame;
+  RandomGuides guides;  ///< for their octree
+  std::vector<VertexSample> samples;
+  std::vector<ImportanceSample> importance;
+  LearningContext context;
+};
+
+Vec3 unpacked(uint32_t direction) { return direction_from_square(unpack_square(direction)); }
+
+/// In a closed sphere, all subpaths have all vertices. Each scattering multiplies the throughput by the albedo.
+void expect_importance_of_a_furnace(bool light_only) {
+  constexpr float kAlbedo = 0.6f;
+  BdptOptions options = options_with(6);
+  options.light_only = light_only;
+  ImportanceFrame f(make_closed_sphere(kAlbedo), options);
+  f.frame.run_in(f.context, 5, 0);
+  const size_t pixels = f.frame.hits.size();
+  for (size_t p = 0; p < pixels; ++p) {
+    EXPECT_EQ(f.importance[p].value, 0.0f);  // connections to the camera find that of the first vertex
+    float expected = 1;
+    for (size_t v = 1; v < kVertices; ++v) {
+      expected *= kAlbedo;
+      const ImportanceSample& s = f.importance[v * pixels + p];
+      EXPECT_NEAR(s.value, expected, 1e-4f);
+      const Vec3 onwards = unpacked(f.samples[(v - 1) * pixels + p].direction);
+      EXPECT_GT(glm::dot(unpacked(s.direction), -onwards), 0.999f) << v;
+    }
+  }
+}
+
+TEST(BdptRecording, HasTheImportanceOfAClosedFurnace) { expect_importance_of_a_furnace(false); }
+
+TEST(BdptRecording, LightTracingHasTheSameImportance) { expect_importance_of_a_furnace(true); }
+
+TEST(BdptRecording, LightTracingTakesNoLightFromCameraSubpaths) {
+  BdptOptions options{.light_only = true};
+  ImportanceFrame f(make_zoo(ZooLight::triangles, ZooCamera::pinhole), options);
+  f.frame.run_in(static_cast<const BdptContext&>(f.context), 5, 0);
+  const std::vector<Rgb> expected = f.frame.radiance;
+  f.frame.run_in(f.context, 5, 0);
+  EXPECT_EQ(f.frame.radiance, expected);
+  EXPECT_TRUE(
+      std::any_of(f.importance.begin(), f.importance.end(), [](const ImportanceSample& s) { return s.value > 0.0f; }));
+}
+
 /// A camera subpath of two vertices. A cache divides its throughput by `unit` at the second, and may end it there.
 class SubpathWithACache {
  public:
@@ -244,6 +307,38 @@ TEST(BdptRecording, SubpathsThatContinueStandForThoseThatEnd) {
     EXPECT_NE(sample.region, kNoRegion);
     EXPECT_EQ(sample.weight, 0.0f);
   }
+}
+
+/// No light subpath that continues to a mirror in direct view can be connected to the camera.
+TEST(BdptRecording, LeavesOutImportanceThatOnlySpecularScatteringPassedOn) {
+  constexpr uint32_t kNodes[1] = {0xffu};  // eight leaves over the cube from -1 to 1
+  std::vector<VertexSample> samples(3);
+  std::vector<ImportanceSample> importance(3);
+  PathRecording recording;
+  recording.octree = recording.sampled = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
+  recording.samples = mutable_view_of(samples);
+  recording.vertices = 3;
+  recording.pixels = 1;
+  recording.importance = mutable_view_of(importance);
+  SurfacePoint sp{};
+  sp.frame = make_frame(Vec3(0, 0, 1));
+  sp.wo = glm::normalize(Vec3(0.3f, 0.1f, 0.8f));
+  PathState path;
+  path.ray.direction = glm::normalize(Vec3(0.6f, 0, 0.8f));
+  path.pdf_w = 0.5f;
+  SubpathRecorder recorder(recording, 0);
+  for (const bool delta : {true, false, true}) {
+    recorder.arrived(sp, path);
+    path.throughput *= Rgb(0.5f);
+    path.delta = delta;
+    ++path.bounce;
+    recorder.scattered(BdptContext{}, sp, BsdfSample{}, path);
+  }
+  recorder.finished();
+  EXPECT_EQ(importance[0].value, 0.0f);
+  EXPECT_EQ(importance[1].value, 0.0f);
+  EXPECT_FLOAT_EQ(importance[2].value, 0.25f);
+  EXPECT_GT(glm::dot(unpacked(importance[2].direction), sp.wo), 0.9999f);
 }
 
 TEST(BdptRecording, UnallocatedPixelsHaveNoRecords) {

@@ -73,8 +73,8 @@ class SubpathRecorder {
     recorder_.begin_vertex(path.bounce, regions.store);
     recording.meet(path.bounce, recorder_.pixel, sp);
     if (!recording.records_importance(path.bounce)) return;
-    // Connections to the camera find the importance of vertices up to the first one that does not only scatter
-    // specularly. Light subpaths need no guide there.
+    // A light subpath gains from a direction that leads to a vertex with a connection to the camera. Before the camera
+    // subpath has scattered other than specularly, there is none on it.
     const float value = scattered_ ? luminance(unit_ * path.throughput) : 0.0f;
     recording.store_importance(path.bounce, recorder_.pixel, sp.wo, value);
   }

@@ -55,14 +55,37 @@ TEST(BdptWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
   EXPECT_GT(compared[kLensMet], 5);
 }
 
+TEST(BdptWeights, IncludeTheDensitiesOfGuidedLightSubpaths) {
+  int compared[kKinds] = {};
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::environment_map, ZooLight::mixed}) {
+    for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
+      SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
+                   kZooCameraNames[static_cast<int>(camera)]);
+      GuidedWeightCheck check(light, camera, LightSelectorKind::power);
+      check.guide_light_subpaths();
+      check.run(2048);
+      check.expect_few_wrong();
+      for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
+    }
+  }
+  EXPECT_GT(compared[kVertexConnection], 200);
+  EXPECT_GT(compared[kCameraConnection], 400);
+  EXPECT_GT(compared[kLightConnection], 100);
+  EXPECT_GT(compared[kLightMet], 5);
+  EXPECT_GT(compared[kLensMet], 5);
+}
+
 /// For pixels whose samples and splats come from different frames.
 TEST(BdptWeights, CanIgnoreGuiding) {
-  GuidedWeightCheck check(ZooLight::mixed, ZooCamera::thin_lens, LightSelectorKind::power);
-  check.context().weighs_guide = false;
-  check.run(2048);
-  check.expect_few_wrong();
-  EXPECT_GT(check.compared[kVertexConnection], 50);
-  EXPECT_GT(check.compared[kCameraConnection], 100);
+  for (const bool guides_light : {false, true}) {
+    GuidedWeightCheck check(ZooLight::mixed, ZooCamera::thin_lens, LightSelectorKind::power);
+    check.context().weighs_guide = false;
+    if (guides_light) check.guide_light_subpaths();
+    check.run(2048);
+    check.expect_few_wrong();
+    EXPECT_GT(check.compared[kVertexConnection], 50);
+    EXPECT_GT(check.compared[kCameraConnection], 100);
+  }
 }
 
 /// Light subpaths cannot evaluate a selector that depends on the camera vertex.

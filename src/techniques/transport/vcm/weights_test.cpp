@@ -99,6 +99,17 @@ TEST(VcmWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
   }
 }
 
+TEST(VcmWeights, IncludeTheDensitiesOfGuidedLightSubpaths) {
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::mixed}) {
+    GuidedMergingCheck check(light, ZooCamera::thin_lens, LightSelectorKind::power, {.eta = 2.0f});
+    check.guide_light_subpaths();
+    check.run(2048);
+    check.expect_few_wrong();
+    EXPECT_GT(check.compared[kVertexConnection], 40);
+    EXPECT_GT(check.compared[kMerging], 150);
+  }
+}
+
 TEST(VcmWeights, AccountForTheNumbersOfSamples) {
   for (const AssumedNumbers& numbers :
        {AssumedNumbers{.eta = 0.3f, .light_paths = 0.25f}, AssumedNumbers{.eta = 0.3f, .connections = 0.4f},

@@ -20,10 +20,14 @@ OctreeTree make_tree(Backend& backend, const SceneView& scene) {
 }  // namespace
 
 RandomGuides::RandomGuides(Backend& backend, const SceneView& scene)
-    : tree_(make_tree(backend, scene)), words_(tree_.leaf_slots() * (kBits / 32)) {
+    : tree_(make_tree(backend, scene)), words_(tree_.leaf_slots() * (kBits / 32)), importance_(words_.size()) {
+  constexpr uint32_t kOtherShapes = 1000;
   const QuadtreeArray trees{mutable_view_of(words_), kBits};
+  const QuadtreeArray of_importance{mutable_view_of(importance_), kBits};
   for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) {
     trees.store(region, random_tree(kBits, region));
+    // A third of the regions has learned nothing.
+    of_importance.store(region, region % 3 == 0 ? uniform_quadtree(kBits) : random_tree(kBits, kOtherShapes + region));
     fractions_.push_back(0.2f + 0.6f * to_unit_float(hash(region)));
   }
 }
@@ -35,6 +39,11 @@ void RandomGuides::guide(LearningContext& c, float jitter) {
   directions.fractions = view_of(fractions_);
   c.recording.octree = c.recording.sampled = tree_.view();
   c.recording.jitter = jitter;
+}
+
+void RandomGuides::guide_light_subpaths(LearningContext& c) {
+  c.path.directions.importance = mutable_view_of(importance_);
+  c.path.directions.bsdf_fraction = 0.35f;
 }
 
 }  // namespace relume::testing

@@ -27,6 +27,8 @@ class WeightCheckOf {
   virtual ~WeightCheckOf() = default;
 
   Context& context() { return c_; }
+  /// Also guides the light subpaths, by other quadtrees. Only in a LearningContext.
+  void guide_light_subpaths() { guides_->guide_light_subpaths(c_); }
   void run(uint32_t samples);
   /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, or leaf of a quadtree,
   /// which has another density.

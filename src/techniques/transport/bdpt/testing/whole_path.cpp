@@ -172,10 +172,12 @@ void Densities<Context>::scatter(size_t i) {
   double by_light = 1;
   double by_camera = 1;
   if (delta(i)) {
+    by_light = static_cast<double>(light_fraction(c_, guide));
     by_camera = static_cast<double>(delta_density_ratio(from_light, to_camera) * guide.fraction);
   } else {
     const bool same_frame = same_shading_frame(from_light, to_camera) && same_shading_frame(from_camera, to_light);
-    by_light = same_frame ? static_cast<double>(eval_pdf(from_light, to_camera).pdf_forward) : 0.0;
+    const float from_bsdf = same_frame ? eval_pdf(from_light, to_camera).pdf_forward : 0.0f;
+    by_light = static_cast<double>(light_pdf(c_, guide, to_camera, from_bsdf));
     by_camera = static_cast<double>(camera_pdf(c_, guide, to_light, eval_pdf(from_camera, to_light).pdf_forward));
   }
   if (i + 1 <= k_) light_[i + 1] = by_light * per_area(i, i + 1);
