@@ -8,80 +8,19 @@
 #include <cmath>
 #include <vector>
 
-#include "materials/testing/bsdf_charts.h"
-#include "techniques/guiding/directional_quadtree/testing/random_tree.h"
-#include "testing/histogram.h"
+#include "techniques/guiding/direction_sampling/testing/guide.h"
 
 namespace relume {
 namespace {
 
-/// A sampler with a quadtree of radiance and one of importance for region 0 only.
-struct Guide {
-  explicit Guide(float bsdf_fraction, bool stratified) {
-    sampler.kind = DirectionSamplerKind::quadtree;
-    words.resize(4);
-    sampler.quadtrees = {mutable_view_of(words), 128};
-    sampler.quadtrees.store(0, testing::random_tree(128, 5));
-    importance.resize(4);
-    sampler.importance = mutable_view_of(importance);
-    store_importance(testing::random_tree(128, 9));
-    sampler.bsdf_fraction = bsdf_fraction;
-    sampler.stratified = stratified;
-  }
-
-  void store_importance(const DirectionalQuadtree& tree) const {
-    QuadtreeArray{sampler.importance, 128}.store(0, tree);
-  }
-
-  std::vector<uint32_t> words;
-  std::vector<uint32_t> importance;
-  DirectionSampler sampler;
-};
-
-/// A point in region 0 whose frame is rotated against the world's.
-SurfacePoint make_point(const testing::BsdfCase& c) {
-  SurfacePoint sp{};
-  sp.frame = make_frame(glm::normalize(Vec3(0.3f, 0.9f, -0.2f)));
-  sp.ng = sp.frame.n;
-  sp.wo_local = glm::normalize(Vec3(0.4f, -0.3f, 0.6f));
-  sp.bsdf = c.make(sp.wo_local.z, true);
-  sp.region = 0;
-  return sp;
-}
-
-/// Random numbers of the i-th sample, independent of the others: stratification would make χ² too small.
-Sampler numbers(uint32_t i) { return Sampler::sequence(11, i, 0, 0, 0); }
-
-/// Reflecting and transmitting lobes of all widths, some with a delta lobe over a wide one.
-std::vector<testing::BsdfCase> materials(const std::vector<float>& roughnesses = {0.0f, 0.3f, 0.8f}) {
-  return testing::material_cases(roughnesses);
-}
-
-/// A chart of directions around the material's peak, if it has one.
-testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint& sp) {
-  const testing::PeakDirections peaks = testing::peak_directions(c, sp.wo_local);
-  return {make_frame(sp.frame.to_world(peaks.above)), clamp(double{c.alpha}, 0.02, 0.5)};
-}
-
-constexpr uint32_t kMixtureSamples = 40000;
-// With 256 bins, χ² detects a density that is wrong by 6 %; with 576, 7 %.
-constexpr int kBins = 16;
-
-testing::Histogram histogram_of(const Guide& guide, const SurfacePoint& sp, const testing::DirectionChart& chart,
-                                TransportMode mode = TransportMode::radiance) {
-  testing::Histogram histogram(kBins);
-  for (uint32_t i = 0; i < kMixtureSamples; ++i) {
-    Sampler u = numbers(i);
-    const BsdfSample s = guide.sampler.sample(sp, u, mode);
-    if (!s.valid || s.delta) {
-      histogram.add_outside();
-      continue;
-    }
-    const Vec2 p = chart.coordinates(s.wi);
-    histogram.add(static_cast<double>(p.x), static_cast<double>(p.y));
-  }
-  return histogram;
-}
+using testing::chart_of;
+using testing::Guide;
+using testing::histogram_of;
+using testing::kBins;
+using testing::kMixtureSamples;
+using testing::make_point;
+using testing::materials;
+using testing::numbers;
 
 TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   // Both samplers have one density, integrated once. A fraction other than 0.5 reveals an exchange of BSDF and
@@ -112,74 +51,6 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
           << c.name << (guide == &stratified ? ", stratified" : "");
     }
   }
-}
-
-/// The density integrates to one: the histogram has the rejected directions and those of delta lobes as one more bin.
-TEST(DirectionSampler, SamplesOfLightSubpathsFollowTheDensityOfTheirMixture) {
-  constexpr int kDepth = 7;
-  constexpr int kLeast = 2;
-  constexpr double kTolerance = 0.1 / kMixtureSamples;
-  constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins
-  const Guide guide(0.4f, false);
-  for (const testing::BsdfCase& c : materials({0.3f})) {
-    if (c.name.ends_with(testing::to_string(MicrofacetModel::beckmann))) continue;
-    const SurfacePoint sp = make_point(c);
-    const testing::DirectionChart chart = chart_of(c, sp);
-    const auto pdf = [&](const Vec3& w) {
-      const BsdfEval e = eval_pdf(sp, w, TransportMode::importance);
-      return is_black(e.f) ? 0.0 : double{guide.sampler.importance_pdf(guide.sampler.guided(sp), w, e.pdf_forward)};
-    };
-    const std::vector<double> expected =
-        testing::Histogram::integrals(chart.density(pdf), kBins, kTolerance, kDepth, kLeast);
-    const testing::Histogram found = histogram_of(guide, sp, chart, TransportMode::importance);
-    EXPECT_GT(found.test_against(expected, kMaxStrays).p_value, testing::significance()) << c.name;
-  }
-}
-
-TEST(DirectionSampler, LightSubpathsHaveWeightsOfImportance) {
-  const Guide guide(0.3f, false);
-  int guided = 0;
-  for (const testing::BsdfCase& c : materials()) {
-    const SurfacePoint sp = make_point(c);
-    const GuidedPoint point = guide.sampler.guided(sp);
-    for (uint32_t i = 0; i < 500; ++i) {
-      Sampler u = numbers(i);
-      const BsdfSample s = guide.sampler.sample(sp, u, TransportMode::importance);
-      if (!s.valid || s.delta) continue;
-      const BsdfEval e = eval_pdf(sp, s.wi, TransportMode::importance);
-      ASSERT_NEAR(s.pdf_w / guide.sampler.importance_pdf(point, s.wi, e.pdf_forward), 1.0f, 2e-3f) << c.name;
-      ASSERT_NEAR(s.bsdf_pdf_w / e.pdf_forward, 1.0f, 1e-2f) << c.name;
-      ASSERT_NEAR(s.eta_scale * s.pdf_w / e.pdf_forward, 1.0f, 1e-2f) << c.name;  // refraction scales no importance
-      const Rgb expected = e.f * (shading_cosine(sp, s.wi) / s.pdf_w);
-      for (int k = 0; k < 3; ++k) ASSERT_NEAR(s.weight[k], expected[k], 5e-3f * expected[k] + 1e-6f) << c.name;
-      ++guided;
-    }
-    EXPECT_EQ(guide.sampler.importance_fraction(point), has_non_delta(sp.bsdf) ? 0.3f : 1.0f) << c.name;
-  }
-  EXPECT_GT(guided, 1000);
-}
-
-TEST(DirectionSampler, LightSubpathsFollowTheBsdfWhereNothingWasLearned) {
-  const Guide guide(0.5f, false);
-  const testing::BsdfCase c = materials().back();
-  SurfacePoint elsewhere = make_point(c);
-  elsewhere.region = 1;  // has no tree
-  const auto expect_bsdf = [&](const SurfacePoint& sp) {
-    for (uint32_t i = 0; i < 100; ++i) {
-      Sampler a = numbers(i);
-      Sampler b = numbers(i);
-      const BsdfSample s = guide.sampler.sample(sp, a, TransportMode::importance);
-      const BsdfSample plain = DirectionSampler{}.sample(sp, b, TransportMode::importance);
-      ASSERT_EQ(s.wi, plain.wi);
-      ASSERT_EQ(s.pdf_w, plain.pdf_w);
-      ASSERT_EQ(s.weight, plain.weight);
-      ASSERT_EQ(guide.sampler.importance_pdf(guide.sampler.guided(sp), s.wi, 0.25f), 0.25f);
-    }
-    EXPECT_EQ(guide.sampler.importance_fraction(guide.sampler.guided(sp)), 1.0f);
-  };
-  expect_bsdf(elsewhere);
-  guide.store_importance(uniform_quadtree(128));
-  expect_bsdf(make_point(c));
 }
 
 TEST(DirectionSampler, StratifiedSamplingHasTheSameDensity) {

@@ -40,9 +40,8 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        "Direction sampling: bottom-up from a random leaf, or top-down, which keeps low-discrepancy numbers well "
        "distributed"},
       {"importance", &s.importance,
-       "Also guide the light subpaths of light, bdpt and vcm, by second quadtrees that learn from camera subpaths "
-       "where "
-       "importance arrives"},
+       "Also guide the light subpaths of --estimator light, bdpt and vcm, by second quadtrees, which learn importance "
+       "from camera subpaths"},
       {"view",
        &s.view,
        "Fill the layer \"directions\" with the guiding density at one point, beside the light that arrives there",
