@@ -77,14 +77,12 @@ struct DirectionSampler {
 
   /// The same for light subpaths: pdf_w of sample() with TransportMode::importance.
   RELUME_HD float importance_pdf(const GuidedPoint& point, const Vec3& wi, float pdf_bsdf) const {
-    DirectionalQuadtree tree{};
-    if (!(pdf_bsdf > 0.0f) || !load_importance(point.region, tree)) return pdf_bsdf;
-    return mixed(bsdf_fraction, pdf_bsdf, tree.pdf(wi));
+    if (!(pdf_bsdf > 0.0f) || !has_importance(point.region)) return pdf_bsdf;
+    return mixed(bsdf_fraction, pdf_bsdf, pdf_of_quadtree(importance_trees(), point.region, wi));
   }
   /// Probability with which light subpaths sample the BSDF at a point.
   RELUME_HD float importance_fraction(const GuidedPoint& point) const {
-    DirectionalQuadtree tree{};
-    return load_importance(point.region, tree) ? bsdf_fraction : 1.0f;
+    return has_importance(point.region) ? bsdf_fraction : 1.0f;
   }
 
  private:
@@ -105,13 +103,12 @@ struct DirectionSampler {
   RELUME_HD bool guides(const SurfacePoint& sp) const {
     return kind == DirectionSamplerKind::quadtree && sp.region < quadtrees.tree_count() && has_non_delta(sp.bsdf);
   }
-  /// Loads the tree of importance of a region. Returns false if there is none, or a uniform one. Camera subpaths have
-  /// not reached regions with a uniform tree: half of its directions would be lost below the horizon, for no gain.
-  RELUME_HD bool load_importance(uint32_t region, DirectionalQuadtree& tree) const {
-    const QuadtreeArray trees{importance, quadtrees.bit_count};
-    if (region >= trees.tree_count()) return false;
-    tree = trees.load(region);
-    return !tree.is_uniform();
+  RELUME_HD QuadtreeArray importance_trees() const { return {importance, quadtrees.bit_count}; }
+  /// Whether the tree of importance of a region guides light subpaths. Camera subpaths have not reached regions with a
+  /// uniform tree: half of its directions would be lost below the horizon, for no gain.
+  RELUME_HD bool has_importance(uint32_t region) const {
+    const QuadtreeArray trees = importance_trees();
+    return region < trees.tree_count() && !trees.is_uniform(region);
   }
   /// Probability of the BSDF at a point. Fractions are learned without delta lobes, so points with such do not use
   /// them.
@@ -135,9 +132,9 @@ struct DirectionSampler {
   }
 
   RELUME_HD BsdfSample sample_importance(const SurfacePoint& sp, Sampler& sampler) const {
-    DirectionalQuadtree tree{};
-    if (!has_non_delta(sp.bsdf) || !load_importance(sp.region, tree))
+    if (!has_non_delta(sp.bsdf) || !has_importance(sp.region))
       return sample_bsdf(sp, sampler, TransportMode::importance);
+    const DirectionalQuadtree tree = importance_trees().load(sp.region);
     return sample_mixture<TransportMode::importance>(sp, drawn_from(tree), bsdf_fraction, sampler);
   }
 

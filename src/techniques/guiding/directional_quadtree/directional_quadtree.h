@@ -31,9 +31,6 @@ struct DirectionalQuadtree {
 
   RELUME_HD uint32_t leaf_count() const { return bit_count / 4 * 3 + 1; }
 
-  /// Whether this is uniform_quadtree(): its ones, of which every tree has the same number, precede all zeros.
-  RELUME_HD bool is_uniform() const { return bits.words[0] == (1u << (bit_count / 4 - 1)) - 1u; }
-
   /// The leaf that contains `p` of the unit square, found top down.
   RELUME_HD QuadtreeCell find(const Vec2& p) const {
     QuadtreeCell cell;
@@ -133,6 +130,10 @@ struct QuadtreeArray {
 
   RELUME_HD uint32_t words_per_tree() const { return bit_count / 32; }
   RELUME_HD uint32_t tree_count() const { return words.size / words_per_tree(); }
+  /// Whether tree i is uniform_quadtree(). Its ones, of which every tree has the same number, precede all zeros.
+  RELUME_HD bool is_uniform(uint32_t i) const {
+    return words[i * words_per_tree()] == (1u << (bit_count / 4 - 1)) - 1u;
+  }
   RELUME_HD DirectionalQuadtree load(uint32_t i) const {
     DirectionalQuadtree tree{};
     tree.bit_count = bit_count;
@@ -143,5 +144,11 @@ struct QuadtreeArray {
     for (uint32_t w = 0; w < words_per_tree(); ++w) words[i * words_per_tree() + w] = tree.bits.words[w];
   }
 };
+
+/// DirectionalQuadtree::pdf() of tree i. Not inlined: a copy of the tree at each of many calls would enlarge the stack
+/// of kernels.
+RELUME_HD_NOINLINE inline float pdf_of_quadtree(QuadtreeArray trees, uint32_t i, Vec3 w) {
+  return trees.load(i).pdf(w);
+}
 
 }  // namespace relume

@@ -219,17 +219,21 @@ TEST(Quadtree, IsDistinguishedFromOtherBits) {
   EXPECT_FALSE(is_quadtree(chain));
 }
 
-TEST(DirectionalQuadtree, KnowsWhetherItIsUniform) {
+TEST(QuadtreeArray, KnowsUniformTrees) {
   for (const uint32_t bit_count : kBitCounts) {
+    std::vector<uint32_t> words(20 * bit_count / 32);
+    const QuadtreeArray trees{mutable_view_of(words), bit_count};
+    for (uint32_t i = 0; i < trees.tree_count(); ++i)
+      trees.store(i, i % 2 == 0 ? uniform_quadtree(bit_count) : random_tree(bit_count, i));
+    for (uint32_t i = 0; i < trees.tree_count(); ++i) EXPECT_EQ(trees.is_uniform(i), i % 2 == 0) << bit_count;
     DirectionalQuadtree tree = uniform_quadtree(bit_count);
-    EXPECT_TRUE(tree.is_uniform()) << bit_count;
     QuadtreeWeights weights{};
     weights.add(tree.bit_count - 1, 1.0f);
     const MigrationChoice choice = choose_migration(tree, weights, {});
     ASSERT_TRUE(choice.found);
     migrate(tree, weights, choice.inner, choice.leaf, 0);
-    EXPECT_FALSE(tree.is_uniform()) << bit_count;
-    for (uint32_t seed = 0; seed < 20; ++seed) EXPECT_FALSE(random_tree(bit_count, seed).is_uniform()) << bit_count;
+    trees.store(0, tree);
+    EXPECT_FALSE(trees.is_uniform(0)) << bit_count;
   }
 }
 
