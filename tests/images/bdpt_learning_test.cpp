@@ -81,6 +81,19 @@ std::string scene_name(const ::testing::TestParamInfo<std::string_view>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, BdptLearning, ::testing::Values("cornell", "turntable"), scene_name);
 
+TEST(LightTracingLearning, AgreesWithPathTracing) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  RenderSettings guided = base_settings();
+  guided.estimator = EstimatorChoice::light;
+  guided.guide = GuideChoice::cdq;
+  guided.cdq.importance = true;
+  guided.cdq.memory = 4;
+  guided.octree.vertices = 4;
+  expect_same_image("light-importance", measure(scene, guided, kFrames, kImages, 1),
+                    measure(scene, base_settings(), 2 * kFrames, kImages, 1001),
+                    {.detectable = 0.25, .detectable_mean = 0.2});
+}
+
 /// Mean squared deviation of each image from the mean of all: the error of an unbiased technique, without a reference.
 std::vector<double> errors_of(const Moments& moments) {
   std::vector<double> errors;
