@@ -28,7 +28,9 @@ class WeightCheckOf {
 
   Context& context() { return c_; }
   /// Also guides the light subpaths, by other quadtrees. Only in a LearningContext.
-  void guide_light_subpaths() { guides_->guide_light_subpaths(c_); }
+  void guide_light_subpaths() {
+    if constexpr (Context::kLearns) guides_->guide_light_subpaths(c_);
+  }
   void run(uint32_t samples);
   /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, or leaf of a quadtree,
   /// which has another density.
