@@ -66,7 +66,6 @@ const Variation kTodays[] = {
     {"ris, vlc", R"({"reuse": "ris", "lights": "vlc"})"},
     {"restir-di", R"({"reuse": "restir-di"})"},
     {"restir-gi, vlc", R"({"reuse": "restir-gi", "lights": "vlc"})"},
-    {"restir-di+gi, vlc", R"({"reuse": "restir-di+gi", "lights": "vlc"})"},
     {"restir-pt", R"({"reuse": "restir-pt"})"},
     {"mcpg, light-tree", R"({"guide": "mcpg", "lights": "light-tree"})"},
     {"mcls", R"({"lights": "mcls"})"},
