@@ -76,7 +76,7 @@ void Backend::execute(const std::function<void()>& function) {
 /// Reports begin and end of the outermost launch to the hook, and adds up the times of nested launches.
 class Backend::LaunchScope {
  public:
-  LaunchScope(Backend& backend, std::string_view name, const TileGrid& grid = {})
+  LaunchScope(Backend& backend, std::string_view name, const LaunchTiles& grid = {})
       : backend_(backend), name_(name), siblings_(std::exchange(backend.nested_, {})) {
     if (backend_.launch_depth_ == 0) report(LaunchEvent::Kind::begins, grid);
     ++backend_.launch_depth_;
@@ -96,7 +96,7 @@ class Backend::LaunchScope {
   }
 
  private:
-  void report(LaunchEvent::Kind kind, const TileGrid& grid = {}) const {
+  void report(LaunchEvent::Kind kind, const LaunchTiles& grid = {}) const {
     if (backend_.launch_hook_) backend_.launch_hook_({.kind = kind, .name = name_, .grid = grid});
   }
 
@@ -107,7 +107,7 @@ class Backend::LaunchScope {
 };
 
 template <typename Function>
-void Backend::timed(std::string_view name, const Function& function, const TileGrid& grid, bool own_threads) {
+void Backend::timed(std::string_view name, const Function& function, const LaunchTiles& grid, bool own_threads) {
   wait_for_device();
   LaunchScope scope(*this, name, grid);
   const double start_s = now_s();
@@ -143,7 +143,7 @@ bool Backend::launch_on_device(const DeviceLaunch& launch, const std::stop_token
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop, uint32_t tile_size) {
-  const TileGrid grid{width, height, tile_size};
+  const LaunchTiles grid{width, height, tile_size};
   std::atomic<bool> complete{true};
   const auto run = [&] {
     parallel_tasks(grid.tiles(), [&](uint32_t index) {

@@ -85,7 +85,7 @@ struct LaunchEvent {
   Kind kind = Kind::begins;
   std::string_view name;
   std::span<const std::byte> argument = {};  ///< for Kind::kernel: a copy of the kernel with zeroed padding
-  TileGrid grid = {};  ///< for Kind::begins of tiles on the host, each a task of a thread; else without tiles
+  LaunchTiles grid = {};  ///< for Kind::begins of tiles on the host, each a task of a thread; else without tiles
 };
 
 /// Executes kernels and host code: a thread pool of the processor, with or without a device for the kernels, and the
@@ -146,7 +146,7 @@ class Backend {
   /// Runs `function` in the arena and adds its times. `grid`: of the tiles that it runs. `own_threads`: it runs on
   /// threads of a library, not on the backend's.
   template <typename Function>
-  void timed(std::string_view name, const Function& function, const TileGrid& grid = {}, bool own_threads = false);
+  void timed(std::string_view name, const Function& function, const LaunchTiles& grid = {}, bool own_threads = false);
 
   /// Times of launches within one launch.
   struct NestedTimes {

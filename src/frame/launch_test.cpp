@@ -125,7 +125,7 @@ TEST(Backend, ReportsTheOutermostLaunch) {
 
 TEST(Backend, ReportsTheTilesOfLaunches) {
   Backend backend(2);
-  std::vector<TileGrid> grids;
+  std::vector<LaunchTiles> grids;
   backend.on_launch([&](const LaunchEvent& event) {
     if (event.kind == LaunchEvent::Kind::begins) grids.push_back(event.grid);
   });

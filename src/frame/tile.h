@@ -21,7 +21,7 @@ struct Tile {
 };
 
 /// Grid of elements, in square tiles. The last column and row may be narrower.
-struct TileGrid {
+struct LaunchTiles {
   uint32_t width = 0;      ///< elements
   uint32_t height = 0;     ///< elements
   uint32_t tile_size = 0;  ///< edge of a tile, elements; 0: no grid

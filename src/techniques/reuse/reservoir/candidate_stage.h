@@ -60,16 +60,17 @@ struct CandidateStage {
 };
 
 /// Planes to which reservoirs add their light.
-struct ReservoirImage : ReuseImage {
+struct ReservoirImage {
+  ReuseImage planes;
   View<FirstVertex> first_vertices = {};  ///< records of what is added; may be empty
 
   /// Adds the light of a reservoir whose sample the receiver sees.
   RELUME_HD void add(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir, uint32_t pixel) const {
-    if (!takes(reservoir.weight, pixel)) return;
+    if (!planes.takes(reservoir.weight, pixel)) return;
     const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);
     const Rgb value = r.path.throughput * reflected(scene, r, light) * reservoir.weight;
-    radiance[pixel] += value;
-    if (!specular.empty()) specular[pixel] += value * specular_share(r.sp, light.wi);
+    planes.radiance[pixel] += value;
+    if (!planes.specular.empty()) planes.specular[pixel] += value * specular_share(r.sp, light.wi);
     if (!first_vertices.empty()) record(scene, r, reservoir, light, first_vertices[pixel]);
   }
 

@@ -23,7 +23,7 @@ struct RisKernel {
     Receiver r;
     if (!stage.receive(x, y, sampler, record, r)) return;
     ChoiceNumbers numbers(stage.index.seed, stage.index.frame, pixel, kChoosesCandidates);
-    const LightReservoir own = stage.choose(pixel, r, sampler, numbers, image.rays[pixel]);
+    const LightReservoir own = stage.choose(pixel, r, sampler, numbers, image.planes.rays[pixel]);
     image.add(stage.context.scene, r, own, pixel);
   }
 };

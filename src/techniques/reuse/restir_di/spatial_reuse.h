@@ -49,7 +49,7 @@ struct SpatialReuseKernel {
 
   RELUME_HD LightReservoir combine(uint32_t pixel, const LightReservoir& own, const Receiver& r,
                                    const ReuseNeighbours& near, ChoiceNumbers& numbers) const {
-    uint32_t& rays = image.rays[pixel];
+    uint32_t& rays = image.planes.rays[pixel];
     const auto here = [&](const LightPoint& point) { return target_at(scene, scene.lights, r, point, traced, rays); };
     const auto there = [&](uint32_t i, const LightPoint& point) { return target_of(near.pixels[i], point, rays); };
     if (!traced) {
@@ -64,7 +64,7 @@ struct SpatialReuseKernel {
   /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives.
   RELUME_HD void shade(uint32_t pixel, const Receiver& r, const LightReservoir& result) const {
     if (!traced && result.weight > 0.0f) {
-      ++image.rays[pixel];
+      ++image.planes.rays[pixel];
       if (!sees(scene, r, light_at(scene.lights, result.sample, r.sp.position))) return;
     }
     image.add(scene, r, result, pixel);

@@ -25,9 +25,9 @@ struct TemporalReuseKernel {
     Sampler sampler = stage.index.sampler(x, y);
     if (stage.receive(x, y, sampler, record, r)) {
       ChoiceNumbers numbers(stage.index.seed, stage.index.frame, pixel, kChoosesCandidates);
-      result = stage.choose(pixel, r, sampler, numbers, image.rays[pixel]);
+      result = stage.choose(pixel, r, sampler, numbers, image.planes.rays[pixel]);
       if (!is_finite(result.weight)) {
-        image.radiance[pixel] += Rgb(result.weight);  // is counted there, and must not spread
+        image.planes.radiance[pixel] += Rgb(result.weight);  // is counted there, and must not spread
         result.weight = 0;
       }
       reuse(x, y, r, numbers, result);
@@ -48,7 +48,7 @@ struct TemporalReuseKernel {
     const uint32_t source = history.find(scene, x, y, u_source);
     if (source == kNoSurface) return;
     const LightReservoir before = history.at(source, history.cap * own.confidence);
-    uint32_t& rays = image.rays[pixel];
+    uint32_t& rays = image.planes.rays[pixel];
     const auto now_target = [&](const LightPoint& point) {
       return target_at(scene, scene.lights, r, point, traced, rays);
     };
