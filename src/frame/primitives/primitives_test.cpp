@@ -263,10 +263,10 @@ TEST(Fill, SetsAndCopiesAllElements) {
 }
 
 TEST(Fill, TakesElementsAtAStride) {
-  const Array<uint32_t> from = array_of(random_words(1000));
   for (const uint32_t stride : {1u, 3u, 31u, 999u, 1000u}) {
     for_each_backend([&](const PrimitiveLaunch& at) {
-      Array<uint32_t> to;
+      const Array<uint32_t> from = array_of(at, random_words(1000));
+      Array<uint32_t> to(at.backend.memory());
       to.reset(999 / stride + 1);
       take_elements(at.backend, at.name, from.view(), stride, to.mutable_view());
       for (uint32_t i = 0; i < to.size(); ++i) EXPECT_EQ(to.read()[i], from.read()[size_t{i} * stride]);
