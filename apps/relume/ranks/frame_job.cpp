@@ -30,6 +30,7 @@ namespace {
 /// Images of frames that wait for earlier ones take about this many bytes at most.
 constexpr size_t kWaitingBytes = size_t{2} << 30;
 constexpr size_t kLongestSegment = 64;
+constexpr double kWait_s = 0.5;
 
 /// Whether frames depend on earlier ones.
 bool uses_earlier_frames(const RenderSettings& s) {
@@ -100,6 +101,9 @@ class FrameWorker {
     for (const std::string& name : setup_.plan.aovs) {
       for (ExrChannel& channel : session_.aov(name)) frame.exr.channels.push_back(std::move(channel));
     }
+    while (!link_.wait_until_sent(kWait_s)) {  // at most one image waits in memory
+      if (stop_.stop_requested()) return;
+    }
     link_.send(0, MessageKind::image, to_message(frame));
   }
 
@@ -141,12 +145,17 @@ class FrameCoordinator {
     const size_t first = writer_.next();
     const size_t all = run_.setup.plan.files.size();
     while (!dealer_->complete() && problem_.empty() && !run_.stop.stop_requested()) {
-      for (double wait_s = 0.05; const std::optional<Message> message = run_.link.receive_at_coordinator(wait_s);
-           wait_s = 0)
+      double wait_s = 0.05;
+      for (int left = run_.link.size(); left > 0; --left) {  // images may arrive as fast as they are written
+        std::optional<Message> message = run_.link.receive_at_coordinator(wait_s);
+        if (!message) break;
         handle(*message, printer);
+        message.reset();  // its memory is free for the next image
+        deal_to_idle();
+        wait_s = 0;
+      }
       if (const std::optional<int> lost = run_.link.lost_rank(); lost && problem_.empty())
         problem_ = fmt::format("{} cannot be reached any more", hosts_.name_of(*lost));
-      deal_to_idle();
       const size_t done = writer_.next() - first;
       const double elapsed_s = now_s() - start_s;
       printer.show(

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -13,6 +14,7 @@
 #include "cli/command.h"
 #include "core/clock.h"
 #include "files/temporary_file.h"
+#include "ranks/lane.h"
 #include "relume/error.h"
 
 namespace relume::ranks {
@@ -20,18 +22,13 @@ namespace {
 
 constexpr int kDataTag = 1;
 constexpr int kBeatTag = 2;
-constexpr uint64_t kChunkBytes = uint64_t{4} << 20;
+constexpr int kUrgentTag = 3;
+constexpr int kAnswerTag = 4;
 constexpr double kBeat_s = 1;
 constexpr auto kBusyPause = std::chrono::microseconds(200);
 constexpr auto kIdlePause = std::chrono::milliseconds(3);
 /// Time that MPI has to end before the process ends without it.
 constexpr double kEnd_s = 15;
-
-/// Precedes the content of a message, which follows in chunks.
-struct Header {
-  MessageKind kind = MessageKind::hello;
-  uint64_t bytes = 0;
-};
 
 void sleep_s(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
@@ -44,32 +41,38 @@ void sleep_s(double seconds) { std::this_thread::sleep_for(std::chrono::duration
 
 }  // namespace
 
-/// Another rank. Its members up to `heard_s` belong to the link's thread.
+/// Messages between this rank and another that keep their order.
+struct RankLink::Lane {
+  Lane(int rank, int other, int tag) : sending(other, tag), receiving(other, tag, rank == 0 && tag == kDataTag) {}
+
+  SendLane sending;
+  ReceiveLane receiving;
+  std::deque<std::pair<MessageKind, Bytes>> queue;  ///< guarded by the link's mutex
+};
+
+/// Another rank. All members belong to the link's thread, except those that the mutex guards.
 struct RankLink::Peer {
-  // The message being sent: header, then chunks.
-  std::optional<std::pair<Header, Bytes>> outgoing;
-  bool header_sent = false;
-  uint64_t sent = 0;
-  void* send_request = nullptr;
-  // The message being received.
-  std::optional<Header> header;
-  Header incoming_header;
-  Bytes incoming;
-  uint64_t received = 0;
-  uint64_t chunk = 0;
-  void* receive_request = nullptr;
+  Peer(int rank, int other)
+      : lanes{Lane(rank, other, kDataTag), Lane(rank, other, kUrgentTag)}, answer(other, kAnswerTag) {}
+
+  Lane& lane_of(MessageKind kind) { return lanes[is_urgent(kind) ? 1 : 0]; }
+  /// Whether its last message has arrived.
+  bool is_closed() const {
+    return std::all_of(lanes.begin(), lanes.end(), [](const Lane& lane) { return lane.receiving.is_closed(); });
+  }
+
+  std::array<Lane, 2> lanes;
+  Answer answer;  ///< to a large message
   void* beat_request = nullptr;
   void* heard_request = nullptr;
-  bool is_closed = false;  ///< whether its last message has arrived
-  bool is_lost = false;    ///< no call of MPI names it any more
+  bool is_lost = false;  ///< no call of MPI names it any more
   double beat_s = 0;
   double heard_s = 0;
-  std::deque<std::pair<Header, Bytes>> queue;  ///< guarded by the link's mutex
 };
 
 RankLink::RankLink() = default;
 
-RankLink::RankLink(const RelumeMpi& mpi) : mpi_(&mpi) {
+RankLink::RankLink(const RelumeMpi& mpi, std::string remedy) : mpi_(&mpi), remedy_(std::move(remedy)) {
   thread_ = std::thread([this] { run(); });
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return begun_ || failed_; });
@@ -91,12 +94,24 @@ RankLink::~RankLink() {
 void RankLink::send(int to, MessageKind kind, Bytes content) {
   if (to == rank_) return deliver({rank_, kind, std::move(content)});
   const std::lock_guard lock(mutex_);
-  const Header header{kind, content.size()};
-  peers_[static_cast<size_t>(to)]->queue.emplace_back(header, std::move(content));
+  if (to == 0 && content.size() > kSmallBytes) ++unsent_large_;
+  peers_[static_cast<size_t>(to)]->lane_of(kind).queue.emplace_back(kind, std::move(content));
+}
+
+bool RankLink::wait_until_sent(double timeout_s) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s), [this] { return unsent_large_ == 0; });
+}
+
+void RankLink::refuse_large() {
+  const std::lock_guard lock(mutex_);
+  refuses_large_ = true;
+  std::erase_if(coordinator_, [](const Message& message) { return message.content.size() > kSmallBytes; });
 }
 
 void RankLink::deliver(Message message) {
   const std::lock_guard lock(mutex_);
+  if (refuses_large_ && is_for_coordinator(message.kind) && message.content.size() > kSmallBytes) return;
   if (hook_ && (message.kind == MessageKind::cancel || message.kind == MessageKind::finish)) hook_(message);
   Box& box = is_for_coordinator(message.kind) ? coordinator_ : worker_;
   box.push_back(std::move(message));
@@ -124,9 +139,12 @@ std::optional<int> RankLink::lost_rank() const {
 
 void RankLink::close(int exit_code) {
   if (!thread_.joinable()) return;
+  refuse_large();
   {
     const std::lock_guard lock(mutex_);
-    if (rank_ != 0) peers_[0]->queue.emplace_back(Header{MessageKind::closed, 0}, Bytes());
+    if (rank_ != 0) {
+      for (Lane& lane : peers_[0]->lanes) lane.queue.emplace_back(MessageKind::closed, Bytes());
+    }
     closing_ = true;
   }
   const double start_s = now_s();
@@ -159,7 +177,7 @@ void RankLink::run() {
     rank_ = rank;
     size_ = size;
     for (int i = 0; i < size; ++i) {
-      peers_.push_back(std::make_unique<Peer>());
+      peers_.push_back(std::make_unique<Peer>(rank, i));
       peers_.back()->heard_s = now_s();
     }
     begun_ = works;
@@ -194,14 +212,16 @@ void RankLink::run() {
 }
 
 bool RankLink::all_sent() const {
-  return std::all_of(peers_.begin(), peers_.end(),
-                     [](const auto& peer) { return peer->queue.empty() && !peer->outgoing && !peer->send_request; });
+  const auto is_sent = [](const Lane& lane) { return lane.queue.empty() && lane.sending.is_idle(); };
+  return std::all_of(peers_.begin(), peers_.end(), [&](const auto& peer) {
+    return peer->is_lost || (peer->answer.is_idle() && std::all_of(peer->lanes.begin(), peer->lanes.end(), is_sent));
+  });
 }
 
 /// Whether no rank sends any more. MPI could not end before a message that rank 0 does not receive.
 bool RankLink::all_closed() const {
   return rank_ != 0 || std::all_of(peers_.begin() + 1, peers_.end(),
-                                   [](const auto& peer) { return peer->is_closed || peer->is_lost; });
+                                   [](const auto& peer) { return peer->is_closed() || peer->is_lost; });
 }
 
 /// As step(). Ends the process if a message is too large for its memory: rank 0 has its last checkpoint, and notices
@@ -224,9 +244,13 @@ bool RankLink::step(double now) {
   for (int other = 0; other < size_; ++other) {
     if (other == rank_ || (rank_ != 0 && other != 0)) continue;
     Peer& peer = *peers_[static_cast<size_t>(other)];
-    if (!peer.is_lost) is_busy = send_next(other, peer) || is_busy;
-    if (!peer.is_lost) is_busy = receive_next(other, peer, now) || is_busy;
+    for (auto lane = peer.lanes.rbegin(); lane != peer.lanes.rend(); ++lane) {  // the urgent one first
+      if (!peer.is_lost) is_busy = send_next(other, *lane) || is_busy;
+      if (!peer.is_lost) is_busy = receive_next(other, peer, *lane, now) || is_busy;
+    }
+    if (!peer.is_lost) is_busy = exchange_answer(other, peer) || is_busy;
   }
+  if (rank_ == 0) decide_requests();
   return is_busy;
 }
 
@@ -261,85 +285,95 @@ void RankLink::beat(double now) {
 bool RankLink::fail(int rank) {
   const std::lock_guard lock(mutex_);
   if (rank_ == 0) {
-    peers_[static_cast<size_t>(rank)]->is_lost = true;
+    Peer& peer = *peers_[static_cast<size_t>(rank)];
+    peer.is_lost = true;
+    for (Lane& lane : peer.lanes) lane.receiving.drop();
+    budget_.forget(rank);
     if (!lost_) lost_ = rank;
     changed_.notify_all();
     return false;
   }
   if (!closing_) {
-    std::fputs(fmt::format("relume: rank {} on {} lost the connection to rank 0 and ends; continue with --resume\n",
-                           rank_, host_name())
-                   .c_str(),
-               stderr);
+    std::fputs(
+        fmt::format("relume: rank {} on {} lost the connection to rank 0 and ends; {}\n", rank_, host_name(), remedy_)
+            .c_str(),
+        stderr);
   }
   end_process(1);
 }
 
-bool RankLink::send_next(int to, Peer& peer) {
-  if (peer.send_request) {
-    bool done = false;
-    if (!mpi_->complete(peer.send_request, &done)) return fail(to);
-    if (!done) return true;
-    peer.send_request = nullptr;
-    if (!peer.header_sent) {
-      peer.header_sent = true;
-    } else {
-      peer.sent += std::min(kChunkBytes, peer.outgoing->first.bytes - peer.sent);
+bool RankLink::send_next(int to, Lane& lane) {
+  const bool was_large = lane.sending.is_large();
+  LaneStep step = lane.sending.step(*mpi_);
+  if (lane.sending.is_idle() && step != LaneStep::failed) {
+    if (was_large) note_sent();
+    {
+      const std::lock_guard lock(mutex_);
+      if (lane.queue.empty()) return false;
+      lane.sending.start(lane.queue.front().first, std::move(lane.queue.front().second));
+      lane.queue.pop_front();
     }
-    if (peer.sent == peer.outgoing->first.bytes) peer.outgoing.reset();
+    step = lane.sending.step(*mpi_);
   }
-  if (!peer.outgoing) {
-    const std::lock_guard lock(mutex_);
-    if (peer.queue.empty()) return false;
-    peer.outgoing = std::move(peer.queue.front());
-    peer.queue.pop_front();
-    peer.header_sent = false;
-    peer.sent = 0;
-  }
-  const auto& [header, content] = *peer.outgoing;
-  const void* const bytes = peer.header_sent ? static_cast<const void*>(content.data() + peer.sent) : &header;
-  const uint64_t size = peer.header_sent ? std::min(kChunkBytes, header.bytes - peer.sent) : sizeof(Header);
-  if (!mpi_->send(to, kDataTag, bytes, static_cast<int>(size), &peer.send_request)) return fail(to);
-  return true;
+  return step == LaneStep::failed ? fail(to) : step == LaneStep::busy;
 }
 
-bool RankLink::receive_next(int from, Peer& peer, double now) {
-  if (peer.receive_request) {
-    bool done = false;
-    if (!mpi_->complete(peer.receive_request, &done)) return fail(from);
-    if (!done) return true;
-    peer.receive_request = nullptr;
+/// A large message of this rank is sent or refused.
+void RankLink::note_sent() {
+  const std::lock_guard lock(mutex_);
+  --unsent_large_;
+  changed_.notify_all();
+}
+
+bool RankLink::receive_next(int from, Peer& peer, Lane& lane, double now) {
+  const LaneStep before = lane.receiving.complete(*mpi_);
+  if (before == LaneStep::failed) return fail(from);
+  if (before == LaneStep::busy) return true;
+  if (before == LaneStep::moved) {
     peer.heard_s = now;
-    if (!peer.header) {
-      peer.header = peer.incoming_header;
-      peer.incoming.resize(peer.header->bytes);
-      peer.received = 0;
-    } else {
-      peer.received += peer.chunk;
-    }
-    if (peer.header->kind == MessageKind::closed) {
-      peer.is_closed = true;
-      peer.header.reset();
-    } else if (peer.received == peer.header->bytes) {
-      deliver({from, peer.header->kind, std::move(peer.incoming)});
-      peer.incoming = {};
-      peer.header.reset();
-    }
+    if (lane.receiving.waits()) budget_.request(from, lane.receiving.bytes());
+    if (std::optional<Message> message = lane.receiving.take()) deliver(std::move(*message));
   }
-  int size = 0;
-  void* message = nullptr;
-  if (!mpi_->find(from, kDataTag, &size, &message)) return fail(from);
-  if (!message) return peer.header.has_value();
-  void* const target = peer.header ? static_cast<void*>(peer.incoming.data() + peer.received) : &peer.incoming_header;
-  const uint64_t room = peer.header ? peer.header->bytes - peer.received : sizeof(Header);
-  peer.chunk = static_cast<uint64_t>(size);
-  if (peer.chunk > room || !mpi_->receive(message, target, size, &peer.receive_request)) return fail(from);
-  return true;
+  const LaneStep step = lane.receiving.start(*mpi_);
+  return step == LaneStep::failed ? fail(from) : step == LaneStep::busy;
 }
 
-std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch) {
+/// Grants or refuses the large messages that other ranks have announced.
+void RankLink::decide_requests() {
+  bool refuses = false;
+  {
+    const std::lock_guard lock(mutex_);
+    refuses = refuses_large_;
+  }
+  while (std::optional<ReceiveBudget::Grant> grant = refuses ? std::nullopt : budget_.next()) {
+    Peer& peer = *peers_[static_cast<size_t>(grant->rank)];
+    peer.lanes[0].receiving.accept(std::move(grant->reservation));
+    peer.answer.set(true);
+  }
+  for (int other = 1; refuses && other < size_; ++other) {
+    Peer& peer = *peers_[static_cast<size_t>(other)];
+    if (!peer.lanes[0].receiving.waits()) continue;
+    budget_.forget(other);
+    peer.lanes[0].receiving.drop();
+    peer.answer.set(false);
+  }
+}
+
+bool RankLink::exchange_answer(int other, Peer& peer) {
+  SendLane& sending = peer.lanes[0].sending;
+  if (rank_ != 0 && !sending.waits()) return false;
+  const LaneStep step = rank_ == 0 ? peer.answer.send(*mpi_) : peer.answer.receive(*mpi_);
+  if (step == LaneStep::failed) return fail(other);
+  if (step == LaneStep::moved) {
+    sending.answer(peer.answer.is_granted());
+    if (sending.is_idle()) note_sent();
+  }
+  return step != LaneStep::idle;
+}
+
+std::unique_ptr<RankLink> open_link(const std::optional<Launch>& launch, std::string remedy) {
   if (!launch || launch->size < 2) return std::make_unique<RankLink>();
-  auto link = std::make_unique<RankLink>(load_mpi(launch->library));
+  auto link = std::make_unique<RankLink>(load_mpi(launch->library), std::move(remedy));
   const int size = link->size();
   if (size == launch->size) return link;
   link->close(cli::kExitFailed);

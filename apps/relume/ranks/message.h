@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@ enum class MessageKind : uint32_t {
   // To the coordinator, which rank 0 runs.
   hello,     ///< the scene is loaded
   progress,  ///< of work in progress
+  rendered,  ///< a deal, whose samples follow
   samples,   ///< sums of a deal
   result,    ///< of a task
   image,     ///< a frame of a sequence
@@ -36,10 +38,14 @@ enum class MessageKind : uint32_t {
 
 inline bool is_for_coordinator(MessageKind kind) { return kind < MessageKind::deal; }
 
+/// Whether the message overtakes earlier ones of its rank that wait to be sent. All others keep their order.
+inline bool is_urgent(MessageKind kind) { return kind == MessageKind::progress || kind == MessageKind::rendered; }
+
 struct Message {
   int from = 0;
   MessageKind kind = MessageKind::hello;
-  Bytes content;
+  Bytes content = {};
+  std::shared_ptr<const void> reservation = {};  ///< of ReceiveBudget, for a large message of another rank
 };
 
 class MessageWriter {

@@ -130,7 +130,7 @@ int run_on_ranks(const RenderOptions& options, const Verbosity& verbosity) {
   const std::optional<Launch> launch = find_launch();
   std::unique_ptr<RankLink> link;
   try {
-    link = open_link(launch);
+    link = open_link(launch, way_to_continue(options));
   } catch (const Error&) {
     if (!launch || launch->rank == 0) throw;
     return cli::kExitFailed;  // rank 0 has the same error

@@ -194,11 +194,12 @@ RanksEnd run_sample_job(const RanksRun& run) {
   if (const std::string& unsaved = coordinator.save_problem(); !unsaved.empty())
     return {cli::kExitFailed, problem.empty() ? unsaved : fmt::format("{}; {}", problem, unsaved)};
   if (problem.empty()) return {interrupted ? cli::kExitInterrupted : cli::kExitDone};
-  const std::string& checkpoint = run.options.checkpoint;
-  return {cli::kExitFailed,
-          fmt::format("{}; {}", problem,
-                      checkpoint.empty() ? "use --resume FILE.ckpt to be able to continue such a render"
-                                         : fmt::format("continue from {} with the same command", checkpoint))};
+  return {cli::kExitFailed, fmt::format("{}; {}", problem, way_to_continue(run.options))};
+}
+
+std::string way_to_continue(const cli::RenderOptions& options) {
+  if (options.checkpoint.empty()) return "use --resume FILE.ckpt to be able to continue such a render";
+  return fmt::format("continue from {} with the same command", options.checkpoint);
 }
 
 }  // namespace relume::ranks

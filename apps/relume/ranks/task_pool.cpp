@@ -20,7 +20,7 @@ constexpr double kReport_s = 0.5;  // between reports of a task's progress
 }  // namespace
 
 TaskPool::TaskPool(std::string remedy)
-    : link_(open_link(find_launch())), remedy_(std::move(remedy)), hosts_(static_cast<size_t>(link_->size())) {}
+    : link_(open_link(find_launch(), remedy)), remedy_(std::move(remedy)), hosts_(static_cast<size_t>(link_->size())) {}
 
 TaskPool::~TaskPool() {
   if (!ended_) end(cli::kExitFailed);
