@@ -27,6 +27,10 @@ constexpr double kShortestDeal_s = 0.5;
 /// Part of the time limit, and seconds, for which the job waits for the last ranks.
 constexpr double kGrace = 0.05;
 constexpr double kGrace_s = 3;
+/// Results of other ranks at rank 0 take at most this many times the memory of the image's sums.
+constexpr uint64_t kReceivedSums = 2;
+/// Results of a rank that may wait while it renders its next deal.
+constexpr size_t kWaitingResults = 1;
 
 DealerSettings dealer_settings(const SampleJob& job, int ranks, SampleRanges done) {
   DealerSettings settings;
@@ -46,7 +50,9 @@ SampleCoordinator::SampleCoordinator(RankLink& link, SampleJob job)
       hosts_(link.size(), job_.identity),
       dealer_(dealer_settings(job_, link.size(), {})),
       ranks_(static_cast<size_t>(link.size())),
-      sums_(static_cast<size_t>(job_.image.width) * static_cast<size_t>(job_.image.height)) {}
+      sums_(static_cast<size_t>(job_.image.width) * static_cast<size_t>(job_.image.height)) {
+  link_.set_receive_limit(std::max(kReceiveBytes, kReceivedSums * sums_.size() * sizeof(PixelSums)));
+}
 
 void SampleCoordinator::resume() {
   const PartInfo info = read_sums_file(job_.checkpoint, job_.image, sums_);
@@ -64,6 +70,7 @@ StopReason SampleCoordinator::run(const std::stop_token& stop, const std::functi
       reason = step(stop);
       if (start_s_) show(progress());
     }
+    link_.refuse_large();
     if (saving_.valid()) end_saving();
     try {
       save();
@@ -78,10 +85,18 @@ StopReason SampleCoordinator::run(const std::stop_token& stop, const std::functi
   return *reason;
 }
 
-/// Handles the messages that have arrived. Returns the reason to end.
+/// Handles messages that have arrived, and deals after each. Returns the reason to end. The number of messages is
+/// bounded, because results may arrive as fast as they are merged.
 std::optional<StopReason> SampleCoordinator::step(const std::stop_token& stop) {
-  for (double wait_s = kTurn_s; const std::optional<Message> message = link_.receive_at_coordinator(wait_s); wait_s = 0)
+  double wait_s = kTurn_s;
+  for (int left = link_.size(); left > 0; --left) {
+    std::optional<Message> message = link_.receive_at_coordinator(wait_s);
+    if (!message) break;
     handle(*message);
+    message.reset();  // its memory is free for the next result
+    if (problem_.empty() && !stop.stop_requested()) deal_to_idle();
+    wait_s = 0;
+  }
   if (const std::optional<int> lost = link_.lost_rank(); lost && problem_.empty())
     problem_ = fmt::format("{} cannot be reached any more", hosts_.name_of(*lost));
   if (dealer_.complete()) return StopReason::samples;
@@ -114,6 +129,7 @@ void SampleCoordinator::handle(const Message& message) {
       if (progress.id == rank.deal) rank.progress = progress;
       break;
     }
+    case MessageKind::rendered: note_rendered(rank, MessageReader(message.content).get<WorkProgress>()); break;
     case MessageKind::samples: merge(message.from, message); break;
     case MessageKind::failed:
       problem_ = fmt::format("{}: {}", hosts_.name_of(message.from), MessageReader(message.content).get_text());
@@ -122,10 +138,21 @@ void SampleCoordinator::handle(const Message& message) {
   }
 }
 
+/// The rank may get its next deal. Its message overtakes results, and may come after that of its deal.
+void SampleCoordinator::note_rendered(Rank& rank, const WorkProgress& progress) {
+  if (progress.id != rank.deal) return;
+  dealer_.rendered(progress.id);
+  rank.rendered.emplace(progress.id, progress.samples);
+  rank.progress = progress;
+  rank.progress.samples = 0;
+  rank.deal = 0;
+}
+
 void SampleCoordinator::merge(int rank, const Message& message) {
   MessageReader in(message.content);
   const auto result = in.get<SampleResult>();
   Rank& sender = ranks_[static_cast<size_t>(rank)];
+  sender.rendered.erase(result.id);
   if (sender.deal == result.id) {
     sender.deal = 0;
     sender.progress.samples = 0;
@@ -152,8 +179,10 @@ void SampleCoordinator::merge(int rank, const Message& message) {
   }
   job_.image.correlated_frames = std::max(job_.image.correlated_frames, result.correlated_frames);
   for (const int late : dealer_.take_late(result.id)) {
-    ranks_[static_cast<size_t>(late)].deal = 0;
-    ranks_[static_cast<size_t>(late)].progress.samples = 0;
+    Rank& other = ranks_[static_cast<size_t>(late)];
+    if (other.deal != result.id) continue;  // its result is on its way
+    other.deal = 0;
+    other.progress.samples = 0;
     link_.send(late, MessageKind::cancel, MessageWriter().put(result.id).take());
   }
 }
@@ -164,7 +193,7 @@ void SampleCoordinator::deal_to_idle() {
   if (job_.limits.time_s > 0) left_s = job_.limits.time_s - elapsed_s();
   for (int i = 0; i < link_.size(); ++i) {
     Rank& rank = ranks_[static_cast<size_t>(i)];
-    if (!rank.ready || rank.deal != 0) continue;
+    if (!rank.ready || rank.deal != 0 || rank.rendered.size() > kWaitingResults) continue;
     // Until a sample is complete, time does not end the render.
     if (left_s <= 0 && samples() > 0) return;
     const std::optional<Deal> deal = dealer_.next(i, now_s());
@@ -185,7 +214,8 @@ bool SampleCoordinator::time_is_over() const {
   if (limit_s <= 0 || samples() == 0) return false;
   const double now = elapsed_s();
   if (now > limit_s + std::max(kGrace * limit_s, kGrace_s)) return true;
-  const bool busy = std::any_of(ranks_.begin(), ranks_.end(), [](const Rank& rank) { return rank.deal != 0; });
+  const bool busy = std::any_of(ranks_.begin(), ranks_.end(),
+                                [](const Rank& rank) { return rank.deal != 0 || !rank.rendered.empty(); });
   return (is_cut_off_ || now >= limit_s) && !busy;
 }
 
@@ -194,6 +224,9 @@ RanksProgress SampleCoordinator::progress() const {
   uint32_t samples = dealer_.done().count();
   std::set<uint32_t> deals;  // one that two ranks render counts once
   for (const Rank& rank : ranks_) {
+    for (const auto& [deal, count] : rank.rendered) {
+      if (deals.insert(deal).second) samples += count;
+    }
     if (rank.deal != 0 && deals.insert(rank.deal).second) samples += rank.progress.samples;
     if (rank.progress.seconds > 0) state.rays_per_s += static_cast<double>(rank.progress.rays) / rank.progress.seconds;
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <map>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -58,13 +59,15 @@ class SampleCoordinator {
  private:
   struct Rank {
     bool ready = false;
-    uint32_t deal = 0;  ///< id; 0: idle
+    uint32_t deal = 0;  ///< id of what it renders; 0: idle
     WorkProgress progress;
-    std::optional<uint32_t> lane;  ///< number of its last replica that has samples in the image
+    std::map<uint32_t, uint32_t> rendered = {};  ///< deals whose results have not arrived, with their samples
+    std::optional<uint32_t> lane;                ///< number of its last replica that has samples in the image
   };
 
   std::optional<StopReason> step(const std::stop_token& stop);
   void handle(const Message& message);
+  void note_rendered(Rank& rank, const WorkProgress& progress);
   void merge(int rank, const Message& message);
   void deal_to_idle();
   bool time_is_over() const;

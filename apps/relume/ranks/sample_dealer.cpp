@@ -94,7 +94,7 @@ std::optional<Deal> SampleDealer::take_late_deal(int rank, double now_s) {
   Flight* latest = nullptr;
   double latest_s = 0;
   for (Flight& flight : flights_) {
-    if (flight.done || flight.workers.size() != 1) continue;
+    if (flight.done || flight.rendered || flight.workers.size() != 1) continue;
     const Worker& worker = flight.workers.front();
     const double elapsed_s = now_s - worker.start_s;
     const double sample_s = sample_s_[static_cast<size_t>(worker.rank)];
@@ -109,6 +109,12 @@ std::optional<Deal> SampleDealer::take_late_deal(int rank, double now_s) {
   if (!latest) return std::nullopt;
   latest->workers.push_back({rank, now_s});
   return latest->deal;
+}
+
+void SampleDealer::rendered(uint32_t id) {
+  for (Flight& flight : flights_) {
+    if (flight.deal.id == id) flight.rendered = true;
+  }
 }
 
 bool SampleDealer::finished(int rank, uint32_t id, uint32_t count, double seconds) {

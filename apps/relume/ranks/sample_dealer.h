@@ -37,8 +37,10 @@ class SampleDealer {
 
   /// The next samples for a rank; std::nullopt: none for now. `now_s`: a monotonic clock.
   std::optional<Deal> next(int rank, double now_s);
-  /// Notes that a rank has rendered the first `count` samples of a deal in `seconds`. Returns whether they count: not
-  /// if another rank was first. Samples of the deal that are missing are dealt again.
+  /// Notes that a rank has rendered a deal whose result has not arrived: no other rank needs to render it again.
+  void rendered(uint32_t id);
+  /// Notes the result of a rank that has rendered the first `count` samples of a deal in `seconds`. Returns whether
+  /// they count: not if another rank was first. Samples of the deal that are missing are dealt again.
   bool finished(int rank, uint32_t id, uint32_t count, double seconds);
   /// The ranks that still work on a deal that has a result. They are free after the call.
   std::vector<int> take_late(uint32_t id);
@@ -57,6 +59,7 @@ class SampleDealer {
   struct Flight {
     Deal deal;
     std::vector<Worker> workers;
+    bool rendered = false;
     bool done = false;
   };
 

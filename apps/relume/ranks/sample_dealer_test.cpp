@@ -71,6 +71,19 @@ TEST(SampleDealer, DealsTheLastBlocksOfASlowRankAgain) {
   EXPECT_EQ(dealer.done().to_string(), "0-63");
 }
 
+TEST(SampleDealer, DoesNotDealARenderedDealAgain) {
+  SampleDealer dealer({.samples = 32, .ranks = 2});
+  const Deal fast = *dealer.next(0, 0);
+  const Deal slow = *dealer.next(1, 0);
+  EXPECT_TRUE(dealer.finished(0, fast.id, fast.count, 0.1));
+  SampleDealer other = dealer;
+  EXPECT_EQ(other.next(0, 100)->id, slow.id);
+  dealer.rendered(slow.id);
+  EXPECT_FALSE(dealer.next(0, 100));
+  EXPECT_TRUE(dealer.finished(1, slow.id, slow.count, 100));
+  EXPECT_TRUE(dealer.complete());
+}
+
 TEST(SampleDealer, FillsTheGapsOfACheckpoint) {
   SampleRanges done({0, 15});
   done.add(SampleRanges({32, 63}));

@@ -118,7 +118,7 @@ bool SampleWorker::render_frames(const SampleWork& work, const std::stop_token& 
       take_samples(session_, blocks_);
       result.blocks = frames;
     }
-    report(work.id, frames);
+    if (now_s() - reported_s_ >= kReport_s) report(MessageKind::progress, work.id, frames);
   }
   result.rest = frames - result.blocks;
   result.is_cut_off = frames < work.count ? 1 : 0;
@@ -129,7 +129,18 @@ bool SampleWorker::render_frames(const SampleWork& work, const std::stop_token& 
   return true;
 }
 
+/// Waits until the previous result is sent, so that at most one waits in memory. Returns whether the job continues.
+bool SampleWorker::wait_for_link() {
+  while (!link_.wait_until_sent(kReport_s)) {
+    const std::lock_guard lock(mutex_);
+    if (finished_) return false;
+  }
+  return true;
+}
+
 void SampleWorker::send(const SampleResult& result) {
+  report(MessageKind::rendered, result.id, result.blocks + result.rest);
+  if (!wait_for_link()) return;
   MessageWriter out;
   const size_t parts = (result.blocks > 0 ? 1u : 0u) + (result.rest > 0 ? 1u : 0u);
   out.reserve(sizeof(result) + parts * blocks_.size() * message_bytes(surface_));
@@ -139,15 +150,14 @@ void SampleWorker::send(const SampleResult& result) {
   link_.send(0, MessageKind::samples, out.take());
 }
 
-void SampleWorker::report(uint32_t id, uint32_t samples) {
-  if (now_s() - reported_s_ < kReport_s) return;
+void SampleWorker::report(MessageKind kind, uint32_t id, uint32_t samples) {
   reported_s_ = now_s();
   WorkProgress progress;
   progress.id = id;
   progress.samples = samples;
   progress.rays = session_.statistics().rays;
   progress.seconds = render_s_;
-  link_.send(0, MessageKind::progress, MessageWriter().put(progress).take());
+  link_.send(0, kind, MessageWriter().put(progress).take());
 }
 
 }  // namespace relume::ranks

@@ -35,7 +35,7 @@ struct SampleResult {
   double seconds = 0;
 };
 
-/// Content of MessageKind::progress.
+/// Content of MessageKind::progress and rendered.
 struct WorkProgress {
   uint32_t id = 0;
   uint32_t samples = 0;
@@ -64,7 +64,8 @@ class SampleWorker {
   void render(const SampleWork& work);
   bool render_frames(const SampleWork& work, const std::stop_token& stop, SampleResult& result);
   void send(const SampleResult& result);
-  void report(uint32_t id, uint32_t samples);
+  bool wait_for_link();
+  void report(MessageKind kind, uint32_t id, uint32_t samples);
 
   Session& session_;
   RankLink& link_;
