@@ -17,6 +17,7 @@ class Deal:
     number: int
     count: int  # samples
     workers: dict  # rank -> start
+    rendered: bool = False  # whether its result is on its way
 
 
 class SampleDealer:
@@ -56,7 +57,7 @@ class SampleDealer:
             return None
         latest, latest_s = None, 0.0
         for deal in self.flights.values():
-            if len(deal.workers) != 1:
+            if deal.rendered or len(deal.workers) != 1:
                 continue
             (worker, start), = deal.workers.items()
             elapsed = now - start

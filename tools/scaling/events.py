@@ -75,11 +75,13 @@ class SharedLink:
 
 
 class Coordinator:
-    """The thread of rank 0 that handles messages one by one. It deals only when no message waits."""
+    """The thread of rank 0 that handles messages one by one. It deals after each, and calls `turn` when no message waits
+    or after `most` messages."""
 
-    def __init__(self, clock, when_empty):
-        self.clock, self.when_empty = clock, when_empty
+    def __init__(self, clock, deal, turn, most):
+        self.clock, self.deal, self.turn, self.most = clock, deal, turn, most
         self.box = collections.deque()
+        self.handled = 0  # messages since the last turn
         self.busy = False
         self.busy_s = 0.0
 
@@ -91,7 +93,7 @@ class Coordinator:
 
     def wake(self):
         if not self.busy:
-            self.when_empty()
+            self.turn()
 
     def work(self, seconds):
         """Keeps the thread busy; messages wait."""
@@ -101,9 +103,12 @@ class Coordinator:
 
     def _next(self):
         self.busy = False
-        if not self.box:
-            self.when_empty()
-            return
+        if not self.box or self.handled == self.most:
+            self.handled = 0
+            self.turn()
+            if self.busy or not self.box:
+                return
+        self.handled += 1
         cost, handle = self.box.popleft()
         seconds = cost()
         self.busy = True
@@ -112,4 +117,5 @@ class Coordinator:
 
     def _handled(self, handle):
         handle()
+        self.deal()
         self._next()

@@ -1,5 +1,6 @@
 """Ranks of one start of `mpirun -n N relume render`, their messages and rank 0, as apps/relume/ranks implements them."""
 
+import collections
 import dataclasses
 
 from events import Clock, Coordinator, SharedLink
@@ -8,6 +9,8 @@ from events import Clock, Coordinator, SharedLink
 SUM_BYTES = 80  # of a pixel in a result, without layers of surfaces: message_bytes()
 IMAGE_SUM_BYTES = 144  # of a pixel at rank 0: sizeof(PixelSums)
 FRAME_BYTES = 12  # of a pixel of a frame: three floats
+SMALL_BYTES = 256 << 10  # kSmallBytes: larger messages wait for a grant of rank 0
+RECEIVE_BYTES = 256 << 20  # kReceiveBytes: limit of granted messages
 LOST_AFTER_S = 20.0  # kLostAfter_s
 COORDINATOR_LOST_AFTER_S = 30.0
 ABANDON_S = 3.0  # RankLink::abandon()
@@ -75,7 +78,7 @@ class Rank:
         self.state, self.since = "start", 0.0
         self.work = 0  # number of the present work; events of earlier work are void
         self.ready = self.busy = self.lost = False
-        self.deal = self.renders = None
+        self.unsent = False  # whether a large message waits or is being sent
         self.start = self.end = 0.0  # of the work
 
     def enter(self, state, now, outcome):
@@ -90,12 +93,14 @@ class Launch:
         self.job, self.costs, self.outcome = job, costs, outcome
         self.clock = Clock()
         self.network = SharedLink(self.clock, costs.bandwidth)
-        self.coordinator = Coordinator(self.clock, self.turn)
+        self.coordinator = Coordinator(self.clock, self.deal_to_idle, self.turn, len(speeds))
         self.ranks = [Rank(i, s) for i, s in enumerate(speeds)]
         self.ended = False
         self.problem = False
         self.ending = False
         self.held = 0  # bytes of results at rank 0
+        self.requests = collections.deque()  # large messages that wait for a grant
+        self.granted = 0  # bytes of those that are granted and not handled
         start_s = costs.launch_s + costs.launch_per_rank_s * len(speeds) + costs.load_s
         for rank in self.ranks:
             self.clock.at(start_s + (0 if rank.index == 0 else self.delay_s()), lambda r=rank: self.hello(r))
@@ -128,18 +133,48 @@ class Launch:
 
         self.coordinator.deliver(lambda: 0.0, handle)
 
-    def send_to_coordinator(self, rank, size, cost, handle):
+    def receive_limit(self):
+        return RECEIVE_BYTES
+
+    def send_to_coordinator(self, rank, size, cost, handle, sent=lambda: None):
+        """Calls `sent()` when all bytes have left the rank. Messages of other ranks that are large wait for a grant."""
+        is_large = rank.index > 0 and size > SMALL_BYTES
+
+        def release():
+            self.hold(-size)
+            if is_large:
+                self.granted -= size
+                self.grant()
+
         def arrived():
+            sent()
             if rank.lost or self.ranks[0].lost:
-                self.held -= size
-                return
-            self.coordinator.deliver(cost, lambda: (self.hold(-size), handle()))
+                release()
+            else:
+                self.coordinator.deliver(cost, lambda: (handle(), release()))
+
+        def begin():
+            self.hold(size)
+            self.network.send(size, arrived)
 
         if rank.index == 0:
             self.hold(size)
             arrived()
+        elif is_large:
+            self.clock.after(self.delay_s(), lambda: (self.requests.append((rank, size, begin)), self.grant()))
         else:
-            self.clock.after(self.delay_s(), lambda: (self.hold(size), self.network.send(size, arrived)))
+            self.clock.after(self.delay_s(), begin)
+
+    def grant(self):
+        """Large messages in the order of their headers, within the limit. One that exceeds it is granted alone."""
+        while self.requests:
+            rank, size, begin = self.requests[0]
+            if self.granted > 0 and self.granted + size > self.receive_limit():
+                return
+            self.requests.popleft()
+            if not rank.lost:
+                self.granted += size
+                self.clock.after(self.delay_s(), begin)
 
     def send_to_rank(self, rank, action):
         self.clock.after(0 if rank.index == 0 else self.delay_s(), lambda: rank.lost or self.ended or action())
@@ -209,13 +244,21 @@ class Launch:
         self.clock.after(seconds, end)
 
     def turn(self):
-        """A turn of the coordinator, when no message waits."""
+        """Ends, saves and deals."""
         if self.ended or self.ending or self.ranks[0].lost:
             return
         if self.complete() or self.problem:
             self.end_after(self.final_s() + (0 if self.complete() else ABANDON_S))
             return
-        for rank in self.ranks:
-            if rank.ready and not rank.busy:
-                self.deal(rank)
+        self.deal_to_idle()
         self.save_if_due()
+
+    def deal_to_idle(self):
+        if self.ended or self.ending or self.problem or self.ranks[0].lost:
+            return
+        for rank in self.ranks:
+            if rank.ready and not rank.lost and self.is_idle(rank):
+                self.deal(rank)
+
+    def is_idle(self, rank):
+        return not rank.busy

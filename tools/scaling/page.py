@@ -58,9 +58,10 @@ Discrete events follow `apps/relume/ranks`:
 | part | model |
 |---|---|
 | dealing | rank 0 deals blocks of 16 samples on demand, by the rules of `sample_dealer.cpp`; frames by those of `frame_dealer.cpp` |
-| results | 80 bytes per pixel for each deal, sent to rank 0 at once; 12 bytes per pixel for a frame |
-| network | transfers under way share the link of rank 0 equally |
-| reducing | rank 0 alone adds all results, one after another; it deals only when no message waits |
+| results | 80 bytes per pixel for each deal, 12 for a frame. Rank 0 grants transfers in turn, up to twice the size of its sums, or 256 MiB if that is more |
+| network | granted transfers share the link of rank 0 equally |
+| reducing | rank 0 alone adds all results, one after another, and deals after each |
+| waiting | a rank renders its next deal while one result waits |
 | rank 0 | renders as well, slowed by what its other threads do |
 | checkpoints | copies of the sums that a thread of rank 0 writes while ranks continue |
 | end | rank 0 writes the last checkpoint and the image, while others wait |
@@ -206,7 +207,7 @@ def beyond(costs):
 | efficiency | time of one rank over ranks × time |
 | idle ranks | mean share of ranks that neither render nor prepare a result |
 | load of rank 0 | share of the time in which its network, or its thread that adds and writes, is busy: the larger |
-| its memory | largest size of sums and results at rank 0, without the scene; all results that are sent at a time count |
+| its memory | largest size of sums and results at rank 0, without the scene, with the results that are granted |
 | limit | largest part of the ranks' other time, if it exceeds 5 % |
 """
     for job in JOBS:
@@ -214,10 +215,11 @@ def beyond(costs):
         outcomes = [simulate(job, ranks, costs) for ranks in RANKS]
         text += table(HEADS, [row_of(job, o, outcomes[0].seconds) for o in outcomes])
         if not job.frames:
-            text += "\n" + paragraph(f"The image has {job.samples // 16} blocks of 16 samples, so at most as many ranks can render at a time.")
+            text += "\n" + paragraph(f"The image has {job.samples // 16} blocks of 16 samples, so at most as many ranks can render at a time. Rank 0 holds its sums, the "
+                                     "results of other ranks up to its limit, and up to two of its own.")  # fmt: skip
         elif job.warmup:
-            text += "\n" + paragraph("Techniques that use earlier frames render eight frames before each segment. Segments become shorter with more ranks, because the "
-                                     "images that wait at rank 0 take at most about 2 GiB.")  # fmt: skip
+            text += "\n" + paragraph("Techniques that use earlier frames render eight frames before each segment. Segments become shorter with more ranks, so that the "
+                                     "images that wait at rank 0 take at most about 2 GiB, or two images per rank if that is more.")  # fmt: skip
     return text
 
 

@@ -18,8 +18,8 @@ class Sequence(Launch):
         self.left = left
         super().__init__(job, costs, speeds, outcome, losses)
         for rank in self.ranks:
-            rank.outgoing = 0  # messages that its link sends one after another
-            rank.queue = []
+            rank.queue = []  # messages that its link sends one after another
+            rank.waits = False  # whether a rendered image waits for the link
             rank.position = 0 if self.first == 0 else None
 
     def base_bytes(self):
@@ -58,36 +58,51 @@ class Sequence(Launch):
         self.start_work(rank, self.job.samples)
 
     def rendered(self, rank):
-        frame = rank.frame
-        if frame < rank.shown:
+        if rank.frame < rank.shown:
             self.count_again(self.clock.now - rank.start)  # it only warms techniques up
+            self.proceed(rank)
+        elif rank.unsent:
+            rank.waits = True
+            rank.enter("answer", self.clock.now, self.outcome)
         else:
-            self.enqueue(rank, FRAME_BYTES * self.job.pixels, lambda: self.cost_of(frame), lambda: None)
+            self.send_image(rank)
+
+    def send_image(self, rank):
+        frame = rank.frame
+        rank.unsent = rank.index > 0
+        self.send(rank, FRAME_BYTES * self.job.pixels, lambda: self.cost_of(frame), lambda: None)
+        self.proceed(rank)
+
+    def proceed(self, rank):
         rank.frame += 1
         if rank.frame < rank.segment_end:
             self.start_work(rank, self.job.samples)
             return
         rank.position = rank.frame
         rank.enter("answer", self.clock.now, self.outcome)
-        self.enqueue(rank, 0, lambda: 0.0, lambda: self.done(rank))
+        self.send(rank, 0, lambda: 0.0, lambda: self.done(rank))
 
-    def enqueue(self, rank, size, cost, handle):
+    def send(self, rank, size, cost, handle):
+        """Messages of a rank keep their order, so at most an image and `done` wait."""
         rank.queue.append((size, cost, handle))
-        if rank.outgoing == 0:
+        if len(rank.queue) == 1:
             self.send_next(rank)
 
     def send_next(self, rank):
-        if not rank.queue:
+        size, cost, handle = rank.queue[0]
+        self.send_to_coordinator(rank, size, cost, handle, lambda: self.sent(rank, size))
+
+    def sent(self, rank, size):
+        rank.queue.pop(0)
+        if size > 0:
+            rank.unsent = False
+        if rank.lost or self.ending:
             return
-        size, cost, handle = rank.queue.pop(0)
-        rank.outgoing = 1
-
-        def counted():
-            rank.outgoing = 0
+        if rank.queue:
             self.send_next(rank)
-            return cost()
-
-        self.send_to_coordinator(rank, size, counted, handle)
+        if rank.waits and not rank.unsent:
+            rank.waits = False
+            self.send_image(rank)
 
     def cost_of(self, frame):
         """Writes the frames that are next."""
