@@ -10,10 +10,11 @@ namespace {
 void bm_texture(benchmark::State& state, float lod) {
   const std::vector<Texture> textures{testing::noise_texture(1024)};
   const TextureStore store(textures, TextureFilter::linear);
+  const TexturesView view = store.view();
   uint32_t i = 1;
   for (auto _ : state) {
     i = i * 1664525u + 1013904223u;
-    benchmark::DoNotOptimize(store[0].sample({to_unit_float(i), to_unit_float(i << 8)}, lod));
+    benchmark::DoNotOptimize(view.sample(0, {to_unit_float(i), to_unit_float(i << 8)}, lod));
   }
 }
 BENCHMARK_CAPTURE(bm_texture, finest_level, 0.0f);
@@ -23,10 +24,11 @@ BENCHMARK_CAPTURE(bm_texture, between_levels, 3.5f);
 void bm_texture_coherent(benchmark::State& state) {
   const std::vector<Texture> textures{testing::noise_texture(1024)};
   const TextureStore store(textures, TextureFilter::linear);
+  const TexturesView view = store.view();
   float u = 0;
   for (auto _ : state) {
     u += 0.7f / 1024;
-    benchmark::DoNotOptimize(store[0].sample({u, 0.3f}, 0.0f));
+    benchmark::DoNotOptimize(view.sample(0, {u, 0.3f}, 0.0f));
   }
 }
 BENCHMARK(bm_texture_coherent);
