@@ -96,8 +96,8 @@ const Variation kSingles[] = {
 
 /// Candidates for the preset, repeated more often to rank them.
 constexpr std::string_view kCandidates[] = {"vlc, svgf",        "vlc, cdq, svgf",        "static-lists, svgf",
-                                         "light-tree, svgf", "psf, light-tree, svgf", "apg, light-tree, svgf",
-                                         "psf, vlc, svgf",   "apg, vlc, svgf",        "restir-di, svgf"};
+                                            "light-tree, svgf", "psf, light-tree, svgf", "apg, light-tree, svgf",
+                                            "psf, vlc, svgf",   "apg, vlc, svgf",        "restir-di, svgf"};
 
 bool is_candidate(std::string_view name) {
   return std::find(std::begin(kCandidates), std::end(kCandidates), name) != std::end(kCandidates);
@@ -210,10 +210,8 @@ Claim claim_choice(const std::vector<MovingErrors>& scenes) {
   const size_t best = static_cast<size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin());
   measured += fmt::format(" of its MSE; the least of the table has {}, {:.2f} against {:.2f}",
                           scenes.front().contenders[best].name, distances[best], distances.front());
-  return judged_ratios(
-      "best-choice", kOurs,
-      "No candidate has 10 % less error than `interactive`, over all scenes.", measured,
-      ratios, 0.9);
+  return judged_ratios("best-choice", kOurs, "No candidate has 10 % less error than `interactive`, over all scenes.",
+                       measured, ratios, 0.9);
 }
 
 ImageSet images(const MovingErrors& scene) {

@@ -158,7 +158,8 @@ TEST(TripleList, HasEveryChoice) {
   for (const Choice& choice : all_choices()) {
     const bool is_default = choice.value == to_string(require_setting(slots, choice.slot, "triple"));
     if (is_default || choice.value == "oidn") continue;
-    EXPECT_GE(uses[choice.slot + "=" + choice.value], 8) << choice.slot << " " << choice.value;
+    // Reservoirs, of which there are five, refuse most other choices.
+    EXPECT_GE(uses[choice.slot + "=" + choice.value], 5) << choice.slot << " " << choice.value;
   }
 }
 

@@ -24,7 +24,7 @@ constexpr int kHeight = 360;
 constexpr double kMostIdle = 0.05;
 
 /// The tiles of a launch as tasks. A tile costs as much as it has elements, whatever the kernel computes for one.
-/// Passes over all pixels thus count alike, and launches over the few nodes and regions of learned structures count
+/// Passes over all pixels thus have equal cost, and launches over the few nodes and regions of learned structures count
 /// more than in time. Sets and copies of arrays only wait for memory: a tile of these counts as one of pixels.
 TaskStep tasks_of(const LaunchTiles& grid) {
   const bool moves_memory = grid.tile_size == kFillTile;

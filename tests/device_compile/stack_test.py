@@ -38,7 +38,8 @@ BOUNDS = (
     (r"IndirectValidationKernel", 1350),
     (r"PathTemporalKernel|PathSpatialKernel", 2150),  # a path, its surface point and sampler, beside two reservoirs
     (r"PathCandidateKernel", 1800),  # a path, beside the chosen one
-    (r"PathKernel<RadianceOutput, CachedRecordingOutput, IndirectSampleOutput", 1500),
+    (r"PathPairKernel", 1600),
+    (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1350),
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
