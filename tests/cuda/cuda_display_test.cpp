@@ -234,7 +234,7 @@ TEST(CudaDisplay, UnmapsATextureThatCannotBeWritten) {
   StubDriver::make_texture(kTexture, 0, 0);
 }
 
-TEST(CudaDisplay, HasNoImageWithoutMemoryOrConcurrentAccess) {
+TEST(CudaDisplay, HasNoImageWithoutMemory) {
   const StubDriver stub("memory=257");  // 256 MiB are spare
   Shown shown(stub);
   const size_t used = shown.device->statistics()->memory_used_bytes;
@@ -244,8 +244,11 @@ TEST(CudaDisplay, HasNoImageWithoutMemoryOrConcurrentAccess) {
   Array<std::byte> large(shown.device->memory());
   large.reset((size_t{1} << 20) - used - kImageBytes - 100, kUninitialized);
   EXPECT_FALSE(shown.copy()) << "the limit of the GPU";
-  const StubDriver other("concurrent=0 devices=2");
-  const std::unique_ptr<Device> device = open_device(other.driver(), testing::test_device_code(), {.index = 1});
+}
+
+TEST(CudaDisplay, HasNoImageWithoutConcurrentAccess) {
+  const StubDriver stub("concurrent=0");
+  const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code(), {});
   Array<uint32_t> pixels(device->memory());
   pixels.assign(kWidth * kHeight, 3);
   EXPECT_FALSE(device->copy_image(pixels.view().data, kImageBytes));

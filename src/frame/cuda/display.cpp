@@ -132,6 +132,7 @@ Display::Display(const Driver& driver, DeviceNumber device, const std::string& d
 Display::~Display() {
   const Driver& driver = queue_.driver();
   queue_.free_objects([&] {
+    driver.cuStreamSynchronize(queue_.stream());  // copies to the slots
     for (Slot& slot : slots_) {
       free_copy(slot);
       if (slot.locked) driver.cuMemFreeHost(slot.locked);

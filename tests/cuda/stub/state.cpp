@@ -167,6 +167,10 @@ void State::drain(Stream& stream) {
   open_memory();
 }
 
+void State::drain_all() {
+  for (Stream* stream : streams) drain(*stream);
+}
+
 void State::run(const KernelCall& call) {
   if (++launches_ == settings.lose) {
     sticky = kLaunchFailed;

@@ -146,6 +146,8 @@ class State {
   void open_memory();
   /// Executes all work.
   void drain(Stream& stream);
+  /// The same of all streams, as calls that free memory do.
+  void drain_all();
 
   /// Frees the objects of all contexts, the last of which has ended. The error that the device did not survive stays.
   void end_contexts();

@@ -111,8 +111,10 @@ int cuMemAlloc_v2(unsigned long long* address, size_t bytes) {
 }
 
 int cuMemFree_v2(unsigned long long address) {
-  return outside_of_captures(
-      "cuMemFree_v2", [&](State& state) { return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue; });
+  return outside_of_captures("cuMemFree_v2", [&](State& state) {
+    state.drain_all();
+    return state.managed.free(pointer(address)) ? kSuccess : kInvalidValue;
+  });
 }
 
 int cuMemHostAlloc(void** address, size_t bytes, unsigned) {
@@ -126,6 +128,7 @@ int cuMemHostAlloc(void** address, size_t bytes, unsigned) {
 
 int cuMemFreeHost(void* address) {
   return outside_of_captures("cuMemFreeHost", [&](State& state) {
+    state.drain_all();
     if (state.locked.erase(address) == 0) return kInvalidValue;
     std::free(address);
     return kSuccess;
