@@ -76,7 +76,8 @@ class Device {
   virtual std::optional<DeviceStatistics> statistics() const { return std::nullopt; }
 
   /// Copies `bytes` from an address in a block of its memory for a window, after the queued launches, and does not wait
-  /// for the copy. Returns nullptr if it cannot, or lacks the memory. Throws as finish() if the device has failed.
+  /// for the copy. Returns nullptr if it cannot, or lacks the memory. Throws as finish() if an earlier launch or the
+  /// device has failed.
   virtual std::shared_ptr<DeviceImage> copy_image(const void* /*pixels*/, size_t /*bytes*/) { return nullptr; }
 };
 

@@ -254,6 +254,18 @@ TEST(CudaDisplay, HasNoImageWithoutConcurrentAccess) {
   EXPECT_FALSE(device->copy_image(pixels.view().data, kImageBytes));
 }
 
+TEST(CudaDisplay, LeavesErrorsOfLaunchesToTheCaller) {
+  const StubDriver stub("fail=cuLaunchKernel:1:701");
+  const std::unique_ptr<Device> device = open_device(stub.driver(), testing::test_device_code());
+  Array<uint32_t> pixels(device->memory());
+  pixels.assign(kWidth * kHeight, 3);
+  queue_waiting(*device, AddKernel{1, pixels.mutable_view()}, {0, 0, kWidth * kHeight, 1});
+  EXPECT_THROW(device->copy_image(pixels.view().data, kImageBytes), Error);
+  const std::shared_ptr<DeviceImage> image = device->copy_image(pixels.view().data, kImageBytes);
+  ASSERT_TRUE(image) << "the device has survived";
+  EXPECT_TRUE(all_are(numbers(image->bytes()), 3));
+}
+
 TEST(CudaDisplay, HasNoPixelsAfterTheLossOfTheGpu) {
   const StubDriver stub("lose=1");
   Shown shown(stub);

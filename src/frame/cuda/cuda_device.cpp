@@ -249,9 +249,10 @@ std::vector<double> CudaDevice::take_times() {
 }
 
 std::shared_ptr<DeviceImage> CudaDevice::copy_image(const void* pixels, size_t bytes) {
-  queue_.check_usable();
+  const Queue::Current current(queue_);
   // Without concurrent access, the host must access no memory while an image is copied.
   if (!gpu_.concurrent_access || bytes == 0) return nullptr;
+  queue_.submit();  // an error of a launch is not one of the image
   try {
     if (!display_) {
       display_ = std::make_shared<Display>(queue_.driver(), queue_.device(), queue_.device_name(), memory_.budget());
