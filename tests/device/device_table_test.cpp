@@ -25,15 +25,15 @@ constexpr const char* kTable = RELUME_SOURCE_DIR "/docs/device-bits.md";
 /// The page up to the rows.
 constexpr const char* kPageHead = R"(# Bits of device code
 
-A device is emulated: the device code of all kernels (PTX) runs on the processor. Each technique
-renders each built-in scene at 64×36 pixels: four frames with a moving camera. A scene counts if
-all bits of the images and auxiliary buffers equal those of the host, with `--accel bvh` and
-`--scalar-kernels`. The test `SlowDeviceBitsOfMotion` requires the same for a skinned mesh with
-morph targets that moves.
+The device code of all kernels (PTX) runs on an emulated device, on the processor. A technique
+renders a built-in scene at 64×36 pixels: four frames with a moving camera. Its row names the scene
+if all bits of the images and auxiliary buffers equal those of the host, with `--accel bvh` and
+`--scalar-kernels`. The test `SlowDeviceBitsOfMotion` requires equal bits for a moving skinned mesh
+with morph targets.
 
-A quick test fails if a technique has no row. A row names the scenes that were compared. This
-command measures what is missing. It writes the page after each measurement, so it may be
-interrupted:
+Scenes that a row does not name have not been compared yet. A quick test fails if a technique has no
+row. This command measures the missing scenes. It writes the page after each measurement, so it may
+be interrupted:
 
     RELUME_WRITE=1 build/release/tests/device/device_tests --gtest_filter='DeviceBitsTable.*'
 
@@ -153,7 +153,7 @@ TEST(DeviceBitsTable, ListsAllTechniques) {
   EXPECT_EQ(stored, page_of(table)) << "run it with RELUME_WRITE=1";
   for (const DeterminismCheck& technique : technique_checks().determinism) {
     EXPECT_FALSE(table[technique.name].empty())
-        << technique.name << " has no row; run this test with RELUME_WRITE=1: it has other bits if that writes none";
+        << technique.name << " has no row; run this test with RELUME_WRITE=1; if that adds none, the bits differ from the host's";
   }
 }
 

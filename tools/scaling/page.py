@@ -48,8 +48,8 @@ INTRO = """\
 # Scaling over ranks
 
 How long `mpirun -n N relume render` takes on 1 to 512 ranks, by a model of its [ranks](farm.md).
-`tools/scaling_model` writes this page. The model's parameters are fitted to measurements with 1 to
-4 ranks, and checked by a prediction for 8. **Everything beyond 8 ranks is the word of the model.**
+`tools/scaling_model` writes this page. [A measurement](#measurement) with 1 to 4 ranks fits the
+model's parameters; one with 8 ranks checks them. **No time beyond 8 ranks is measured.**
 
 ## Model
 
@@ -66,7 +66,7 @@ Discrete events follow `apps/relume/ranks`:
 | checkpoints | copies of the sums that a thread of rank 0 writes while ranks continue |
 | end | rank 0 writes the last checkpoint and the image, while others wait |
 | frames | rank 0 writes all images, in order |
-| lost ranks | noticed after 20 s without a sign of life, that of rank 0 after 30 s; the same command then continues at once |
+| lost ranks | noticed after 20 s without a heartbeat, that of rank 0 after 30 s; the same command then continues at once |
 
 Not modelled: heartbeats and progress messages, which are small; layers, which need 144 bytes per
 pixel; the time that a queue takes to start a job again; the reads of scenes from one file server.
@@ -85,7 +85,7 @@ has expensive samples of few pixels, and `planes` has cheap samples of many pixe
 """
 
 NONE = """
-No measurement is stored yet. The sections below use assumed parameters only.
+No measurement is stored yet. **All times on this page follow from assumed parameters.**
 """
 
 
