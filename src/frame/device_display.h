@@ -36,7 +36,7 @@ class DeviceTexture {
   virtual bool write(DeviceImage& image) = 0;
 };
 
-/// What a device has for windows. Thread-safe.
+/// The support of a device for windows. Thread-safe.
 class DeviceDisplay {
  public:
   virtual ~DeviceDisplay() = default;

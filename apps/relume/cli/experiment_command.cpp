@@ -168,9 +168,9 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
            fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
 }
 
-/// What a rank may do.
+/// Rights of a rank.
 struct RankRights {
-  bool throws;        ///< an error is that of the command
+  bool throws;        ///< whether an error ends the command
   bool writes_index;  ///< on one rank only
 };
 

@@ -1,4 +1,4 @@
-// What `relume view` and `relume serve` share: options, declaration and loading of the scene.
+// Shared by `relume view` and `relume serve`: options, declaration and loading of the scene.
 #pragma once
 
 #include <functional>

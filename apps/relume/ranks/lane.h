@@ -20,7 +20,7 @@ struct Header {
   uint64_t bytes = 0;
 };
 
-/// What a call has found: `busy` while a message is under way, `moved` after a part of it has arrived.
+/// Result of a call: `busy` while a message is under way, `moved` after a part of it has arrived.
 enum class LaneStep { idle, busy, moved, failed };
 
 /// The sending end. All calls come from the thread of MPI.
@@ -59,7 +59,7 @@ class ReceiveLane {
 
   /// Ends a receive in progress. `moved`: a header or a chunk has arrived.
   LaneStep complete(const RelumeMpi& mpi);
-  /// Starts to receive what is next, after complete() that was not `busy`.
+  /// Starts to receive the next header or chunk, after complete() that was not `busy`.
   LaneStep start(const RelumeMpi& mpi);
   /// Whether a large message is announced and not answered.
   bool waits() const { return waits_; }

@@ -34,7 +34,7 @@ TEST(ReceiveBudget, HoldsItsLimitAndServesAllRanks) {
   ASSERT_EQ(granted.size(), static_cast<size_t>(kRanks));
   const auto [least, most] = std::minmax_element(granted.begin(), granted.end(),
                                                  [](const auto& a, const auto& b) { return a.second < b.second; });
-  EXPECT_LE(most->second - least->second, 1) << "ranks have turns";
+  EXPECT_LE(most->second - least->second, 1) << "ranks take turns";
 }
 
 TEST(ReceiveBudget, GrantsALargerMessageAlone) {

@@ -64,7 +64,7 @@ struct RequestSteering {};
 struct GrantSteering {
   uint32_t viewer = 0;
 };
-/// A sign of life.
+/// A heartbeat.
 struct Still {};
 /// The viewer left. No text parses to this.
 struct Left {};

@@ -87,7 +87,7 @@ class CudaDevice final : public Device {
   void submit_call(const KernelCall& call);
   /// Returns false if they are to be launched one by one.
   bool submit_graph(std::span<const KernelCall> calls);
-  /// Queues what precedes the launches of a slot.
+  /// Queues the work that precedes the launches of a slot.
   void begin(LaunchSlot& slot);
   void copy_argument(const KernelCall& call, const LaunchSlot& slot);
   void record(Event event);

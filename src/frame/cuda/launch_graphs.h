@@ -16,7 +16,7 @@ namespace relume::cuda {
 /// A sequence of launches, and its graph once it has come twice. A launch is a copy of its argument into the device's
 /// constant, unless the launch before has the same one, the kernel, and an event that ends it.
 struct LaunchGraph {
-  /// What a graph cannot change.
+  /// Properties of a launch that an update of the graph cannot change.
   struct Step {
     Function function = nullptr;
     size_t argument_bytes = 0;

@@ -27,7 +27,7 @@ struct LaunchSlot {
   // Of the queued launch. A graph has events between its launches, and the host knows only the end of the last one.
   Event timed_from = nullptr;
   Event timed_to = nullptr;
-  Event reached = nullptr;  ///< when it is, the launch has ended
+  Event reached = nullptr;  ///< reached once the launch has ended
 
   std::array<Event*, 3> events() { return {&moves, &begin, &end}; }
 };

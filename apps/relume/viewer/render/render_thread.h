@@ -35,7 +35,7 @@ class RenderThread {
   /// Calls `hook` on the rendering thread after each frame. Call before the first request.
   void on_frame(std::function<void()> hook) { frame_hook_ = std::move(hook); }
 
-  /// Whether images of a GPU reach frames as ViewerFrame::device_image where possible. At first, no. Call before the
+  /// Whether images of a GPU reach frames as ViewerFrame::device_image where possible. Off by default. Call before the
   /// first request.
   void keep_images_on_device(bool keep) { keeps_images_on_device_ = keep; }
 

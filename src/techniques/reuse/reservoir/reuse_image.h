@@ -11,7 +11,8 @@ struct ReuseImage {
   View<Rgb> specular;  ///< part from specular lobes; may be empty
   View<uint32_t> rays;
 
-  /// Whether a reservoir of this weight adds light to the pixel. A weight that is not finite shows as such.
+  /// Whether a reservoir of this weight adds light to the pixel. Adds a weight that is not finite to the radiance,
+  /// where such values are counted.
   RELUME_HD bool takes(float weight, uint32_t pixel) const {
     if (weight == 0.0f) return false;
     if (is_finite(weight)) return true;

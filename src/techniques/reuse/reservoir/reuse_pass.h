@@ -1,4 +1,4 @@
-// What passes share whose reservoirs move between pixels and frames: buffers, resets, access and inputs of kernels.
+// Shared by passes whose reservoirs move between pixels and frames: buffers, resets, access and inputs of kernels.
 #pragma once
 
 #include <string_view>
