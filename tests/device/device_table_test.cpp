@@ -153,7 +153,7 @@ TEST(DeviceBitsTable, ListsAllTechniques) {
   EXPECT_EQ(stored, page_of(table)) << "run it with RELUME_WRITE=1";
   for (const DeterminismCheck& technique : technique_checks().determinism) {
     EXPECT_FALSE(table[technique.name].empty())
-        << technique.name << " has no row; run this test with RELUME_WRITE=1; if that adds none, the bits differ from the host's";
+        << technique.name << " has no row; run this test with RELUME_WRITE=1, which adds one where bits are equal";
   }
 }
 
