@@ -62,8 +62,9 @@ BOUNDS = (
 OTHERS = 1100
 # Other versions of the compiler inline other functions.
 SLACK = 1 if os.environ["RELUME_CLANG_VERSION"].startswith("14.") else 1.25
-# The assembler may align frames, and store registers that calls need. It may keep some variables in registers.
-ASSEMBLER_TOLERANCE = 64
+# The assembler may align frames, and stores the registers that each call of a chain must keep: up to 17 % more on sm_75,
+# in chains of ten calls. It may keep some variables in registers.
+ASSEMBLER_MOST_SHARE = 1.2
 ASSEMBLER_LEAST_SHARE = 0.75
 # Bytes that the instructions of a function may store, because the registers of a thread do not suffice, and as many
 # that they may load again. What that costs has not been measured on a GPU.
@@ -204,7 +205,7 @@ class Stack(unittest.TestCase):
         self.assertEqual(expected, {name: self.chains[name] for name in expected}, "the part lacks calls")
         self.assertEqual(set(found), set(expected))
         more = {self.kernels[n]: (size, self.chains[n].size) for n, size in found.items()
-                if size > self.chains[n].size + ASSEMBLER_TOLERANCE}
+                if size > self.chains[n].size * ASSEMBLER_MOST_SHARE}
         self.assertEqual(more, {}, "the chains lack calls")
         large = [n for n in expected if any(re.search(pattern, self.kernels[n]) for pattern, _ in BOUNDS)]
         less = {self.kernels[n]: (found[n], self.chains[n].size) for n in large
