@@ -1,6 +1,7 @@
 // The weights of bidirectional path tracing equal those from all strategies' densities.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 #include "techniques/transport/bdpt/testing/weight_check.h"
@@ -36,18 +37,25 @@ TEST(BdptWeights, AccountForLightSelectionOfConnections) {
   EXPECT_GT(check.compared[kLightMet], 10);
 }
 
-TEST(BdptWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
-  int compared[kKinds] = {};
+/// Checks weights with guided subpaths in scenes with different lights and cameras. Returns their number by kind.
+std::array<int, kKinds> compare_guided(bool guides_light) {
+  std::array<int, kKinds> compared{};
   for (const ZooLight light : {ZooLight::triangles, ZooLight::environment_map, ZooLight::mixed}) {
     for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
       SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
                    kZooCameraNames[static_cast<int>(camera)]);
       GuidedWeightCheck check(light, camera, LightSelectorKind::power);
+      if (guides_light) check.guide_light_subpaths();
       check.run(2048);
       check.expect_few_wrong();
       for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
     }
   }
+  return compared;
+}
+
+TEST(BdptWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
+  const std::array<int, kKinds> compared = compare_guided(false);
   EXPECT_GT(compared[kVertexConnection], 300);
   EXPECT_GT(compared[kCameraConnection], 500);
   EXPECT_GT(compared[kLightConnection], 100);
@@ -56,18 +64,7 @@ TEST(BdptWeights, IncludeTheDensitiesOfGuidedCameraSubpaths) {
 }
 
 TEST(BdptWeights, IncludeTheDensitiesOfGuidedLightSubpaths) {
-  int compared[kKinds] = {};
-  for (const ZooLight light : {ZooLight::triangles, ZooLight::environment_map, ZooLight::mixed}) {
-    for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
-      SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
-                   kZooCameraNames[static_cast<int>(camera)]);
-      GuidedWeightCheck check(light, camera, LightSelectorKind::power);
-      check.guide_light_subpaths();
-      check.run(2048);
-      check.expect_few_wrong();
-      for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
-    }
-  }
+  const std::array<int, kKinds> compared = compare_guided(true);
   EXPECT_GT(compared[kVertexConnection], 200);
   EXPECT_GT(compared[kCameraConnection], 400);
   EXPECT_GT(compared[kLightConnection], 100);
