@@ -13,6 +13,7 @@ template <typename T>
 struct View {
   T* data = nullptr;
   uint32_t size = 0;
+  uint32_t unused = 0;  ///< a member in place of padding, so that equal views have equal bytes
 
   RELUME_HD T& operator[](uint32_t i) const { return data[i]; }
   RELUME_HD T* begin() const { return data; }
