@@ -18,7 +18,7 @@ enum class AtrousPlane : uint32_t {
   position_x,
   position_y,
   position_z,
-  inverse_footprint,  ///< 1 / width of a pixel on the surface, 1/metres
+  inverse_footprint,  ///< 1 / width of a pixel on the surface, 1/metres; 0: the filter copies the pixel
   count,
 };
 inline constexpr uint32_t kAtrousPlanes = static_cast<uint32_t>(AtrousPlane::count);
@@ -58,6 +58,9 @@ RELUME_HD_INLINE F falloff(const F& x) {
   const F fourth = square * square;
   return 1.0f / (fourth * fourth);
 }
+
+/// For code that runs with masks of lanes, too.
+RELUME_HD_INLINE bool any_of(bool condition) { return condition; }
 
 /// x¹²⁸.
 template <typename F>
@@ -151,11 +154,13 @@ struct AtrousKernel {
   template <typename F>
   RELUME_HD_INLINE void filter(uint32_t x, uint32_t y) const {
     using namespace atrous_detail;
+    const F inverse_footprint = load_lanes<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y));
+    const MaskOf<F> changes = inverse_footprint > F(0.0f);
+    if (!any_of(changes)) return copy<F>(x, y);
     const Pixels<F> pixels(features, light, x, y);
     const Centre<F> here{pixels, pixels.brightness(),
                          1.0f / (light_tolerance * square_root(steady_variance<F>(x, y)) + 1e-6f),
-                         load_lanes<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y)) *
-                             (1.0f / (plane_tolerance * static_cast<float>(step)))};
+                         inverse_footprint * (1.0f / (plane_tolerance * static_cast<float>(step)))};
     TapSums<F> sums;
     sums.weight = F(spline(0) * spline(0));
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.weight * pixels.channels[c];
@@ -169,8 +174,15 @@ struct AtrousKernel {
       }
     }
     const F inverse = 1.0f / sums.weight;
-    for (uint32_t c = 0; c < 3; ++c) store_lanes(filtered.at(c, x, y), sums.channels[c] * inverse);
-    store_lanes(filtered.at(kAtrousVariance, x, y), sums.channels[kAtrousVariance] * inverse * inverse);
+    sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] * inverse;
+    for (uint32_t c = 0; c < kAtrousChannels; ++c)
+      store_lanes(filtered.at(c, x, y), select(changes, sums.channels[c] * inverse, pixels.channels[c]));
+  }
+
+  template <typename F>
+  RELUME_HD_INLINE void copy(uint32_t x, uint32_t y) const {
+    for (uint32_t c = 0; c < kAtrousChannels; ++c)
+      store_lanes(filtered.at(c, x, y), load_lanes<F>(light.at(c, x, y)));
   }
 
   template <typename F>

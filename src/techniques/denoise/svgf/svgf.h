@@ -73,7 +73,8 @@ struct SvgfPrepareKernel {
     const float footprint = footprint_at<float>(pixel);
     Rgb shown = light[pixel];
     float variance = 0.0f;
-    bool valid = is_filtered(albedo[pixel]);
+    const bool filtered = is_filtered(albedo[pixel]);
+    bool valid = filtered;
     if (valid && count[pixel] >= kYoungHistory) {
       variance = variance_of(moments[pixel], count[pixel]);
     } else if (valid) {
@@ -83,7 +84,7 @@ struct SvgfPrepareKernel {
       variance = young_variance(around, static_cast<float>(count[pixel]));
     }
     put(AtrousPlane::valid, x, y, valid ? 1.0f : 0.0f);
-    put(AtrousPlane::inverse_footprint, x, y, footprint > 0.0f ? 1.0f / footprint : 0.0f);
+    put(AtrousPlane::inverse_footprint, x, y, filtered && footprint > 0.0f ? 1.0f / footprint : 0.0f);
     for (uint32_t c = 0; c < 3; ++c) {
       *features.at(place_of(AtrousPlane::normal_x, c), x, y) = normal[pixel][static_cast<int>(c)];
       *features.at(place_of(AtrousPlane::position_x, c), x, y) = position[pixel][static_cast<int>(c)];
@@ -130,7 +131,7 @@ struct SvgfPrepareKernel {
     }
     store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(valid, Lanes(1.0f), Lanes(0.0f)));
     store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
-                select(footprint > Lanes(0.0f), 1.0f / footprint, Lanes(0.0f)));
+                select(filtered & (footprint > Lanes(0.0f)), 1.0f / footprint, Lanes(0.0f)));
     put(features, place_of(AtrousPlane::normal_x), x, y, vector_at<Lanes>(normal, pixel));
     put(features, place_of(AtrousPlane::position_x), x, y, vector_at<Lanes>(position, pixel));
     put(planes, 0, x, y, shown);

@@ -108,7 +108,7 @@ TEST(Svgf, LanesMatchSinglePixels) {
   wall.make_noise(6);
   for (uint32_t i = 0; i < kPixels; ++i) {
     wall.normal[i] = glm::normalize(Vec3(0.1f * std::sin(0.3f * static_cast<float>(i)), 0, 1));
-    if (i % 11 == 0) wall.albedo[i] = Rgb(0);
+    if (i % 11 == 0 || i / kWidth == 7) wall.albedo[i] = Rgb(0);
   }
   wall.prepare();
   for (const uint32_t step : {1u, 4u, 16u}) {
@@ -128,6 +128,25 @@ TEST(Svgf, LanesMatchSinglePixels) {
         const float* alone = single.data() + (lanes - wall.filtered.data());
         // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits
         ASSERT_EQ(std::memcmp(lanes, alone, kWidth * sizeof(float)), 0) << step << " " << c << " " << y;
+      }
+    }
+  }
+}
+
+TEST(Svgf, CopiesPixelsThatItDoesNotFilter) {
+  Wall wall;
+  wall.make_noise(6);
+  const auto is_black = [](uint32_t x, uint32_t y) { return y == 7 || (x == 20 && y == 9); };
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (is_black(i % kWidth, i / kWidth)) wall.albedo[i] = Rgb(0);
+  }
+  wall.prepare();
+  wall.level(1)(Tile{0, 0, kWidth, kHeight});
+  for (uint32_t c = 0; c < kAtrousChannels; ++c) {
+    for (uint32_t y = 0; y < kHeight; ++y) {
+      for (uint32_t x = 0; x < kWidth; ++x) {
+        const bool is_copied = *wall.image(wall.filtered).at(c, x, y) == wall.at(c, x, y);
+        ASSERT_EQ(is_copied, is_black(x, y)) << c << " " << x << " " << y;
       }
     }
   }
