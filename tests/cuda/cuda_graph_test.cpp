@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ using testing::AddKernel;
 using testing::AppendKernel;
 using testing::queue;
 using testing::queue_waiting;
+using testing::RowSumKernel;
 using testing::StubDriver;
 
 constexpr uint32_t kElements = 300;
@@ -133,6 +135,26 @@ TEST_P(CudaGraphTest, IsMadeAgainIfTheNumberOfLaunchesChanges) {
   EXPECT_EQ(graph_launches(), 4u);
   EXPECT_EQ(graphs_updated(), 0u);
   EXPECT_TRUE(digits_.correct());
+}
+
+TEST_P(CudaGraphTest, IsNotThatOfGroupsWithOtherThreads) {
+  Array<uint32_t> values(device_->memory());
+  Array<uint32_t> sums(device_->memory());
+  values.assign(128, 1);
+  sums.assign(1, 0);
+  const RowSumKernel kernel{values.view(), sums.mutable_view()};
+  const auto argument = std::as_bytes(std::span(&kernel, 1));
+  for (const uint32_t threads : {64u, 64u, 32u, 32u, 64u}) {
+    device_->take_times();
+    for (int i = 0; i < 2; ++i)
+      device_->launch({"sum", kernel_type_name<RowSumKernel>(), threads, argument, {0, 0, 1, 1}, true});
+    device_->finish();
+    const std::vector<double> times = device_->take_times();
+    ASSERT_EQ(times.size(), 2u);
+    for (const double time : times) EXPECT_NEAR(time, threads * 1e-6, 1e-7) << "the stub takes 1 µs for each thread";
+  }
+  EXPECT_EQ(graphs_made(), 2u);
+  EXPECT_EQ(graph_launches(), 3u);
 }
 
 TEST_P(CudaGraphTest, CopiesTheSameArgumentOnce) {

@@ -12,7 +12,7 @@ std::vector<LaunchGraph::Step> steps_of(std::span<const KernelCall> calls) {
   const KernelCall* before = nullptr;
   for (const KernelCall& call : calls) {
     const bool copies = !call.argument.empty() && (!before || before->argument != call.argument);
-    steps.push_back({call.kernel->function, call.argument.size(), copies});
+    steps.push_back({call.kernel->function, call.argument.size(), call.group_threads, copies});
     before = &call;
   }
   return steps;

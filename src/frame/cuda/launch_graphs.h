@@ -20,6 +20,7 @@ struct LaunchGraph {
   struct Step {
     Function function = nullptr;
     size_t argument_bytes = 0;
+    uint32_t group_threads = 0;
     bool copies_argument = true;
     bool operator==(const Step&) const = default;
   };
