@@ -43,7 +43,8 @@ class RankLink {
   int rank() const { return rank_; }
   int size() const { return size_; }
 
-  /// Queues a message and returns.
+  /// Queues a message and returns. Throws Error for an urgent one above kSmallBytes: its lane has no answers for large
+  /// messages, so it would wait for ever.
   void send(int to, MessageKind kind, Bytes content = {});
   /// Waits until no large message to rank 0 is left to send; false after `timeout_s`.
   bool wait_until_sent(double timeout_s);

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "ranks/lane.h"
+#include "relume/error.h"
 
 namespace relume::ranks {
 namespace {
@@ -186,6 +187,19 @@ TEST_F(RankLinks, UrgentMessagesOvertakeLargeOnes) {
     const std::optional<Message> next = first().receive_at_coordinator(5);
     ASSERT_TRUE(next);
     EXPECT_EQ(next->kind, kind);
+  }
+}
+
+TEST_F(RankLinks, UrgentMessagesCannotBeLarge) {
+  start(2, kLarge);
+  for (const MessageKind kind : {MessageKind::progress, MessageKind::rendered}) {
+    for (RankLink* const sender : {&link(1), &first()})
+      EXPECT_THROW(sender->send(0, kind, Bytes(kSmallBytes + 1)), Error) << "from rank " << sender->rank();
+    link(1).send(0, kind, Bytes(kSmallBytes));
+    const std::optional<Message> message = first().receive_at_coordinator(5);
+    ASSERT_TRUE(message);
+    EXPECT_EQ(message->kind, kind);
+    EXPECT_EQ(message->content.size(), kSmallBytes);
   }
 }
 
