@@ -55,7 +55,19 @@ void SampleWorker::run() {
     if (!message) continue;
     if (message->kind == MessageKind::finish) return;
     if (message->kind == MessageKind::deal) render(MessageReader(message->content).get<SampleWork>());
+    if (message->kind == MessageKind::cancel) forget(MessageReader(message->content).get<uint32_t>());
   }
+}
+
+size_t SampleWorker::cancelled_deals() const {
+  const std::lock_guard lock(mutex_);
+  return cancelled_.size();
+}
+
+/// Forgets a cancelled deal. It has ended: its message preceded this one.
+void SampleWorker::forget(uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  cancelled_.erase(id);
 }
 
 /// Stops the frame in progress if its deal is no longer needed.

@@ -1,6 +1,7 @@
 // Renders the samples that a rank is dealt.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -57,9 +58,12 @@ class SampleWorker {
 
   /// Renders deals until no work is left.
   void run();
+  /// Number of deals whose cancelling it remembers.
+  size_t cancelled_deals() const;
 
  private:
   void interrupt(const Message& message);
+  void forget(uint32_t id);
   std::stop_token begin(uint32_t id);
   void render(const SampleWork& work);
   bool render_frames(const SampleWork& work, const std::stop_token& stop, SampleResult& result);
@@ -76,10 +80,10 @@ class SampleWorker {
   bool any_ = false;                  ///< whether a frame is complete: the first one ignores the time
   double render_s_ = 0;
   double reported_s_ = 0;
-  std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards what follows
   std::stop_source stop_;
   uint32_t current_ = 0;          ///< id of the deal in progress; 0: none
-  std::set<uint32_t> cancelled_;  ///< deals that were cancelled before they began
+  std::set<uint32_t> cancelled_;  ///< deals that were cancelled before they began, or after they ended
   bool finished_ = false;
 };
 
