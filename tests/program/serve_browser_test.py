@@ -144,6 +144,12 @@ class Browser(unittest.TestCase):
         self.assertGreaterEqual((width, height), (96, 54))
         self.assertGreater(max(map(max, rows)), 100)
 
+    def test_a_refusal_shows_before_the_next_status(self):
+        sentence = "a screenshot is in progress; wait for its download"
+        shown = self.js("relume.link.emit('text', { kind: 'notice', text: arguments[0] }); return document.getElementById('messages').textContent", sentence)
+        self.assertIn(sentence, shown)
+        self.wait(lambda: sentence not in self.one("#messages").text)
+
     def test_a_second_window_watches(self):
         first = self.browser.current_window_handle
         self.browser.switch_to.new_window("window")

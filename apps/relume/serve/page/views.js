@@ -27,6 +27,8 @@ function update(element, key, children) {
 export class Views {
   constructor(link, screenshot) {
     this.link = link;
+    this.reported = [];
+    this.told = null;
     this.tabs();
     this.tools(screenshot);
     byId("keys").append(make("dl", {}, ...KEYS.flatMap(([key, meaning]) => [make("dt", { text: key }), make("dd", { text: meaning })])));
@@ -81,14 +83,25 @@ export class Views {
       this.button("×", () => this.link.input({ do: "bookmark", verb: "remove", slot }), { "aria-label": `Remove ${name}` }))));
     const numbers = (list) => list.map((x) => x.toFixed(2)).join(", ");
     this.place.textContent = status.eye ? `eye ${numbers(status.eye)} m; speed ${status.speed.toFixed(2)} m/s` : "";
-    const told = this.told && performance.now() < this.told.until ? [{ text: this.told.text, problem: true }] : [];
-    const lines = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages, ...told];
+    this.reported = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages];
+    this.showMessages();
+  }
+
+  /// The lines of the last status, and the server's answer to this viewer.
+  showMessages() {
+    const lines = this.told ? [...this.reported, { text: this.told, problem: true }] : this.reported;
     update(byId("messages"), JSON.stringify(lines), () => lines.map(({ text, problem }) => make("li", { text, class: problem ? "problem" : false })));
   }
 
-  /// Shows the server's answer to this viewer with the next status.
+  /// Shows the server's answer to this viewer at once, whether or not a status follows.
   tell(text) {
-    this.told = { text, until: performance.now() + TOLD_MS };
+    this.told = text;
+    this.showMessages();
+    clearTimeout(this.telling);
+    this.telling = setTimeout(() => {
+      this.told = null;
+      this.showMessages();
+    }, TOLD_MS);
   }
 
   /// Who steers. Viewers that do not cannot change anything.
