@@ -26,6 +26,12 @@ int integer(const json& settings, const char* key, int otherwise) {
   return value != settings.end() && value->is_number() ? value->get<int>() : otherwise;
 }
 
+/// 0 if there is none.
+float real(const json& settings, const char* key) {
+  const auto value = settings.find(key);
+  return value != settings.end() && value->is_number() ? value->get<float>() : 0.0f;
+}
+
 /// Parameter of the film for a part of the image; empty for the whole one.
 std::string crop_text(const ImagePart& crop, const IVec2& size) {
   if (crop == ImagePart{}) return {};
@@ -81,12 +87,11 @@ void write_camera(const Scene& scene, const std::vector<Mat4>& world, Output& ou
   if (cameras > 1) output.note("the first camera is written; a file of pbrt has one");
   const json settings = settings_of(scene);
   const IVec2 size = image_size(scene);
-  const auto exposure = settings.find("exposure");
-  const float stops = exposure != settings.end() && exposure->is_number() ? exposure->get<float>() : 0.0f;
+  if (real(settings, "shutter") > 0) output.note("the shutter is left out; the image has no motion blur");
   output.line(
       fmt::format("Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"float iso\" {} \"string "
                   "filename\" {}",
-                  size.x, size.y, number(100 * std::exp2(clamp(stops, -64, 64))),
+                  size.x, size.y, number(100 * std::exp2(clamp(real(settings, "exposure"), -64, 64))),
                   in_quotes(scene.name.empty() ? "image.exr" : scene.name + ".exr")) +
       crop_text(scene.crop, size));
   output.line("Sampler \"zsobol\" \"integer pixelsamples\" " +

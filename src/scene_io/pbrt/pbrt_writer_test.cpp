@@ -335,6 +335,12 @@ TEST(PbrtWriter, NotesWhatIsLost) {
   EXPECT_TRUE(mentions(notes, "sheen"));
   EXPECT_TRUE(mentions(notes, "vertex colours"));
   EXPECT_TRUE(mentions(notes, "out.pbrt: "));
+  const size_t others = notes.size();
+  scene.visible_sets = {{Vec3(-2), Vec3(2), {0}}};
+  scene.settings_json = R"({"shutter":0.02})";
+  read_back(scene, &notes);
+  EXPECT_EQ(notes.size(), others + 2);
+  EXPECT_TRUE(mentions(notes, "visible sets") && mentions(notes, "the shutter"));
 }
 
 TEST(PbrtWriter, FiguresHaveTheirPoseAtTime0) {
