@@ -23,7 +23,7 @@ constexpr const char* kPaper = "[Dittebrandt20 §7.1]";
 
 constexpr const char* kOurs = "[relume]";
 constexpr const char* kCache = "vlc";                        // with relume's extensions
-constexpr const char* kPaperCache = "vlc, as in the paper";  // single table for exploration, uniform buckets
+constexpr const char* kPaperCache = "vlc, as in the paper";  // as the preset paper-002
 constexpr const char* kTree = "light tree";
 constexpr const char* kLists = "static lists";
 constexpr const char* kExactLists = "exact lists";  // from visibility through portals
@@ -336,8 +336,9 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
   result.setup.emplace_back("Bases",
                             fmt::format("seeds 1 to {}, one session each; intervals are over the seeds", bases.size()));
   result.setup.emplace_back("vlc, as in the paper",
-                            "explores with one table, chooses the buckets of a region uniformly and has no memory; "
-                            "`vlc` has relume's extensions: a table for each cell of a coarse grid over the lights, "
+                            "explores with one table, which weighs changed lights by the amount of the change, "
+                            "chooses the buckets of a region uniformly and has no memory; `vlc` has relume's "
+                            "extensions: a table for each cell of a coarse grid over the lights, "
                             "buckets weighted by the power and distance of their lights, and a memory of four frames");
   return result;
 }

@@ -60,6 +60,13 @@ TEST(PaperPresets, HaveNoRouletteWhereThePaperHasNone) {
   EXPECT_TRUE(resolve({.preset = "paper-000"}).render.path.russian_roulette);
 }
 
+/// §4.3 weighs changes of energy and position. §4.1 counts the samples of a region, also those that reached no light.
+TEST(PaperPresets, ExploreAndCountAsDittebrandt) {
+  const RenderSettings paper = resolve({.preset = "paper-002"}).render;
+  EXPECT_EQ(paper.vlc.change_measure, ChangeMeasure::amount);
+  EXPECT_EQ(paper.octree.count, OctreeCount::all);
+}
+
 TEST(PaperPresets, AccumulateAsKoskelaBeforeRegression) {
   const BmfrSettings bmfr = resolve({.preset = "paper-004"}).render.bmfr;
   EXPECT_FLOAT_EQ(bmfr.alpha, 0.2f);

@@ -94,6 +94,7 @@ void use_lasting_quadtrees(RenderSettings& settings) {
 
 void use_paper_cache(RenderSettings& settings) {
   settings.vlc.exploration_cells = 1;
+  settings.vlc.change_measure = ChangeMeasure::amount;
   settings.vlc.even_buckets = 1;
   settings.vlc.memory = 0;
 }

@@ -28,7 +28,8 @@ ExperimentScene plainly_sampled(ExperimentScene scene);
 /// Sets quadtrees with a memory, spreading to neighbouring leaves and several migrations per frame: better than the
 /// paper's in static scenes.
 void use_lasting_quadtrees(RenderSettings& settings);
-/// Sets the paper's light cache: no memory, a single table for exploration, and uniform buckets.
+/// Sets the paper's light cache, as the preset `paper-002` does: no memory, uniform buckets, and a single table for
+/// exploration, which weighs changed lights by the amount of the change.
 void use_paper_cache(RenderSettings& settings);
 
 /// Samples per pixel of references in learning experiments.
