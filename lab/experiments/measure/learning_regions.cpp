@@ -1,8 +1,10 @@
 #include "experiments/measure/learning_regions.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
@@ -47,6 +49,26 @@ PixelMask pixels_of_material(const ExperimentContext& context, const ExperimentS
   PixelMask region{name, {}};
   for (const Rgb& pixel : seen.pixels) region.mask.push_back(luminance(pixel) > 0.99f ? 1 : 0);
   return region;
+}
+
+PixelMask pixels_in_room(const PixelMask& region, const Reference& reference, const CameraPose& camera,
+                         const BaseRoom& room) {
+  const auto width = static_cast<size_t>(reference.image.width);
+  const float columns = static_cast<float>(reference.image.width);
+  const float rows = static_cast<float>(reference.image.height);
+  const float half = std::tan(0.5f * camera.camera.fov_y_rad);
+  PixelMask inside = region;
+  for (size_t p = 0; p < inside.mask.size(); ++p) {
+    const float x = (2 * (static_cast<float>(p % width) + 0.5f) - columns) / rows;
+    const float y = 1 - 2 * (static_cast<float>(p / width) + 0.5f) / rows;
+    const Vec3 direction = glm::normalize(Vec3(half * x, half * y, -1));
+    const float distance = reference.surface.depth[p];
+    const Vec4 seen = camera.to_world * Vec4(distance * direction, 1);
+    const bool is_inside =
+        distance > 0 && seen.x > room.low.x && seen.x < room.high.x && seen.z > room.low.y && seen.z < room.high.y;
+    if (!is_inside) inside.mask[p] = 0;
+  }
+  return inside;
 }
 
 std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces) {

@@ -1,6 +1,10 @@
 #include "experiments/measure/pixel_mask.h"
 
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
+#include <glm/trigonometric.hpp>
 
 #include "experiments/measure/learning_regions.h"
 #include "experiments/setup/learning_scenes.h"
@@ -45,6 +49,25 @@ TEST(PixelMasks, SeparateTheMinesRegions) {
   EXPECT_EQ(regions[1].mask, (std::vector<uint8_t>{1, 0, 0, 0}));
   EXPECT_EQ(regions[2].mask, (std::vector<uint8_t>{0, 1, 0, 0}));
   EXPECT_EQ(regions[3].mask, (std::vector<uint8_t>{0, 0, 1, 0}));
+}
+
+/// The camera stands at the origin and looks along -Z. The outer columns show walls of the neighbours.
+TEST(PixelMasks, KeepWhatIsInARoom) {
+  Reference reference;
+  reference.image = Image(3, 1);
+  CameraPose camera;
+  camera.camera.fov_y_rad = glm::radians(90.0f);
+  const BaseRoom room{{-2, -4}, {2, 1}};
+  const PixelMask all{"all", {1, 1, 1}};
+  const auto inside = [&](std::vector<float> depths, const PixelMask& region) {
+    reference.surface.depth = std::move(depths);
+    return pixels_in_room(region, reference, camera, room).mask;
+  };
+  // The outer rays reach x = ±2 after √5 m, the middle one z = -4 after 4 m.
+  EXPECT_EQ(inside({2.2f, 3.9f, 2.2f}, all), (std::vector<uint8_t>{1, 1, 1}));
+  EXPECT_EQ(inside({2.3f, 4.1f, 2.2f}, all), (std::vector<uint8_t>{0, 0, 1}));
+  EXPECT_EQ(inside({2.2f, 3.9f, 2.2f}, {"left", {1, 0, 0}}), (std::vector<uint8_t>{1, 0, 0}));
+  EXPECT_EQ(inside({2.2f, 0, 2.2f}, all), (std::vector<uint8_t>{1, 0, 1})) << "nothing is visible";
 }
 
 /// The camera of `turntable-spot` sees the floor in the middle of the image, and the wall at its border.
