@@ -12,6 +12,7 @@
 #include "experiments/measure/adapted_error.h"
 #include "experiments/measure/learning_modes.h"
 #include "experiments/measure/learning_regions.h"
+#include "experiments/setup/guiding_scenes.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
@@ -43,7 +44,11 @@ constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
 /// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
 constexpr size_t kSampled = 3;
 
-/// Settings measured besides BSDF sampling, the paper's and lasting quadtrees.
+/// Markov chains, the comparator that is aware of parallax: their targets are points [Alber25]. They do not combine
+/// with the visibility light cache; where a scene uses it, the light tree replaces it, also for the BSDF.
+constexpr const char* kChains = "mcpg";
+
+/// Settings measured besides BSDF sampling, the paper's and lasting quadtrees, and Markov chains.
 enum class Extent {
   guided,      ///< none
   departures,  ///< single departures from both; none in a quick run
@@ -61,8 +66,20 @@ void add_modes(const ExperimentContext& context, const RenderSettings& paper, co
   add(lasting, kGuided[1].name, guiding_modes().back());
 }
 
+/// Adds Markov chains and, if they need another light selection than the scene's, BSDF sampling with it.
+void add_chains(RenderSettings settings, std::vector<NamedSettings>& list) {
+  std::string name = kChains;
+  if (settings.lights == LightSelectionChoice::vlc) {
+    settings.lights = LightSelectionChoice::light_tree;
+    list.push_back({"BSDF, light tree", settings});
+    name += ", light tree";
+  }
+  settings.guide = GuideChoice::mcpg;
+  list.push_back({std::move(name), settings});
+}
+
 /// Contenders: the BSDF, the paper's settings and lasting quadtrees. Next event estimation of the environment is added
-/// if the scene disables it. The `extent` follows.
+/// if the scene disables it. Markov chains and the `extent` follow.
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
   RenderSettings settings = scene.settings;
   set_size_and_device(context, settings, scene.scale);
@@ -81,6 +98,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   list.push_back({kGuided[0].name, paper});
   list.push_back({kGuided[1].name, lasting});
   if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
+  add_chains(settings, list);
   if (extent == Extent::modes) add_modes(context, paper, lasting, list);
   if (extent != Extent::departures || context.quick) return list;
   for (const int migrations : {4, 16})
@@ -94,7 +112,6 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
     add(paper, fmt::format("{} bits", bits),
         [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
   }
-  add(settings, "mcpg", [](RenderSettings& s) { s.guide = GuideChoice::mcpg; });
   add(lasting, "lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
   add(lasting, "lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
   add(lasting, "lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
@@ -210,40 +227,6 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guide
   }
 }
 
-/// Image scale of the mine that gives each region about a thousand samples per frame, as in the paper.
-constexpr int kMineScale = 3;
-
-ExperimentScene mine(std::string name, bool environment, int scale) {
-  ExperimentScene scene = learning_scene("mine");
-  scene.name = std::move(name);
-  scene.settings.light_selection.environment = environment;
-  scene.scale = scale;
-  return scene;
-}
-
-/// A built-in mine with a smaller sun, large enough that regions have the paper's number of samples.
-ExperimentScene built_in_mine(const char* name) {
-  ExperimentScene scene = learning_scene(name);
-  scene.settings.light_selection.environment = false;
-  scene.scale = kMineScale;
-  return scene;
-}
-
-/// The room with holes in its ceiling, with the environment sampled.
-ExperimentScene skylight(const char* suffix, int scale) {
-  ExperimentScene scene = learning_scene("skylight");
-  scene.name += suffix;
-  scene.scale = scale;
-  return scene;
-}
-
-/// Mine with a smaller sun of the same power: guiding gains more when fewer directions matter.
-ExperimentScene mine_with_sun(float degrees) {
-  ExperimentScene scene = mine(fmt::format("mine, a sun of {}°, environment not sampled, small", degrees), false, 1);
-  scene.scene.environment.sun_sky.sun_angular_diameter_rad = glm::radians(degrees);
-  return scene;
-}
-
 void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller, std::vector<Claim>& claims) {
   std::string measured = fmt::format("10° {}", to_text(gain(ten, kGuided[1], 1)));
   std::vector<Ratio> ratios;
@@ -259,6 +242,22 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 
 /// The region where guiding pays: of the sun in mines, otherwise all surfaces.
 size_t region_of(const SceneResult& scene) { return scene.regions.size() > 1 ? 1 : 0; }
+
+/// Claims that quadtrees, which ignore the parallax within a leaf, keep up with Markov chains.
+void claim_parallax(const std::vector<SceneResult>& scenes, const Guided& guided, std::vector<Claim>& claims) {
+  std::vector<Ratio> ratios;
+  std::string measured;
+  for (const SceneResult& scene : scenes) {
+    const AdaptedError& chains = named(scene.errors, "contender", kChains);
+    ratios.push_back(error_ratio(chains.mse[region_of(scene)], scene.errors[guided.contender].mse[region_of(scene)]));
+    measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratios.back()));
+  }
+  claims.push_back(judged_ratios(fmt::format("parallax{}", guided.suffix), kOurs,
+                                 fmt::format("Where light comes from few directions, guiding ({}) has no more error "
+                                             "than Markov chains (mcpg), which are aware of parallax.",
+                                             guided.name),
+                                 measured, ratios, 1));
+}
 
 /// Claims about guiding with all modes where light comes from few directions.
 void claim_few_directions(const std::vector<SceneResult>& scenes, std::vector<Claim>& claims) {
@@ -362,6 +361,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   for (const Guided& guided : kGuided) {
     claim_mine(paper_result, sampled_result, guided, result.claims);
     claim_elsewhere(others, guided, result.claims);
+    claim_parallax(few, guided, result.claims);
   }
   claim_suns(departures, suns, result.claims);
   claim_few_directions(few, result.claims);
