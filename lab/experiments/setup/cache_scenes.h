@@ -21,18 +21,21 @@ std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, co
 
 /// A setting that may become a default, or replace one.
 struct CacheOption {
-  const char* name;      ///< of its contender
-  const char* basis;     ///< the contender of the cache without it
-  const char* settings;  ///< in the syntax of `relume compare`; path graphs have the feed kThesisFeed
-  double most_time;      ///< largest frame time over path tracing's with which it may become a default
+  const char* name;        ///< of its contender
+  const char* basis;       ///< the contender of the cache without it
+  const char* settings;    ///< in the syntax of `relume compare`; path graphs have the feed kThesisFeed
+  double most_time;        ///< largest frame time over path tracing's with which it may become a default
+  bool less_bias = false;  ///< whether it is to lower the bias; otherwise it may not raise it
 };
 
 inline constexpr CacheOption kCacheOptions[] = {
     {"psf-neighbours", "psf", "cache:psf,psf.undersampled-cells:neighbours", 1.15},
     {"psf-neighbours-coarser", "psf", "cache:psf,psf.undersampled-cells:neighbours+coarser", 1.15},
     {"psf-split", "psf", "cache:psf,psf.split:true", 1.15},
+    {"psf-refine", "psf", "cache:psf,psf.refine:2", 1.15, true},
+    {"psf-roughness", "psf", "cache:psf,psf.roughness-bins:8", 1.15},
     {"apsf-standard-error", "apsf", "cache:apsf,apsf.survival-measure:standard-error", 0.9},
-    {"apg-guards", "apg", "cache:apg,apg.guards:true,apg.feed:1", 1.2}};
+    {"apg-guards", "apg", "cache:apg,apg.guards:true,apg.feed:1", 1.2, true}};
 
 /// The contenders of kCacheOptions, without a history.
 std::vector<NamedSettings> option_contenders(const ExperimentContext& context, const ExperimentScene& scene);
