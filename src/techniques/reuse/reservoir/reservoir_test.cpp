@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -174,8 +175,54 @@ INSTANTIATE_TEST_SUITE_P(
                   .omission = ToyOmission::naive,
                   .feeds_back = false,
                   .cap = 0},
-                 0.02}),
+                 0.02},
+        Shortcut{{.name = "bright_samples_dropped", .boiling = 3.5f}, 0.1},
+        Shortcut{{.name = "old_samples_dropped", .oldest = 4}, 0.002},
+        Shortcut{{.name = "weights_clamped", .most_weight = 40}, 0.05}),
     shortcut_name);
+
+/// A shift y = 1 − (1 − x)^(1/3) from a neighbour with the constant integrand 1 to a pixel with the same. Its Jacobian
+/// dy/dx grows from 1/3 without bound.
+struct CubicShift {
+  float most = std::numeric_limits<float>::infinity();   ///< shifts are refused beyond it and below its inverse
+  float clamp = std::numeric_limits<float>::infinity();  ///< largest Jacobian of weights
+
+  static float inverse_jacobian(float y) { return 3 * (1 - y) * (1 - y); }
+  bool moves(float inverse) const { return inverse * most >= 1 && inverse <= most; }
+};
+
+Spread measure(const CubicShift& shift) {
+  constexpr int kRuns = 200000;
+  double sum = 0;
+  double squares = 0;
+  Random random(3);
+  for (int run = 0; run < kRuns; ++run) {
+    const float own = random.next();
+    const float moved = 1 - std::cbrt(1 - random.next());
+    const float inverse = CubicShift::inverse_jacobian(moved);
+    const float own_inverse = CubicShift::inverse_jacobian(own);
+    PairwiseCombination<float> combination({own, 1, 1, 1}, 1);
+    const Reservoir<float> neighbour{moved, std::min(1 / inverse, shift.clamp), inverse, 20};
+    combination.add(neighbour, shift.moves(inverse) ? 1.0f : 0.0f, shift.moves(own_inverse) ? own_inverse : 0.0f,
+                    random.next());
+    const auto e = static_cast<double>(combination.finish(random.next()).weight) - 1;
+    sum += e;
+    squares += e * e;
+  }
+  const double mean = sum / kRuns;
+  return {mean, std::sqrt((squares / kRuns - mean * mean) / (kRuns - 1))};
+}
+
+/// Both directions of a shift have reciprocal Jacobians, so a symmetric bound refuses both.
+TEST(Jacobians, MayBeRefusedButNotClamped) {
+  for (const CubicShift& shift : {CubicShift{}, CubicShift{.most = 10}}) {
+    const Spread right = measure(shift);
+    EXPECT_LT(right.error, 0.004) << shift.most;
+    EXPECT_NEAR(right.mean, 0, 4.5 * right.error) << shift.most;
+  }
+  const Spread clamped = measure(CubicShift{.clamp = 3});
+  EXPECT_LT(clamped.mean + 4.5 * clamped.error, -0.02);
+}
 
 /// A pixel keeps its own history at rest: hidden candidates may then be discarded.
 TEST(DiscardedCandidates, KeepTheMeanOfAPixelAtRest) {

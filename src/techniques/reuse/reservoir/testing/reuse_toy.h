@@ -27,6 +27,9 @@ struct ToyMode {
   bool feeds_back = true;        ///< whether neighbours' samples enter the history
   float cap = 8;                 ///< 0: no temporal reuse
   float refused = 0;             ///< share of neighbours that their surface excludes
+  float boiling = 0;             ///< drops samples of more than this many mean weights, as boiling filters; 0: none
+  int oldest = 0;                ///< age in frames beyond which histories are dropped; 0: none
+  float most_weight = 0;         ///< clamp of the weights; 0: none
 };
 
 class ReuseToy {
@@ -34,6 +37,7 @@ class ReuseToy {
   static constexpr int kPixels = 32;
   static constexpr uint32_t kLights = 24;
 
+  /// A sample is a light point plus kLights times the number of its candidate, which counts pixels and frames.
   using ToyReservoir = Reservoir<uint32_t>;
 
   ReuseToy() {
@@ -66,22 +70,24 @@ class ReuseToy {
     for (int frame = 0; frame < kFrames; ++frame) {
       for (int i = 0; i < kPixels; ++i) {
         current[i] = candidates(mode, i, random);
-        if (frame > 0 && mode.cap > 0) current[i] = with_history(mode, i, current[i], history[i], random);
+        current[i].sample += kLights * static_cast<uint32_t>(frame * kPixels + i);
+        if (frame > 0 && mode.cap > 0) current[i] = with_history(mode, i, frame, current[i], history[i], random);
       }
       std::vector<ToyReservoir> result = current;
       for (int i = 0; i < kPixels && mode.neighbours != ToyNeighbours::none; ++i)
         result[i] = with_neighbours(mode, i, current, random);
+      limit_weights(mode, result);
       for (int i = 0; i < kPixels && frame >= kFrames / 2; ++i)
-        sum += static_cast<double>(shown_[i][result[i].sample] * result[i].weight);
+        sum += static_cast<double>(shown(i, result[i].sample) * result[i].weight);
       history = mode.feeds_back ? result : current;
     }
     return sum / (kFrames / 2) / truth_ - 1;
   }
 
-  float target(const ToyMode& mode, int pixel, uint32_t light) const {
-    return mode.occluded_targets ? shown_[pixel][light] : unoccluded_[pixel][light];
+  float target(const ToyMode& mode, int pixel, uint32_t sample) const {
+    return mode.occluded_targets ? shown(pixel, sample) : unoccluded_[pixel][sample % kLights];
   }
-  float shown(int pixel, uint32_t light) const { return shown_[pixel][light]; }
+  float shown(int pixel, uint32_t sample) const { return shown_[pixel][sample % kLights]; }
   double density(uint32_t light) const { return density_[light]; }
 
   uint32_t draw(Random& random) const {
@@ -109,9 +115,11 @@ class ReuseToy {
   }
 
  private:
-  ToyReservoir with_history(const ToyMode& mode, int pixel, const ToyReservoir& now, ToyReservoir before,
+  ToyReservoir with_history(const ToyMode& mode, int pixel, int frame, const ToyReservoir& now, ToyReservoir before,
                             Random& random) const {
     before.confidence = std::fmin(before.confidence, mode.cap);
+    const int age = frame - static_cast<int>(before.sample / (kLights * kPixels));
+    if (mode.oldest > 0 && before.weight > 0.0f && age > mode.oldest) before.confidence = 0;
     const auto at = [&](uint32_t light) { return target(mode, pixel, light); };
     return combine_balanced(now, before, at, at, random.next());
   }
@@ -168,6 +176,20 @@ class ReuseToy {
     }
     if (mode.neighbours == ToyNeighbours::constant) return combination.finish(1.0f, confidence);
     return combination.finish(of_source, of_all);
+  }
+
+  /// Drops or clamps large weights.
+  static void limit_weights(const ToyMode& mode, std::vector<ToyReservoir>& reservoirs) {
+    float sum = 0;
+    int count = 0;
+    for (const ToyReservoir& r : reservoirs) {
+      sum += r.weight;
+      count += r.weight > 0.0f ? 1 : 0;
+    }
+    for (ToyReservoir& r : reservoirs) {
+      if (mode.boiling > 0.0f && r.weight * static_cast<float>(count) > mode.boiling * sum) r.weight = 0;
+      if (mode.most_weight > 0.0f) r.weight = std::fmin(r.weight, mode.most_weight);
+    }
   }
 
   std::array<double, kLights> density_;
