@@ -162,12 +162,11 @@ struct Lag {
   double stopped = 0;
 };
 
-Lag lag_of(DenoiseChoice denoise, const Scene& scene, const Image& truth) {
+Lag lag_of(RenderSettings settings, const Scene& scene, const Image& truth) {
   constexpr int kSeeds = 2;
   constexpr int kStopped = 4;
   Lag lag;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    RenderSettings settings = settings_of(denoise, kWidth, kHeight);
     settings.seed = seed;
     Session session(scene, settings);
     for (int frame = 1; frame <= kMoving; ++frame) {
@@ -181,27 +180,56 @@ Lag lag_of(DenoiseChoice denoise, const Scene& scene, const Image& truth) {
   return lag;
 }
 
-/// In `turntable`, the lag of A-SVGF exceeds that of SVGF (README, Measured).
-class AsvgfLag : public ::testing::TestWithParam<const char*> {};
-
-TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
-  const Scene scene = find_builtin_scene(GetParam())->build();
+/// The scene after the lamps have moved, with 128 samples per pixel.
+Image image_after_motion(const Scene& scene) {
   RenderSettings settings = settings_of(DenoiseChoice::none, kWidth, kHeight);
   settings.seed = 1001;
   settings.time_s = kFrameTime * kMoving;
   Session reference(scene, settings);
   for (int i = 0; i < 128; ++i) reference.render_frame();
-  const Image truth = reference.image();
-  const Lag blocks = lag_of(DenoiseChoice::svgf, scene, truth);
-  const Lag gradients = lag_of(DenoiseChoice::asvgf, scene, truth);
-  std::cerr << GetParam() << ": MSE while lamps move " << blocks.moving << " (svgf), " << gradients.moving
-            << " (asvgf); four frames later " << blocks.stopped << ", " << gradients.stopped << "\n";
+  return reference.image();
+}
+
+void print(const char* scene, const char* denoiser, const Lag& lag) {
+  std::cerr << scene << ", " << denoiser << ": MSE while lamps move " << lag.moving << ", four frames later "
+            << lag.stopped << "\n";
+}
+
+class AsvgfLag : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(AsvgfLag, IsBelowThatOfSvgf) {
+  const Scene scene = find_builtin_scene(GetParam())->build();
+  const Image truth = image_after_motion(scene);
+  const Lag blocks = lag_of(settings_of(DenoiseChoice::svgf, kWidth, kHeight), scene, truth);
+  const Lag gradients = lag_of(settings_of(DenoiseChoice::asvgf, kWidth, kHeight), scene, truth);
+  print(GetParam(), "svgf", blocks);
+  print(GetParam(), "asvgf", gradients);
   EXPECT_LT(gradients.moving, blocks.moving);
   EXPECT_LT(gradients.stopped, blocks.stopped);
 }
 
 INSTANTIATE_TEST_SUITE_P(Slow, AsvgfLag, ::testing::Values("slit"),
                          [](const auto& instance) { return std::string(instance.param); });
+
+/// In `turntable`, the filter of gradients averages brightening with darkening, and A-SVGF lags more than SVGF while
+/// the lamp moves (README, Measured). The bounds are above the measured 1.63 and 1.03 times the MSE of SVGF. With one
+/// level, A-SVGF lags less after the lamp has stopped.
+TEST(SlowAsvgfTurntable, LagIsWithinTheStatedBound) {
+  const Scene scene = find_builtin_scene("turntable")->build();
+  const Image truth = image_after_motion(scene);
+  RenderSettings settings = settings_of(DenoiseChoice::asvgf, kWidth, kHeight);
+  const Lag blocks = lag_of(settings_of(DenoiseChoice::svgf, kWidth, kHeight), scene, truth);
+  const Lag gradients = lag_of(settings, scene, truth);
+  settings.asvgf.gradient_levels = 1;
+  const Lag one_level = lag_of(settings, scene, truth);
+  print("turntable", "svgf", blocks);
+  print("turntable", "asvgf", gradients);
+  print("turntable", "asvgf, one level", one_level);
+  EXPECT_LT(gradients.moving, 2 * blocks.moving);
+  EXPECT_LT(gradients.stopped, 1.2 * blocks.stopped);
+  EXPECT_LT(one_level.moving, 1.2 * blocks.moving);
+  EXPECT_LT(one_level.stopped, blocks.stopped);
+}
 
 }  // namespace
 }  // namespace relume
