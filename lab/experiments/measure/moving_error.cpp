@@ -22,6 +22,11 @@ std::optional<CameraPose> moved_camera(const ExperimentScene& scene, const Movin
   return turned_ahead(scene, steps * options.step_deg, steps * options.step_m);
 }
 
+/// Time of the animation `steps` after the scene's view, in seconds.
+float moved_time(const ExperimentScene& scene, const MovingOptions& options, float steps) {
+  return scene.settings.time_s + (steps + 1) * options.step_s;
+}
+
 /// Session shared by all contenders: one scene per contender could exhaust memory.
 struct Walk {
   const ExperimentContext& context;
@@ -34,8 +39,14 @@ struct Walk {
     RenderSettings settings = contender.settings;
     set_size_and_device(context, settings);
     timed.session().set_settings(settings);
-    timed.session().set_camera(moved_camera(scene, options, -1));
+    move(-1);
     timed.restart(seed);
+  }
+
+  /// Brings camera and animation to their states `steps` after the scene's view.
+  void move(float steps) {
+    timed.session().set_camera(moved_camera(scene, options, steps));
+    if (options.step_s > 0) timed.session().set_time(moved_time(scene, options, steps));
   }
 
   /// Moves from the previous view to this one. Returns the time in ms.
@@ -43,7 +54,7 @@ struct Walk {
     for (int i = 1; i <= frames; ++i) {
       context.check_stop();
       const float share = static_cast<float>(i) / static_cast<float>(frames);
-      timed.session().set_camera(moved_camera(scene, options, static_cast<float>(view - 1) + share));
+      move(static_cast<float>(view - 1) + share);
       timed.render_frame();
     }
     const auto& seconds = timed.frame_s();
@@ -73,8 +84,10 @@ std::vector<Reference> render_references(const ExperimentContext& context, const
                                          const MovingOptions& options) {
   std::vector<Reference> references;
   ExperimentScene seen = plainly_sampled(scene);
+  seen.settings.estimator = options.reference_estimator;
   for (int view = 0; view < options.views; ++view) {
     seen.camera = moved_camera(scene, options, static_cast<float>(view));
+    seen.settings.time_s = moved_time(scene, options, static_cast<float>(view));
     references.push_back(make_reference(context, seen, options.reference_spp));
   }
   return references;

@@ -1,4 +1,5 @@
-// Measures the error of images during camera motion, at equal time or for equal numbers of frames.
+// Measures the error of images while the camera moves or the scene changes, at equal time or for equal numbers of
+// frames.
 #pragma once
 
 #include <string>
@@ -24,7 +25,9 @@ struct MovingOptions {
   int repetitions = 3;
   float step_deg = 10;  ///< turn between views, degrees
   float step_m = 0;     ///< way ahead between views, metres
+  float step_s = 0;     ///< time of the animation between views, seconds
   int reference_spp = 1024;
+  EstimatorChoice reference_estimator = EstimatorChoice::path;
   FrameClock clock = {};  ///< empty: wall_clock()
 };
 
@@ -48,10 +51,10 @@ struct MovingErrors {
 };
 
 /// Moves the camera from view to view, by turned_ahead(). The first view is the scene's, and the motion begins a step
-/// before it. By default, each step takes all contenders the same time, so slower ones render fewer frames, with larger
-/// motion between them. With `equal_frames`, all render `frames` frames. Contenders take turns. The frame count follows
-/// from the median of all earlier timings, which start with separate rounds. Requires a camera in the experiment's
-/// scene. Throws ExperimentStopped.
+/// before it. The animation then is at the time of the scene's settings. By default, each step takes all contenders the
+/// same time, so slower ones render fewer frames, with larger motion between them. With `equal_frames`, all render
+/// `frames` frames. Contenders take turns. The frame count follows from the median of all earlier timings, which start
+/// with separate rounds. Requires a camera in the experiment's scene. Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 
@@ -61,6 +63,56 @@ TEST(MovingError, KeepsTheReferencesNoiseOut) {
   const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
   const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
   EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);
+}
+
+/// A lamp that fills the view, and emits 1 + t at the time t.
+ExperimentScene brightening_lamp() {
+  SceneBuilder builder("lamp");
+  ParameterChannel channel;
+  channel.part = AnimatedPart::material;
+  channel.index = builder.add_material(emitter("lamp", Rgb(1)));
+  channel.parameter = "emission";
+  channel.times = {0, 8};
+  channel.values = {Vec4(1, 1, 1, 0), Vec4(9, 9, 9, 0)};
+  builder.add("lamp", quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0}), channel.index);
+  builder.add_channel(std::move(channel));
+  builder.add_camera({0, 0, 3}, {0, 0, 0}, 40);
+  ExperimentScene result;
+  result.name = "brightening lamp";
+  result.scene = builder.take();
+  result.settings.history = HistoryChoice::none;
+  return at_rest(std::move(result));
+}
+
+TEST(MovingError, AnimatesTheSceneFromItsTimeOn) {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
+  ExperimentScene lamp = brightening_lamp();
+  lamp.settings.time_s = 0.5f;
+  const MovingErrors errors = measure_moving(
+      context, lamp, {{"first", lamp.settings}, {"second", lamp.settings}},
+      {.frames = 3, .views = 2, .repetitions = 2, .step_deg = 0, .step_s = 2, .reference_spp = 2, .clock = rays_clock});
+  EXPECT_NEAR(errors.reference.at(16, 9).x, 5.5f, 1e-4f);  // two steps after 0.5 s
+  for (const MovingError& e : errors.contenders) {
+    EXPECT_NEAR(e.last.at(16, 9).x, 5.5f, 1e-4f) << e.name;
+    EXPECT_LT(e.mse, 1e-8) << e.name;
+  }
+}
+
+TEST(MovingError, ReferencesMayUseAnotherEstimator) {
+  const MovingOptions options{.frames = 2, .views = 1, .repetitions = 1, .reference_spp = 256, .clock = rays_clock};
+  MovingOptions both_ends = options;
+  both_ends.reference_estimator = EstimatorChoice::bdpt;
+  const Image a = measure(options).reference;
+  const Image b = measure(both_ends).reference;
+  EXPECT_NE(a.pixels, b.pixels);
+  const auto mean_green = [](const Image& image) {
+    double sum = 0;
+    for (const Rgb& pixel : image.pixels) sum += static_cast<double>(pixel.y);
+    return sum / static_cast<double>(image.pixels.size());
+  };
+  EXPECT_NEAR(mean_green(b) / mean_green(a), 1, 0.05);
 }
 
 TEST(MovingError, SomeHaveMoreRepetitions) {
