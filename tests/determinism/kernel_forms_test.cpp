@@ -17,21 +17,22 @@
 namespace relume::support {
 namespace {
 
-/// Settings with one acceleration structure, in one form of kernels.
-RenderSettings settings_of(const DeterminismCheck& technique, AccelChoice accel, bool scalar) {
-  RenderSettings s = moving_settings(technique);
-  s.accel = accel;
-  s.scalar_kernels = scalar;
-  return s;
-}
-
 struct FormsCase {
   const BuiltinScene* scene;
   AccelChoice accel;
+  ImageSize size = {};
 
   std::string accel_name() const { return accel == AccelChoice::embree ? "embree" : "bvh"; }
   std::string name() const { return test_name(std::string(scene->name)) + "_" + accel_name(); }
 };
+
+/// Settings with one acceleration structure, in one form of kernels.
+RenderSettings settings_of(const DeterminismCheck& technique, const FormsCase& tested, bool scalar) {
+  RenderSettings s = moving_settings(technique, tested.size);
+  s.accel = tested.accel;
+  s.scalar_kernels = scalar;
+  return s;
+}
 
 void PrintTo(const FormsCase& tested, std::ostream* out) { *out << tested.name(); }
 
@@ -43,15 +44,15 @@ class KernelForms : public ::testing::TestWithParam<FormsCase> {
   }
 };
 TEST_P(KernelForms, GiveTheSameBits) {
-  const AccelChoice accel = GetParam().accel;
+  const FormsCase& tested = GetParam();
   std::filesystem::create_directories("kernel_forms");
-  std::ofstream table(fmt::format("kernel_forms/{}_{}.tsv", GetParam().scene->name, GetParam().accel_name()));
+  std::ofstream table(fmt::format("kernel_forms/{}_{}.tsv", tested.scene->name, tested.accel_name()));
   table << "technique\ttiles\telements\n";
   const std::vector<DeterminismCheck>& techniques = technique_checks().determinism;
-  Session session(GetParam().scene->build(), settings_of(techniques.front(), accel, false));
+  Session session(tested.scene->build(), settings_of(techniques.front(), tested, false));
   for (const DeterminismCheck& technique : techniques) {
-    const std::vector<uint64_t> tiles = moving_frames(session, settings_of(technique, accel, false));
-    const std::vector<uint64_t> elements = moving_frames(session, settings_of(technique, accel, true));
+    const std::vector<uint64_t> tiles = moving_frames(session, settings_of(technique, tested, false));
+    const std::vector<uint64_t> elements = moving_frames(session, settings_of(technique, tested, true));
     EXPECT_EQ(tiles, elements) << technique.name;
     EXPECT_NE(tiles.front(), tiles.back()) << technique.name;
     table << fmt::format("{}\t{:016x}\t{:016x}\n", technique.name, tiles.back(), elements.back());
@@ -61,7 +62,7 @@ TEST_P(KernelForms, GiveTheSameBits) {
 std::vector<FormsCase> all_cases() {
   std::vector<FormsCase> list;
   for (const BuiltinScene& scene : builtin_scenes()) {
-    for (const AccelChoice accel : {AccelChoice::embree, AccelChoice::bvh}) list.push_back({&scene, accel});
+    for (const AccelChoice accel : {AccelChoice::embree, AccelChoice::bvh}) list.push_back({&scene, accel, {}});
   }
   return list;
 }
@@ -70,8 +71,8 @@ std::string case_name(const ::testing::TestParamInfo<FormsCase>& info) { return 
 
 // Refraction, and animated instances, with one structure each.
 INSTANTIATE_TEST_SUITE_P(Some, KernelForms,
-                         ::testing::Values(FormsCase{find_builtin_scene("cornell-glass"), AccelChoice::bvh},
-                                           FormsCase{find_builtin_scene("turntable"), AccelChoice::embree}),
+                         ::testing::Values(FormsCase{find_builtin_scene("cornell-glass"), AccelChoice::bvh, kQuickSize},
+                                           FormsCase{find_builtin_scene("turntable"), AccelChoice::embree, kQuickSize}),
                          case_name);
 INSTANTIATE_TEST_SUITE_P(SlowAll, KernelForms, ::testing::ValuesIn(all_cases()), case_name);
 

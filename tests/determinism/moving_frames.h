@@ -16,9 +16,17 @@ namespace relume::support {
 
 inline constexpr int kMovingFrames = 4;
 
+/// Pixels of an image.
+struct ImageSize {
+  int width = 64;
+  int height = 36;
+};
+/// Images of four tiles with a fifth of the pixels, for quick tests.
+inline constexpr ImageSize kQuickSize{31, 17};
+
 /// Small images of a technique.
-inline RenderSettings moving_settings(const DeterminismCheck& technique) {
-  RenderSettings s = small_settings(64, 36);
+inline RenderSettings moving_settings(const DeterminismCheck& technique, const ImageSize& size = {}) {
+  RenderSettings s = small_settings(size.width, size.height);
   s.auxiliary = true;
   s.static_lists.rays = 64;                                  // their preparation would dominate the test's time
   s.octree = {.collapse = 32, .split = 64, .scale = false};  // many regions for few pixels

@@ -368,8 +368,8 @@ std::string case_name(const ::testing::TestParamInfo<TechniqueCase>& instance) {
 
 // The images have several tiles in both directions, and sizes that are not multiples of tiles. In slow sequences,
 // caches and guides learn for longer, and frames are abandoned at more tiles and after more passes.
-INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(cases(12, 37, 21)), case_name);
-INSTANTIATE_TEST_SUITE_P(All, TechniqueMemory, ::testing::ValuesIn(cases(12, 37, 21)), case_name);
+INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
+INSTANTIATE_TEST_SUITE_P(All, TechniqueMemory, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
 INSTANTIATE_TEST_SUITE_P(SlowAll, TechniqueDeterminism, ::testing::ValuesIn(cases(24, 61, 33)), case_name);
 
 TEST(TechniqueDeterminismList, HasEveryChoiceOfEverySlot) {

@@ -39,12 +39,12 @@ TEST_P(DeviceBits, EqualThoseOfTheHost) {
   }
 }
 
-/// All techniques in four parts, in images of four tiles with a fifth of the pixels of the slow ones.
+/// All techniques in four parts.
 std::vector<BitsCase> quick_cases() {
   constexpr size_t kParts = 4;
   std::vector<BitsCase> list;
   for (size_t part = 0; part < kParts; ++part)
-    list.push_back({find_builtin_scene("cornell-glass"), {31, 17}, part, kParts});
+    list.push_back({find_builtin_scene("cornell-glass"), kQuickSize, part, kParts});
   return list;
 }
 

@@ -15,17 +15,9 @@
 
 namespace relume::support {
 
-/// Pixels of an image.
-struct ImageSize {
-  int width = 64;
-  int height = 36;
-};
-
 /// Small images of a technique in the forms of a device.
 inline RenderSettings device_settings(const DeterminismCheck& technique, const ImageSize& size = {}) {
-  RenderSettings s = moving_settings(technique);
-  s.width = size.width;
-  s.height = size.height;
+  RenderSettings s = moving_settings(technique, size);
   s.accel = AccelChoice::bvh;
   s.scalar_kernels = true;
   return s;
