@@ -37,8 +37,9 @@ def test_the_page_lists_all_examples():
 
 
 def test_first_image(tmp_path):
-    assert "64 samples per pixel, ended by: samples" in run(ROOT / "examples/first_image.py", tmp_path)
-    assert relume.read_image(tmp_path / "image.png").shape == (180, 320, 3)
+    script = with_replacements(tmp_path, "first_image.py", ("320, 180", "80, 45"))
+    assert "64 samples per pixel, ended by: samples" in run(script, tmp_path)
+    assert relume.read_image(tmp_path / "image.png").shape == (45, 80, 3)
 
 
 def test_equal_time(tmp_path):
