@@ -95,17 +95,17 @@ Deviation deviation_of(const Mean& mean, const Mean& truth, int m) {
 
 }  // namespace
 
-const Mean& reference(int max_bounces) {
-  static std::map<int, Mean> known;
-  const auto [found, is_new] = known.try_emplace(max_bounces);
-  if (is_new)
-    found->second = mean_of_path_tracing(max_bounces, 256, max_bounces == RenderSettings{}.path.max_bounces ? 32 : 12);
+const Mean& reference(int max_bounces, ReferenceLength length) {
+  static std::map<std::pair<int, ReferenceLength>, Mean> known;
+  const auto [found, is_new] = known.try_emplace({max_bounces, length});
+  if (!is_new) return found->second;
+  const bool is_default = max_bounces == RenderSettings{}.path.max_bounces;
+  switch (length) {
+    case ReferenceLength::whole: found->second = mean_of_path_tracing(max_bounces, 256, is_default ? 32 : 12); break;
+    case ReferenceLength::quarter: found->second = mean_of_path_tracing(max_bounces, 128, is_default ? 16 : 8); break;
+    case ReferenceLength::tenth: found->second = mean_of_path_tracing(max_bounces, 56, 12); break;
+  }
   return found->second;
-}
-
-const Mean& quick_reference() {
-  static const Mean mean = mean_of_path_tracing(RenderSettings{}.path.max_bounces, 56, 12);
-  return mean;
 }
 
 RenderSettings scaled(RenderSettings settings) {

@@ -111,16 +111,16 @@ void expect_same_bits(const Triple& triple) {
 /// A few triples with as many different choices as possible, with lower precision.
 class Triples : public ::testing::TestWithParam<size_t> {};
 TEST_P(Triples, HaveTheCorrectMean) {
-  expect_correct_mean(quick_triples()[GetParam()], quick_reference(), kMostQuickError, kQuickSeeds,
-                      sidak_limit<kQuickTriples>);
+  const Mean& truth = reference(RenderSettings{}.path.max_bounces, ReferenceLength::tenth);
+  expect_correct_mean(quick_triples()[GetParam()], truth, kMostQuickError, kQuickSeeds, sidak_limit<kQuickTriples>);
 }
 TEST_P(Triples, HaveTheSameBits) { expect_same_bits(quick_triples()[GetParam()]); }
 
 /// All triples.
 class SlowTriples : public ::testing::TestWithParam<size_t> {};
 TEST_P(SlowTriples, HaveTheCorrectMean) {
-  expect_correct_mean(triples()[GetParam()], reference(RenderSettings{}.path.max_bounces), kMostError, kSeeds,
-                      sidak_limit<kTriples>);
+  const Mean& truth = reference(RenderSettings{}.path.max_bounces, ReferenceLength::whole);
+  expect_correct_mean(triples()[GetParam()], truth, kMostError, kSeeds, sidak_limit<kTriples>);
 }
 TEST_P(SlowTriples, HaveTheSameBits) { expect_same_bits(triples()[GetParam()]); }
 
