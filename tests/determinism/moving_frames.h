@@ -22,7 +22,7 @@ struct ImageSize {
   int height = 36;
 };
 /// Images of four tiles with a fifth of the pixels, for quick tests.
-inline constexpr ImageSize kQuickSize{31, 17};
+inline constexpr ImageSize kQuickSize{25, 17};
 
 /// Small images of a technique.
 inline RenderSettings moving_settings(const DeterminismCheck& technique, const ImageSize& size = {}) {
