@@ -271,7 +271,7 @@ std::vector<Place> turning(const ExperimentContext& context) {
   list.push_back({at_rest(built_in("cornell", kBounces)), options});
   list.push_back({at_rest(built_in("corridor", kCorridorBounces)), options});
   list.back().options.reference_spp = context.choose(kCorridorSpp, 16);
-  list.back().options.reference_estimator = EstimatorChoice::bdpt;
+  list.back().options.reference = "estimator:bdpt";
   for (const char* name : {"warehouse", "mine"}) list.push_back({learning_scene(name), options});
   return list;
 }

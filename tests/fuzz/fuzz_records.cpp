@@ -6,6 +6,7 @@
 #include <string>
 
 #include "experiments/measure/adapted_file.h"
+#include "experiments/measure/moving_file.h"
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
 #include "record_case.h"
@@ -37,6 +38,7 @@ void read_record(RecordKind kind, const std::string& text) {
       write(scratch.path, text);
       relume::load_traces(scratch.path);
       relume::load_adapted(scratch.path);
+      relume::load_moving(scratch.path);
       return;
     case RecordKind::reference: read_reference(text); return;
     case RecordKind::bookmarks:

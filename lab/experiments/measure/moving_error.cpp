@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "experiments/measure/moving_file.h"
+#include "experiments/setup/apply_settings.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "metrics/statistics.h"
@@ -84,7 +86,7 @@ std::vector<Reference> render_references(const ExperimentContext& context, const
                                          const MovingOptions& options) {
   std::vector<Reference> references;
   ExperimentScene seen = plainly_sampled(scene);
-  seen.settings.estimator = options.reference_estimator;
+  apply_settings(options.reference, scene.name, seen.settings);
   for (int view = 0; view < options.views; ++view) {
     seen.camera = moved_camera(scene, options, static_cast<float>(view));
     seen.settings.time_s = moved_time(scene, options, static_cast<float>(view));
@@ -93,16 +95,15 @@ std::vector<Reference> render_references(const ExperimentContext& context, const
   return references;
 }
 
-}  // namespace
-
-MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
-                            const std::vector<MovingContender>& contenders, const MovingOptions& options) {
+MovingErrors measure(const ExperimentContext& context, const ExperimentScene& scene,
+                     const std::vector<MovingContender>& contenders, const MovingOptions& options) {
   const std::vector<Reference> references = render_references(context, scene, options);
   RenderSettings first = contenders.front().settings;
   set_size_and_device(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
   walk.timed.session().shorten_preparation_on(context.stop);
   MovingErrors result{scene.name, {}, references.back().image};
+  for (const Reference& reference : references) result.reference_mse += reference.mse / options.views;
   const auto repetitions_of = [&](const MovingContender& c) { return std::max(options.repetitions, c.repetitions); };
   int most = 0;
   double rounds = 0;
@@ -144,6 +145,17 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   for (size_t i = 0; i < contenders.size(); ++i)
     result.contenders[i].time_share = median(leg_ms[i]) / median(leg_ms.front());
   return result;
+}
+
+}  // namespace
+
+MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
+                            const std::vector<MovingContender>& contenders, const MovingOptions& options) {
+  const std::filesystem::path file = moving_file(context, scene, contenders, options);
+  if (std::optional<MovingErrors> kept = load_moving(file)) return std::move(*kept);
+  MovingErrors errors = measure(context, scene, contenders, options);
+  if (!file.empty()) save_moving(file, errors);
+  return errors;
 }
 
 }  // namespace relume

@@ -27,7 +27,8 @@ struct MovingOptions {
   float step_m = 0;     ///< way ahead between views, metres
   float step_s = 0;     ///< time of the animation between views, seconds
   int reference_spp = 1024;
-  EstimatorChoice reference_estimator = EstimatorChoice::path;
+  /// Settings of references in the syntax of apply_settings(), beyond those of plainly_sampled().
+  std::string reference = {};
   FrameClock clock = {};  ///< empty: wall_clock()
 };
 
@@ -47,14 +48,16 @@ struct MovingError {
 struct MovingErrors {
   std::string scene;
   std::vector<MovingError> contenders;
-  Image reference;  ///< last view
+  Image reference;           ///< last view
+  double reference_mse = 0;  ///< of the references themselves: mean over the views
 };
 
 /// Moves the camera from view to view, by turned_ahead(). The first view is the scene's, and the motion begins a step
 /// before it. The animation then is at the time of the scene's settings. By default, each step takes all contenders the
 /// same time, so slower ones render fewer frames, with larger motion between them. With `equal_frames`, all render
 /// `frames` frames. Contenders take turns. The frame count follows from the median of all earlier timings, which start
-/// with separate rounds. Requires a camera in the experiment's scene. Throws ExperimentStopped.
+/// with separate rounds. Requires a camera in the experiment's scene. Results of an interrupted experiment are reused.
+/// Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

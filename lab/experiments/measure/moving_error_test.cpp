@@ -6,6 +6,8 @@
 
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/shapes.h"
+#include "experiments/measure/moving_file.h"
+#include "files/atomic_file.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 
@@ -103,7 +105,7 @@ TEST(MovingError, AnimatesTheSceneFromItsTimeOn) {
 TEST(MovingError, ReferencesMayUseAnotherEstimator) {
   const MovingOptions options{.frames = 2, .views = 1, .repetitions = 1, .reference_spp = 256, .clock = rays_clock};
   MovingOptions both_ends = options;
-  both_ends.reference_estimator = EstimatorChoice::bdpt;
+  both_ends.reference = "estimator:bdpt";
   const Image a = measure(options).reference;
   const Image b = measure(both_ends).reference;
   EXPECT_NE(a.pixels, b.pixels);
@@ -128,6 +130,65 @@ TEST(MovingError, SomeHaveMoreRepetitions) {
   for (const MovingError& e : errors.contenders) EXPECT_NEAR(mean(e.mses), e.mse, 1e-12) << e.name;
   EXPECT_EQ(errors.contenders[0].mses[1], errors.contenders[1].mses[1]);
   EXPECT_NE(errors.contenders[0].mses[2], errors.contenders[0].mses[1]);
+}
+
+TEST(MovingError, ContinuesFromStoredMeasurements) {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
+  context.parts_folder = context.cache_folder / "parts";
+  std::filesystem::remove_all(context.parts_folder);
+  const ExperimentScene box = closed_box();
+  int timings = 0;
+  MovingOptions options{.frames = 2, .repetitions = 2, .reference_spp = 16};
+  options.clock = [&](const Session& session) {
+    ++timings;
+    return rays_clock(session);
+  };
+  const std::vector<MovingContender> contenders{{"box", box.settings}, {"again", box.settings}};
+  const MovingErrors first = measure_moving(context, box, contenders, options);
+  const int timings_of_first = timings;
+  const MovingErrors again = measure_moving(context, box, contenders, options);
+  EXPECT_EQ(timings, timings_of_first) << "nothing is rendered again";
+  EXPECT_EQ(again.scene, first.scene);
+  EXPECT_EQ(again.reference.pixels, first.reference.pixels);
+  EXPECT_EQ(again.reference_mse, first.reference_mse);
+  EXPECT_GT(again.reference_mse, 0);
+  ASSERT_EQ(again.contenders.size(), first.contenders.size());
+  for (size_t i = 0; i < first.contenders.size(); ++i) {
+    const MovingError& a = first.contenders[i];
+    const MovingError& b = again.contenders[i];
+    EXPECT_EQ(b.name, a.name);
+    EXPECT_EQ(b.frames, a.frames);
+    EXPECT_EQ(b.time_share, a.time_share);
+    EXPECT_EQ(b.mse, a.mse);
+    EXPECT_EQ(b.flip, a.flip);
+    EXPECT_EQ(b.mses, a.mses);
+    EXPECT_EQ(b.flips, a.flips);
+    EXPECT_EQ(b.last.pixels, a.last.pixels);
+  }
+  // Changed conditions require a new measurement.
+  options.step_m = 0.1f;
+  EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
+  options.step_m = 0;
+  options.reference = "lights:light-tree";
+  EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
+  options.reference.clear();
+  write_file(moving_file(context, box, contenders, options), "something else");
+  EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
+  std::filesystem::remove_all(context.parts_folder);
+}
+
+TEST(MovingError, RendersReferencesWithTheirOwnSettings) {
+  const MovingOptions options{.frames = 2, .views = 1, .repetitions = 1, .reference_spp = 16, .clock = rays_clock};
+  MovingOptions shallow = options;
+  shallow.reference = "max-bounces:1";
+  const auto brightness = [](const MovingErrors& errors) {
+    double sum = 0;
+    for (const Rgb& pixel : errors.reference.pixels) sum += luminance(pixel);
+    return sum;
+  };
+  EXPECT_LT(brightness(measure(shallow)), 0.9 * brightness(measure(options)));
 }
 
 TEST(MovingError, IsTheSameTwice) {
