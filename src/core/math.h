@@ -1,7 +1,8 @@
 // Elementary functions of floats that give the same bits on every processor. They use only + − × ÷ √, comparisons and
 // integers, without fused multiply-adds (-ffp-contract=off); pow() and exp2() compute in doubles. Denormal arguments
 // count as zero and denormal results are zero, whether or not the processor flushes them. NaN gives NaN. Errors are in
-// units in the last place (ulp) of the exact value.
+// units in the last place (ulp) of the exact value. The build option RELUME_STANDARD_MATH replaces the elementary
+// functions, without these guarantees.
 #pragma once
 
 #include <cmath>
@@ -10,6 +11,10 @@
 #include "core/hd.h"
 #include "core/math_reduction.h"
 #include "relume/math.h"
+
+#if defined(RELUME_STANDARD_MATH)
+#include "core/math_standard.h"
+#else
 
 namespace relume::math {
 
@@ -42,13 +47,6 @@ RELUME_HD inline float cos(float x) {
   float sine, cosine;
   sin_cos(x, sine, cosine);
   return cosine;
-}
-
-/// Point of the unit circle at `angle` radians from the x axis.
-RELUME_HD inline Vec2 unit_vector(float angle) {
-  Vec2 v;
-  sin_cos(angle, v.y, v.x);
-  return v;
 }
 
 /// e^x within 1 ulp.
@@ -158,6 +156,19 @@ RELUME_HD inline float acos(float x) {
   const float high = upper_half(root);
   const float low = (square - high * high) / (root + high);
   return 2.0f * (high + (tail + low));
+}
+
+}  // namespace relume::math
+
+#endif
+
+namespace relume::math {
+
+/// Point of the unit circle at `angle` radians from the x axis.
+RELUME_HD inline Vec2 unit_vector(float angle) {
+  Vec2 v;
+  sin_cos(angle, v.y, v.x);
+  return v;
 }
 
 /// Nearest integer, halves away from zero. Saturates, for infinities too. NaN gives 0.
