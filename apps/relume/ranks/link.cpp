@@ -93,9 +93,10 @@ RankLink::~RankLink() {
 
 void RankLink::send(int to, MessageKind kind, Bytes content) {
   if (is_urgent(kind) && content.size() > kSmallBytes)
-    throw Error(fmt::format("an urgent message between ranks has {} bytes, but may have at most {}; send it as a kind "
-                            "that is not urgent",
-                            content.size(), kSmallBytes));
+    throw Error(
+        fmt::format("an urgent message between ranks has {} bytes, but may have at most {}; send it as a kind "
+                    "that is not urgent",
+                    content.size(), kSmallBytes));
   if (to == rank_) return deliver({rank_, kind, std::move(content)});
   const std::lock_guard lock(mutex_);
   if (to == 0 && content.size() > kSmallBytes) ++unsent_large_;
