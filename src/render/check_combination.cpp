@@ -44,25 +44,25 @@ void check_chains(const RenderSettings& s) {
   if (!learns_in_chains(s)) return;
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
-        "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm', whose light subpaths "
-        "are weighted without them; use estimator 'path', or lights 'vlc' and guide 'cdq'");
+        "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm': MIS weights with "
+        "their densities are not implemented; use estimator 'path', or lights 'vlc' and guide 'cdq'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
-        "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: where a path ends in a cell, its "
-        "vertices would miss the light of the rest; use cache 'none', or lights 'vlc' and guide 'cdq'");
+        "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: chains that learn from the light of "
+        "cells are not implemented; use cache 'none', or lights 'vlc' and guide 'cdq'");
   }
   if (learns_regions(s) || s.lights == LightSelectionChoice::neeat) {
     throw Error(
-        "lights 'mcls' does not combine with guide 'cdq', nor lights 'vlc' and 'neeat' with guide 'mcpg': a path "
-        "records either samples or states for chains; use lights 'mcls' with guide 'mcpg', or lights 'vlc' or 'neeat' "
-        "with guide 'cdq'");
+        "lights 'mcls' does not combine with guide 'cdq', nor lights 'vlc' and 'neeat' with guide 'mcpg': paths that "
+        "record both samples and states for chains are not implemented; use lights 'mcls' with guide 'mcpg', or lights "
+        "'vlc' or 'neeat' with guide 'cdq'");
   }
   const bool resamples_lights = resamples_direct_light(s.reuse);
   if (resamples_lights && s.lights == LightSelectionChoice::mcls) {
     throw Error(
-        "lights 'mcls' does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', whose light candidates leave "
-        "no records to learn from; use lights 'light-tree' or 'vlc', or reuse 'none'");
+        "lights 'mcls' does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi': learning from their light "
+        "candidates is not implemented; use lights 'light-tree' or 'vlc', or reuse 'none'");
   }
   if (resamples_lights && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
@@ -91,8 +91,8 @@ void check_upscaling(const RenderSettings& s) {
 void check_sharc(const RenderSettings& s) {
   if (s.cache != CacheChoice::sharc || !learns(s)) return;
   throw Error(
-      "cache 'sharc' does not combine with lights 'neeat', lights 'vlc' or guide 'cdq': its paths leave no records to "
-      "learn from; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
+      "cache 'sharc' does not combine with lights 'neeat', lights 'vlc' or guide 'cdq': learning from its paths is not "
+      "implemented; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
 }
 
 /// Throws if forward reprojection does not combine with the estimator and the cache.
@@ -109,15 +109,15 @@ void check_forward_history(const RenderSettings& s) {
 void check_restir_gi(const RenderSettings& s) {
   if (needs_first_vertices(s)) {
     throw Error(
-        "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward', "
-        "which verifies the light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or "
-        "reuse 'none'");
+        "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward': "
+        "verifying the light of other pixels' paths is not implemented; use reproject.method 'backward', history "
+        "'accumulate' or reuse 'none'");
   }
   if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
     throw Error(
         "reuse 'restir-gi' and 'restir-di+gi' do not combine with allocation 'adaptive' or with upscale above 1: "
-        "pixels without a path would have no reservoir for their neighbours and the next frame; use reuse 'none', or "
-        "allocation 'uniform' with upscale 1");
+        "reservoirs of pixels without a path are not implemented; use reuse 'none', or allocation 'uniform' with "
+        "upscale 1");
   }
 }
 
@@ -125,20 +125,20 @@ void check_restir_gi(const RenderSettings& s) {
 void check_restir_pt(const RenderSettings& s) {
   if (learns(s)) {
     throw Error(
-        "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': a path "
-        "is repeated by its random numbers, but these techniques have learned other choices since; use lights "
+        "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': "
+        "repeating a path with the choices that these had learned at its time is not implemented; use lights "
         "'light-tree' and guide 'bsdf', or reuse 'restir-gi'");
   }
   if (needs_first_vertices(s)) {
     throw Error(
-        "reuse 'restir-pt' does not combine with history 'reproject' by reproject.method 'forward', which verifies the "
-        "light of a pixel's own path; use reproject.method 'backward', history 'accumulate' or reuse 'none'");
+        "reuse 'restir-pt' does not combine with history 'reproject' by reproject.method 'forward': verifying the "
+        "light of other pixels' paths is not implemented; use reproject.method 'backward', history 'accumulate' or "
+        "reuse 'none'");
   }
   if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
     throw Error(
-        "reuse 'restir-pt' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
-        "would have no reservoir for their neighbours and the next frame; use reuse 'none', or allocation 'uniform' "
-        "with upscale 1");
+        "reuse 'restir-pt' does not combine with allocation 'adaptive' or with upscale above 1: reservoirs of pixels "
+        "without a path are not implemented; use reuse 'none', or allocation 'uniform' with upscale 1");
   }
 }
 
@@ -148,22 +148,19 @@ void check_reuse(const RenderSettings& s) {
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
         "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', "
-        "'light' and "
-        "'vcm', whose MIS weights do not include reservoirs; use estimator 'path' or reuse 'none'");
+        "'light' and 'vcm': MIS weights with reservoirs are not implemented; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
         "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: "
-        "its cells would "
-        "lack the light that reservoirs add; use cache 'none' or reuse 'none'");
+        "cells with the light of reservoirs are not implemented; use cache 'none' or reuse 'none'");
   }
   if (resamples_indirect_light(s.reuse)) return check_restir_gi(s);
   if (s.reuse == ReuseChoice::restir_pt) return check_restir_pt(s);
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
     throw Error(
-        "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: pixels without a path "
-        "would have no reservoir for their neighbours and the next frame; use reuse 'ris', or allocation 'uniform' "
-        "with upscale 1");
+        "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: reservoirs of pixels "
+        "without a path are not implemented; use reuse 'ris', or allocation 'uniform' with upscale 1");
   }
 }
 

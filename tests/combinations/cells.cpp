@@ -186,6 +186,9 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
     return cell;
   });
   text += "\n## Refused\n\n";
+  text += wrapped(
+      "\"Not implemented\" marks work that was not done. Each other sentence states what forbids its combination.");
+  text += "\n\n";
   for (const std::string& reason : reasons) text += wrapped("- " + reason, "  ") + "\n";
   return text;
 }
