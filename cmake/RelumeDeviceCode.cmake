@@ -58,6 +58,9 @@ endfunction()
 
 # RELUME_PTX: the device code, or empty. RELUME_COMPRESSED_PTX: the form that the library contains.
 set(RELUME_PTX "")
+if(RELUME_CUDA AND RELUME_STANDARD_MATH)
+  message(FATAL_ERROR "RELUME_STANDARD_MATH=ON replaces elementary functions on the host only; set RELUME_CUDA=OFF")
+endif()
 if(RELUME_CUDA)
   relume_find_device_compiler()
   if(missing AND RELUME_CUDA STREQUAL "AUTO")

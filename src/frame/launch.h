@@ -188,8 +188,8 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
-/// Reports a kernel to the backend's hook, with zeroed padding. Devices take kernels as they are: GCC 12 zeroes bytes of
-/// members, too, in some large types.
+/// Reports a kernel to the backend's hook, with zeroed padding. Devices take kernels as they are: GCC 12 zeroes bytes
+/// of members, too, in some large types.
 template <LaunchableKernel K>
 [[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
   K argument = kernel;

@@ -24,7 +24,10 @@ namespace relume::support {
 namespace {
 
 constexpr int kSeeds = 10;
-constexpr double kStandardErrors = 4.5;  // 257 cells: with random seeds, one false alarm in 140 runs
+/// Of 257 cells and four means each, with random seeds, normal errors would exceed this in one of 140 runs. Few seeds
+/// estimate their error less well, so false alarms are more frequent. Seeds are fixed: an alarm can only follow a
+/// change of bits, and the slow tests, with longer references, decide.
+constexpr double kStandardErrors = 4.5;
 
 /// Largest standard errors of a cell's mean: higher ones would hide errors of several percent.
 constexpr double kMostError = 0.005;

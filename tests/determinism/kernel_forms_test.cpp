@@ -36,7 +36,7 @@ RenderSettings settings_of(const DeterminismCheck& technique, const FormsCase& t
 
 void PrintTo(const FormsCase& tested, std::ostream* out) { *out << tested.name(); }
 
-/// Writes a table of the last frame's hashes: kernel_forms/SCENE_ACCEL.tsv in the current folder.
+/// Writes a table of the last frame's hashes: kernel_forms/SCENE_ACCEL_SIZE.tsv in the current folder.
 class KernelForms : public ::testing::TestWithParam<FormsCase> {
  protected:
   void SetUp() override {
@@ -46,7 +46,8 @@ class KernelForms : public ::testing::TestWithParam<FormsCase> {
 TEST_P(KernelForms, GiveTheSameBits) {
   const FormsCase& tested = GetParam();
   std::filesystem::create_directories("kernel_forms");
-  std::ofstream table(fmt::format("kernel_forms/{}_{}.tsv", tested.scene->name, tested.accel_name()));
+  std::ofstream table(fmt::format("kernel_forms/{}_{}_{}x{}.tsv", tested.scene->name, tested.accel_name(),
+                                  tested.size.width, tested.size.height));
   table << "technique\ttiles\telements\n";
   const std::vector<DeterminismCheck>& techniques = technique_checks().determinism;
   Session session(tested.scene->build(), settings_of(techniques.front(), tested, false));

@@ -250,7 +250,11 @@ TEST_P(EverySetting, HasAnEffect) {
   if (const Exemption* exempt = exemption_of(name)) {
     RenderSettings changed = settings;
     set(changed, name, exempt->other);
-    EXPECT_LE(different_pixels(rendered({{name}}, changed), rendered({{name}}, settings)), exempt->different)
+    const std::vector<Bits> before = compared_frames({{name}}, settings);
+    const std::vector<Bits> after = compared_frames({{name}}, changed);
+    size_t different = 0;
+    for (size_t i = 0; i < before.size(); ++i) different = std::max(different, different_pixels(after[i], before[i]));
+    EXPECT_LE(different, exempt->different)
         << name << " takes effect after all; give it a context. It had none because " << exempt->reason;
     return;
   }

@@ -57,6 +57,7 @@ PixelMask pixels_in_room(const PixelMask& region, const Reference& reference, co
   const float columns = static_cast<float>(reference.image.width);
   const float rows = static_cast<float>(reference.image.height);
   const float half = std::tan(0.5f * camera.camera.fov_y_rad);
+  constexpr float kMargin_m = 0.05f;  // walls may lie in the faces of the room, and depths are rounded
   PixelMask inside = region;
   for (size_t p = 0; p < inside.mask.size(); ++p) {
     const float x = (2 * (static_cast<float>(p % width) + 0.5f) - columns) / rows;
@@ -64,8 +65,8 @@ PixelMask pixels_in_room(const PixelMask& region, const Reference& reference, co
     const Vec3 direction = glm::normalize(Vec3(half * x, half * y, -1));
     const float distance = reference.surface.depth[p];
     const Vec4 seen = camera.to_world * Vec4(distance * direction, 1);
-    const bool is_inside =
-        distance > 0 && seen.x > room.low.x && seen.x < room.high.x && seen.z > room.low.y && seen.z < room.high.y;
+    const bool is_inside = distance > 0 && seen.x > room.low.x - kMargin_m && seen.x < room.high.x + kMargin_m &&
+                           seen.z > room.low.y - kMargin_m && seen.z < room.high.y + kMargin_m;
     if (!is_inside) inside.mask[p] = 0;
   }
   return inside;

@@ -171,6 +171,15 @@ TEST(MovingError, ContinuesFromStoredMeasurements) {
   options.step_m = 0.1f;
   EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
   options.step_m = 0;
+  options.step_s = 0.5f;
+  EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
+  options.step_s = 0;
+  ExperimentScene other = box;
+  other.settings.path.max_bounces += 1;
+  EXPECT_FALSE(load_moving(moving_file(context, other, contenders, options))) << "references have other bounces";
+  other = box;
+  other.settings.time_s = 1;
+  EXPECT_FALSE(load_moving(moving_file(context, other, contenders, options)));
   options.reference = "lights:light-tree";
   EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
   options.reference.clear();

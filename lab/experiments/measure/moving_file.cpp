@@ -50,10 +50,12 @@ MovingErrors errors_from(const ExrFile& exr, const std::string& place) {
 
 std::filesystem::path moving_file(const ExperimentContext& context, const ExperimentScene& scene,
                                   const std::vector<MovingContender>& contenders, const MovingOptions& options) {
-  std::string text =
-      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", scene.name, scene.settings.time_s, options.frames,
-                  options.equal_frames, options.views, options.repetitions, options.step_deg, options.step_m,
-                  options.step_s, options.reference_spp, options.reference);
+  std::string text = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", scene.name, scene.settings.time_s, options.frames,
+                                 options.equal_frames, options.views, options.repetitions, options.step_deg,
+                                 options.step_m, options.step_s, options.reference_spp, options.reference);
+  RenderSettings of_references = plainly_sampled(scene).settings;
+  set_size_and_device(context, of_references);
+  text += ' ' + settings_to_json(describe(of_references));
   for (const MovingContender& contender : contenders) {
     RenderSettings settings = contender.settings;
     set_size_and_device(context, settings);

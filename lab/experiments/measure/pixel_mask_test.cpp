@@ -66,6 +66,7 @@ TEST(PixelMasks, KeepWhatIsInARoom) {
   // The outer rays reach x = ±2 after √5 m, the middle one z = -4 after 4 m.
   EXPECT_EQ(inside({2.2f, 3.9f, 2.2f}, all), (std::vector<uint8_t>{1, 1, 1}));
   EXPECT_EQ(inside({2.3f, 4.1f, 2.2f}, all), (std::vector<uint8_t>{0, 0, 1}));
+  EXPECT_EQ(inside({2.2361f, 4.001f, 2.2361f}, all), (std::vector<uint8_t>{1, 1, 1})) << "walls in the room's faces";
   EXPECT_EQ(inside({2.2f, 3.9f, 2.2f}, {"left", {1, 0, 0}}), (std::vector<uint8_t>{1, 0, 0}));
   EXPECT_EQ(inside({2.2f, 0, 2.2f}, all), (std::vector<uint8_t>{1, 0, 1})) << "nothing is visible";
 }

@@ -181,8 +181,7 @@ struct AtrousKernel {
 
   template <typename F>
   RELUME_HD_INLINE void copy(uint32_t x, uint32_t y) const {
-    for (uint32_t c = 0; c < kAtrousChannels; ++c)
-      store_lanes(filtered.at(c, x, y), load_lanes<F>(light.at(c, x, y)));
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) store_lanes(filtered.at(c, x, y), load_lanes<F>(light.at(c, x, y)));
   }
 
   template <typename F>
