@@ -172,7 +172,7 @@ void claim_similar(const Comparison& c, std::vector<Claim>& claims) {
 
 /// In the mine, most cells of the first frame have few samples.
 void claim_mine(const Comparison& c, std::vector<Claim>& claims) {
-  const Ratio neighbours = ratio_at(c, "psf-neighbours", "path", 1);
+  const Ratio neighbours = ratio_at(c, "psf", "path", 1);
   const Ratio both = ratio_at(c, "psf-neighbours-coarser", "path", 1);
   claims.push_back(judged_within(
       "option-first-frame-mine", kOurs,

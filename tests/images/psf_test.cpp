@@ -92,7 +92,7 @@ TEST_P(Caches, LightReachesFurtherAtGrazingAnglesButFaintly) {
   constexpr int kCell = 8;
   RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 256, 64);
   s.psf.grid.cell_size = 10;
-  ASSERT_EQ(s.psf.grid.undersampled_cells, UndersampledCells::coarser);
+  s.psf.grid.undersampled_cells = UndersampledCells::coarser;
   Session session(grazed_floor(6), s);
   double lit = 0;
   double bands[4] = {};  // distance from the wall up to 2, 4 and 9 cells, and beyond

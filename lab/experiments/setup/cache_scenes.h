@@ -29,7 +29,7 @@ struct CacheOption {
 };
 
 inline constexpr CacheOption kCacheOptions[] = {
-    {"psf-neighbours", "psf", "cache:psf,psf.undersampled-cells:neighbours", 1.15},
+    {"psf-coarser", "psf", "cache:psf,psf.undersampled-cells:coarser", 1.15},
     {"psf-neighbours-coarser", "psf", "cache:psf,psf.undersampled-cells:neighbours+coarser", 1.15},
     {"psf-split", "psf", "cache:psf,psf.split:true", 1.15},
     {"psf-refine", "psf", "cache:psf,psf.refine:2", 1.15, true},

@@ -20,7 +20,7 @@ struct HashGridSettings {
   int max_age = 32;
   int min_count = 8;
   int inherited_count = 128;
-  UndersampledCells undersampled_cells = UndersampledCells::coarser;
+  UndersampledCells undersampled_cells = UndersampledCells::neighbours;
   int coarser_levels = 1;  ///< levels of UndersampledCells::neighbours_coarser
   float clamp = 0;
   float change_detection = 4;
