@@ -44,8 +44,8 @@ constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
 /// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
 constexpr size_t kSampled = 3;
 
-/// Markov chains, the comparator that is aware of parallax: their targets are points [Alber25]. They do not combine
-/// with the visibility light cache; where a scene uses it, the light tree replaces it, also for the BSDF.
+/// Markov chains, which account for parallax, because their targets are points [Alber25]. They cannot be combined with
+/// the visibility light cache. In scenes that use the cache, the light tree replaces it, also for BSDF sampling.
 constexpr const char* kChains = "mcpg";
 
 /// Settings measured besides BSDF sampling, the paper's and lasting quadtrees, and Markov chains.
@@ -243,7 +243,7 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 /// The region where guiding pays: of the sun in mines, otherwise all surfaces.
 size_t region_of(const SceneResult& scene) { return scene.regions.size() > 1 ? 1 : 0; }
 
-/// Claims that quadtrees, which ignore the parallax within a leaf, keep up with Markov chains.
+/// Claims that quadtrees, which ignore the parallax within a leaf, have no more error than Markov chains.
 void claim_parallax(const std::vector<SceneResult>& scenes, const Guided& guided, std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;
   std::string measured;
@@ -254,7 +254,7 @@ void claim_parallax(const std::vector<SceneResult>& scenes, const Guided& guided
   }
   claims.push_back(judged_ratios(fmt::format("parallax{}", guided.suffix), kOurs,
                                  fmt::format("Where light comes from few directions, guiding ({}) has no more error "
-                                             "than Markov chains (mcpg), which are aware of parallax.",
+                                             "than Markov chains (mcpg), which account for parallax.",
                                              guided.name),
                                  measured, ratios, 1));
 }

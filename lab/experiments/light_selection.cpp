@@ -347,18 +347,18 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
   result.blocks.emplace_back(rooms_table(rooms, kTree));
   result.setup = adapted_setup(context);
   if (!context.quick)
-    result.setup.emplace_back("Warehouse",
-                              fmt::format("{} times as large along each edge, as its other layouts", kWarehouseScale));
+    result.setup.emplace_back(
+        "Warehouse", fmt::format("images {} times as large along each edge, for all layouts", kWarehouseScale));
   result.setup.emplace_back("Bases",
                             fmt::format("seeds 1 to {}, one session each; intervals are over the seeds", bases.size()));
   result.setup.emplace_back("Rooms",
-                            "of the same bases, the first of each kind in the plan, seen from a corner; only pixels "
-                            "that show the inside of the room");
+                            "the first room of each kind in the plan of each base, seen from a corner. Errors "
+                            "cover only pixels that show the inside of the room");
   result.setup.emplace_back("vlc, as in the paper",
-                            "explores with one table, which weighs changed lights by the amount of the change, "
-                            "chooses the buckets of a region uniformly and has no memory; `vlc` has relume's "
-                            "extensions: a table for each cell of a coarse grid over the lights, "
-                            "buckets weighted by the power and distance of their lights, and a memory of four frames");
+                            "explores with one table, which weighs changed lights by the amount of the change. It "
+                            "chooses the buckets of a region uniformly and has no memory. `vlc` has relume's "
+                            "extensions: a table for each cell of a coarse grid over the lights, buckets weighted by "
+                            "the power and distance of their lights, and a memory of four frames");
   return result;
 }
 

@@ -92,7 +92,7 @@ std::string option_light_id(const CacheOption& option, const std::string& scene)
   return fmt::format("option-light-{}-{}", option.name, scene);
 }
 
-/// Whether an option's light is compared with psf's. Path graphs have biases of their own.
+/// Whether a claim compares the brightness of an option with that of psf. Path graphs have biases of their own.
 bool compares_light(const CacheOption& option) { return option.basis != std::string_view("apg"); }
 
 std::string option_bias_text(const CacheOption& option, const std::string& scene) {

@@ -40,8 +40,8 @@ struct Place {
   float pace = 1;              ///< of the walk, as a multiple of kWalkStep_m
 };
 
-/// The light tree leaves 16 times the noise of `vlc` in `warehouse`: references with it would be as noisy as what they
-/// judge.
+/// In `warehouse`, the light tree leaves 16 times the noise of `vlc`. A reference with the light tree would be as noisy
+/// as the images compared with it.
 std::vector<Place> places(const ExperimentContext& context) {
   std::vector<Place> list{{learning_scene("warehouse"), 1024, "lights:vlc"}};
   if (std::optional<ExperimentScene> hall = sponza(context)) list.push_back({std::move(*hall)});
@@ -100,8 +100,8 @@ MovingErrors measure(const ExperimentContext& context, Motion motion, const Plac
   return measure_moving(context, scene, {contender(scene, "interactive", 1), contender(scene, "upscaled", 2)}, options);
 }
 
-/// Share of the references' noise in the least MSE measured against them, before it is subtracted there. FLIP includes
-/// it.
+/// Share of the references' noise in the lower MSE of the two contenders, before the noise is subtracted. FLIP includes
+/// this noise.
 std::string noise_text(Motion motion, const MovingErrors& scene) {
   double least = scene.contenders.front().mse;
   for (const MovingError& e : scene.contenders) least = std::min(least, e.mse);
@@ -149,7 +149,7 @@ ExperimentResult run_upscaling(const ExperimentContext& context) {
       {"Techniques", "preset `interactive`, with `--upscale` 1 and 2; equal numbers of frames"},
       {"Size", size_text(context)},
       {"Reference", reference_text(list)},
-      {"Noise of references", noise + "; of the lower MSE. It is subtracted from MSE, not from FLIP"}};
+      {"Noise of references", noise + " of the lower MSE. The noise is subtracted from MSE, not from FLIP"}};
   return result;
 }
 

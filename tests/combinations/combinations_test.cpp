@@ -32,9 +32,9 @@ constexpr double kStandardErrors = 4.5;
 /// Largest standard errors of a cell's mean: higher ones would hide errors of several percent.
 constexpr double kMostError = 0.005;
 constexpr double kMostSlowError = 0.0025;
-/// For cells with fewer paths, which Combinations renders with all paths. Without its weight, a missing path would cost
-/// half of the indirect light, or three of four pixels. An error of 7 % is detected with a probability of 99 %. More
-/// seeds make up for the fewer degrees of freedom of cells that would otherwise end at kSeeds.
+/// Largest standard error for cells with fewer paths, which Combinations renders with all paths. If weights did not
+/// compensate for missing paths, half of the indirect light, or three of four pixels, would be lost. An error of 7 % is
+/// detected with a probability of 99 %. Cells that would end at kSeeds need more seeds for enough degrees of freedom.
 constexpr double kMostErrorWithFewerPaths = 0.01;
 constexpr int kSeedsWithFewerPaths = 16;
 /// Without next event estimation, kMostError would take 16 times the samples. Tests of Markov chain guiding compare its

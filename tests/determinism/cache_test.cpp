@@ -117,7 +117,7 @@ std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {
 
 const auto kCaches = ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg);
 INSTANTIATE_TEST_SUITE_P(Caches, CacheSession, kCaches, cache_name);
-// Between them, the two use all that the others do.
+// Together, these two caches execute all code of the others.
 INSTANTIATE_TEST_SUITE_P(Caches, ManyCells, ::testing::Values(CacheChoice::psf, CacheChoice::apsf_apg), cache_name);
 INSTANTIATE_TEST_SUITE_P(Caches, SlowManyCells, kCaches, cache_name);
 

@@ -115,8 +115,8 @@ const auto kTechniques = ::testing::Values("vlc_cdq_combination", "apsf_apg", "r
 INSTANTIATE_TEST_SUITE_P(Some, FailingMemory, kTechniques, technique_name);
 INSTANTIATE_TEST_SUITE_P(Some, SlowFailingMemory, kTechniques, technique_name);
 
-/// A failed frame leaves what a stopped one does, after which all histories end. Tries every `stride`-th allocation,
-/// from another one in each frame.
+/// Expects the same state after a failed frame as after a stopped frame whose histories have all ended. Fails every
+/// `stride`-th allocation of a frame, in each frame with another offset.
 void expect_failures_equal_stops(std::string_view technique, int stride) {
   const RenderSettings settings = settings_of(technique);
   RenderSettings other = settings;

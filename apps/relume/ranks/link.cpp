@@ -94,7 +94,7 @@ RankLink::~RankLink() {
 void RankLink::send(int to, MessageKind kind, Bytes content) {
   if (is_urgent(kind) && content.size() > kSmallBytes)
     throw Error(
-        fmt::format("an urgent message between ranks has {} bytes, but may have at most {}; send it as a kind "
+        fmt::format("an urgent message between ranks has {} bytes, above the limit of {}; send it as a kind "
                     "that is not urgent",
                     content.size(), kSmallBytes));
   if (to == rank_) return deliver({rank_, kind, std::move(content)});

@@ -64,7 +64,7 @@ size_t SampleWorker::cancelled_deals() const {
   return cancelled_.size();
 }
 
-/// Forgets a cancelled deal. It has ended: its message preceded this one.
+/// Forgets a cancelled deal. The deal has ended, because its message preceded the cancel message in the queue.
 void SampleWorker::forget(uint32_t id) {
   const std::lock_guard lock(mutex_);
   cancelled_.erase(id);

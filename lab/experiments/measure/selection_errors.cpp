@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// Ratio of `of(scene)`, a quotient in each scene: geometric mean, with an interval over the scenes.
+/// Geometric mean of `of(scene).value`, a ratio in each scene, with its interval over the scenes.
 template <typename Of>
 Ratio over_scenes(const std::vector<SelectionErrors>& scenes, const Of& of) {
   std::vector<double> quotients;
@@ -32,7 +32,8 @@ TableBlock bases_table(const std::vector<SelectionErrors>& bases, std::string_vi
   TableBlock block{
       fmt::format("Bases ({})", bases.size()),
       "Factor by which the mean squared error of single frames is lower than with the light tree and with exact lists, "
-      "at equal samples and times the frame time: geometric means over the bases with 95 % intervals.",
+      "at equal samples; the last column multiplies the error by the frame time. Geometric means over the bases with "
+      "95 % intervals.",
       "lights",
       {{"times lower than the light tree", "", Better::higher},
        {"least and most", "", Better::higher},

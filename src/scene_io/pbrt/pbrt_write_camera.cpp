@@ -26,7 +26,7 @@ int integer(const json& settings, const char* key, int otherwise) {
   return value != settings.end() && value->is_number() ? value->get<int>() : otherwise;
 }
 
-/// 0 if there is none.
+/// The number `key` of the settings; 0 if it is missing.
 float real(const json& settings, const char* key) {
   const auto value = settings.find(key);
   return value != settings.end() && value->is_number() ? value->get<float>() : 0.0f;

@@ -181,11 +181,11 @@ INSTANTIATE_TEST_SUITE_P(
         Shortcut{{.name = "weights_clamped", .most_weight = 40}, 0.05}),
     shortcut_name);
 
-/// A shift y = 1 − (1 − x)^(1/3) from a neighbour with the constant integrand 1 to a pixel with the same. Its Jacobian
-/// dy/dx grows from 1/3 without bound.
+/// A shift y = 1 − (1 − x)^(1/3) from a neighbour to a pixel, both with the constant integrand 1. Its Jacobian dy/dx
+/// grows from 1/3 without bound.
 struct CubicShift {
-  float most = std::numeric_limits<float>::infinity();   ///< shifts are refused beyond it and below its inverse
-  float clamp = std::numeric_limits<float>::infinity();  ///< largest Jacobian of weights
+  float most = std::numeric_limits<float>::infinity();   ///< largest accepted Jacobian; its inverse is the smallest
+  float clamp = std::numeric_limits<float>::infinity();  ///< upper bound of the Jacobian in weights
 
   static float inverse_jacobian(float y) { return 3 * (1 - y) * (1 - y); }
   bool moves(float inverse) const { return inverse * most >= 1 && inverse <= most; }
@@ -213,7 +213,7 @@ Spread measure(const CubicShift& shift) {
   return {mean, std::sqrt((squares / kRuns - mean * mean) / (kRuns - 1))};
 }
 
-/// Both directions of a shift have reciprocal Jacobians, so a symmetric bound refuses both.
+/// The two directions of a shift have reciprocal Jacobians, so a symmetric bound rejects both or neither.
 TEST(Jacobians, MayBeRefusedButNotClamped) {
   for (const CubicShift& shift : {CubicShift{}, CubicShift{.most = 10}}) {
     const Spread right = measure(shift);

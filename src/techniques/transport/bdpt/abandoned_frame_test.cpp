@@ -28,8 +28,8 @@ RenderSettings small_settings(EstimatorChoice estimator, bool scalar_kernels = t
   return settings;
 }
 
-/// The box with a block of glass, which casts a caustic. Each test makes hundreds of sessions, and few triangles keep
-/// their acceleration structures cheap.
+/// The box with a block of glass, which casts a caustic. Each test creates hundreds of sessions, and few triangles
+/// keep their acceleration structures cheap.
 Scene glass_box() {
   Scene scene = find_builtin_scene("cornell")->build();
   for (Material& material : scene.materials) {
