@@ -2,6 +2,10 @@
 // emission, which leaves the mean of the pixel unchanged and removes most of its noise.
 #pragma once
 
+#include <algorithm>
+
+#include "core/lane_views.h"
+#include "frame/tile_rows.h"
 #include "techniques/gbuffer/features/features.h"
 #include "techniques/gbuffer/primary_hits/emission_edges.h"
 
@@ -24,6 +28,18 @@ struct MeasureEdgesKernel {
   uint32_t width = 0;
   uint32_t height = 0;
 
+  /// Host: kLanes pixels at once where no pixel around emits light.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      if (!is_dark(x, y)) return false;
+      const uint32_t first = y * width + x;
+      std::fill_n(&edge_rays[first], kLanes, 0u);
+      std::copy_n(&emission[first], kLanes, &shown_emission[first]);
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const bool edge = rays > 0 && (edge_rays[pixel] > 0 || is_edge(x, y));
@@ -32,6 +48,24 @@ struct MeasureEdgesKernel {
   }
 
  private:
+  /// Host: whether kLanes pixels from (x, y) on were no edges, and emission in and around them is black.
+  bool is_dark(uint32_t x, uint32_t y) const {
+    if (x == 0 || x + kLanes >= width) return false;
+    for (uint32_t k = 0; k < kLanes; ++k) {
+      if (edge_rays[y * width + x + k] > 0) return false;
+    }
+    const Lanes zero(0.0f);
+    LaneMask dark = zero <= zero;
+    for (uint32_t row = y > 0 ? y - 1 : 0; row <= y + 1 && row < height; ++row) {
+      const float* values = &emission[row * width + x - 1].x;
+      for (const uint32_t i : {0u, kLanes, 2 * kLanes, 3 * (kLanes + 2) - kLanes}) {  // the last two overlap
+        const Lanes some = load_lanes(values + i);
+        dark = dark & (some <= zero) & (zero <= some);
+      }
+    }
+    return !any_of(!dark);
+  }
+
   RELUME_HD bool is_edge(uint32_t x, uint32_t y) const {
     const auto seen = [&](uint32_t i) { return luminance(emission[i]); };
     const float contrast = emission_contrast(x, y, width, height, seen);
@@ -77,6 +111,21 @@ struct ReplaceEmissionKernel {
   View<uint32_t> rays;  ///< rays of this frame's sample, plus the camera rays of edges
   uint32_t width = 0;
   View<const Rgb> caustics = {};  ///< caustic layer, which `radiance` contains and `scattered` does not; may be empty
+
+  /// Host: kLanes pixels at once where none is an edge.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      const uint32_t first = y * width + x;
+      for (uint32_t k = 0; k < kLanes; ++k) {
+        if (edge_rays[first + k] != 0) return false;
+      }
+      const Triple<Lanes> all =
+          vector_at<Lanes>({radiance.data, radiance.size}, first) - vector_at<Lanes>(emission, first);
+      set_vector(scattered, first, caustics.empty() ? all : all - vector_at<Lanes>(caustics, first));
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;

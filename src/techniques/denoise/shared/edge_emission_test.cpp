@@ -90,6 +90,47 @@ TEST(EdgeEmission, FramesTheLampAndNothingElse) {
   EXPECT_GT(partly, 10);
 }
 
+/// Emission and edges after two frames.
+struct Edges {
+  std::vector<uint32_t> rays;
+  std::vector<Rgb> shown;
+  std::vector<Rgb> scattered;
+  std::vector<Rgb> radiance;
+
+  Edges(const char* scene, int edge_rays, bool scalar) {
+    RenderSettings settings = settings_with(edge_rays);
+    settings.width = 77;  // not a multiple of lanes or tiles
+    settings.scalar_kernels = scalar;
+    Session session = box(settings, scene);
+    session.render_frame();
+    session.render_frame();
+    const BufferTable& buffers = buffer_table(session);
+    rays = copy_of(buffers.view(kEdgeRays));
+    shown = copy_of(buffers.view(kShownEmission));
+    scattered = copy_of(buffers.view(kScattered));
+    radiance = copy_of(buffers.view(kRadiance));
+  }
+
+  template <typename T>
+  static std::vector<std::remove_const_t<T>> copy_of(const View<T>& view) {
+    return {view.begin(), view.end()};
+  }
+};
+
+TEST(EdgeEmission, FindsEdgesInLanesLikeInSinglePixels) {
+  for (const char* scene : {"cornell", "furnace"}) {
+    for (const int rays : {0, 4}) {
+      SCOPED_TRACE(::testing::Message() << scene << " " << rays);
+      const Edges single(scene, rays, true);
+      const Edges lanes(scene, rays, false);
+      EXPECT_EQ(single.rays, lanes.rays);
+      EXPECT_EQ(single.shown, lanes.shown);
+      EXPECT_EQ(single.scattered, lanes.scattered);
+      EXPECT_EQ(single.radiance, lanes.radiance);
+    }
+  }
+}
+
 TEST(EdgeEmission, EdgesPersistUntilAChange) {
   Session session = box(settings_with(16));
   session.render_frame();

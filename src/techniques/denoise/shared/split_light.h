@@ -1,6 +1,8 @@
 // Splits this frame's samples into diffuse and specular light, for denoisers that keep them apart.
 #pragma once
 
+#include "core/lane_views.h"
+#include "frame/tile_rows.h"
 #include "techniques/gbuffer/features/features.h"
 
 namespace relume {
@@ -15,6 +17,15 @@ struct SplitLightKernel {
   View<Rgb> specular;
   uint32_t width = 0;
 
+  /// Host: kLanes pixels at once.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      split_lanes(y * width + x);
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     Rgb part = specular_found[pixel];
@@ -25,6 +36,18 @@ struct SplitLightKernel {
     }
     specular[pixel] = part;
     diffuse[pixel] = scattered[pixel] - part;
+  }
+
+ private:
+  /// Splits the samples of kLanes pixels, from `pixel` on.
+  void split_lanes(uint32_t pixel) const {
+    const Triple<Lanes> all = vector_at<Lanes>(scattered, pixel);
+    const LaneMask reflects = is_filtered(vector_at<Lanes>(specular_albedo, pixel));
+    const LaneMask scatters = is_filtered(vector_at<Lanes>(diffuse_albedo, pixel));
+    const Triple<Lanes> found = select(scatters, vector_at<Lanes>(specular_found, pixel), all);
+    const Triple<Lanes> part = select(reflects, found, triple_of<Lanes>(Vec3(0)));
+    set_vector(specular, pixel, part);
+    set_vector(diffuse, pixel, all - part);
   }
 };
 
