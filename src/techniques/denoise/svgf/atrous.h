@@ -40,6 +40,8 @@ struct AtrousImage {
   uint32_t height = 0;
 
   RELUME_HD_INLINE uint32_t stride() const { return width + 2 * kMargin; }
+  /// Number of values from a plane to the next.
+  RELUME_HD_INLINE size_t plane_stride() const { return static_cast<size_t>(height) * stride(); }
   RELUME_HD_INLINE float* at(uint32_t plane, uint32_t x, uint32_t y) const {
     return values.data + (static_cast<size_t>(plane) * height + y) * stride() + kMargin + x;
   }
@@ -69,6 +71,51 @@ RELUME_HD_INLINE F sharpened(F x) {
   return x;
 }
 
+/// h = h(dx) h(dy) of a tap, the weight of the B-spline. `squared`: dx² + dy², for |dx|, |dy| ≤ 2.
+RELUME_HD_INLINE constexpr float spline(int squared) {
+  constexpr float kWeights[3] = {0.375f, 0.25f, 0.0625f};
+  switch (squared) {
+    case 0: return kWeights[0] * kWeights[0];
+    case 1: return kWeights[0] * kWeights[1];
+    case 2: return kWeights[1] * kWeights[1];
+    case 4: return kWeights[0] * kWeights[2];
+    case 5: return kWeights[1] * kWeights[2];
+    default: return kWeights[2] * kWeights[2];
+  }
+}
+
+/// 1 / √(dx² + dy²) of a tap except the centre. The constants are rounded as a division by a square root is.
+RELUME_HD_INLINE constexpr float inverse_distance(int squared) {
+  switch (squared) {
+    case 1: return 1.0f;
+    case 2: return 1.0f / 1.41421356237f;
+    case 4: return 0.5f;
+    case 5: return 1.0f / 2.23606797750f;
+    default: return 1.0f / 2.82842712475f;
+  }
+}
+
+/// Where to load the inputs of a pixel, or of kLanes pixels in a row. Taps load each where they use it: registers would
+/// not hold all of them.
+struct PixelPlanes {
+  const float* features;
+  const float* light;
+  size_t stride;  ///< values from a plane to the next, the same in both images
+
+  /// `x` may reach into the margin.
+  RELUME_HD_INLINE PixelPlanes(const AtrousImage& features_of, const AtrousImage& light_of, int x, uint32_t y)
+      : features(features_of.at(0, 0, y) + x), light(light_of.at(0, 0, y) + x), stride(light_of.plane_stride()) {}
+
+  template <typename F>
+  RELUME_HD_INLINE F feature(AtrousPlane first, uint32_t component = 0) const {
+    return load_lanes<F>(features + place_of(first, component) * stride);
+  }
+  template <typename F>
+  RELUME_HD_INLINE F channel(uint32_t c) const {
+    return load_lanes<F>(light + c * stride);
+  }
+};
+
 /// Inputs of a pixel, or of kLanes pixels in a row.
 template <typename F>
 struct Pixels {
@@ -76,14 +123,27 @@ struct Pixels {
   F position[3];
   F channels[kAtrousChannels];
 
-  RELUME_HD_INLINE Pixels(const AtrousImage& features, const AtrousImage& light, uint32_t x, uint32_t y) {
+  RELUME_HD_INLINE explicit Pixels(const PixelPlanes& planes) {
     for (uint32_t c = 0; c < 3; ++c) {
-      normal[c] = load_lanes<F>(features.at(place_of(AtrousPlane::normal_x, c), x, y));
-      position[c] = load_lanes<F>(features.at(place_of(AtrousPlane::position_x, c), x, y));
+      normal[c] = planes.feature<F>(AtrousPlane::normal_x, c);
+      position[c] = planes.feature<F>(AtrousPlane::position_x, c);
     }
-    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(light.at(c, x, y));
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = planes.channel<F>(c);
   }
   RELUME_HD_INLINE F brightness() const { return luminance(channels[0], channels[1], channels[2]); }
+
+  /// Cosine between the normals.
+  RELUME_HD_INLINE F cosine(const PixelPlanes& other) const {
+    const F x = normal[0] * other.feature<F>(AtrousPlane::normal_x);
+    const F y = normal[1] * other.feature<F>(AtrousPlane::normal_y);
+    return x + y + normal[2] * other.feature<F>(AtrousPlane::normal_z);
+  }
+  /// Distance of another position from this plane, metres.
+  RELUME_HD_INLINE F distance(const PixelPlanes& other) const {
+    const F x = normal[0] * (other.feature<F>(AtrousPlane::position_x) - position[0]);
+    const F y = normal[1] * (other.feature<F>(AtrousPlane::position_y) - position[1]);
+    return absolute(x + y + normal[2] * (other.feature<F>(AtrousPlane::position_z) - position[2]));
+  }
 };
 
 /// Centre with which the taps of a pixel are compared.
@@ -122,10 +182,6 @@ struct AtrousKernel {
   }
 
  private:
-  RELUME_HD static constexpr float spline(int offset) {
-    return offset == 0 ? 0.375f : (offset == 1 || offset == -1 ? 0.25f : 0.0625f);
-  }
-
   /// Variance smoothed over 3 × 3 pixels, for a steady tolerance of light ([Schied17 eq. 5]).
   template <typename F>
   RELUME_HD_INLINE F steady_variance(uint32_t x, uint32_t y) const {
@@ -157,12 +213,12 @@ struct AtrousKernel {
     const F inverse_footprint = load_lanes<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y));
     const MaskOf<F> changes = inverse_footprint > F(0.0f);
     if (!any_of(changes)) return copy<F>(x, y);
-    const Pixels<F> pixels(features, light, x, y);
+    const Pixels<F> pixels(PixelPlanes(features, light, static_cast<int>(x), y));
     const Centre<F> here{pixels, pixels.brightness(),
                          1.0f / (light_tolerance * square_root(steady_variance<F>(x, y)) + 1e-6f),
                          inverse_footprint * (1.0f / (plane_tolerance * static_cast<float>(step)))};
     TapSums<F> sums;
-    sums.weight = F(spline(0) * spline(0));
+    sums.weight = F(spline(0));
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.weight * pixels.channels[c];
     sums.channels[kAtrousVariance] = sums.weight * sums.weight * pixels.channels[kAtrousVariance];
     for (int dy = -2; dy <= 2; ++dy) {
@@ -170,7 +226,9 @@ struct AtrousKernel {
       if (row < 0 || row >= static_cast<int>(light.height)) continue;
       for (int dx = -2; dx <= 2; ++dx) {
         if (dx == 0 && dy == 0) continue;
-        tap<F>(here, static_cast<int>(x) + dx * static_cast<int>(step), row, dx, dy, sums);
+        const PixelPlanes there(features, light, static_cast<int>(x) + dx * static_cast<int>(step),
+                                static_cast<uint32_t>(row));
+        add_tap(here, there, dx * dx + dy * dy, sums);
       }
     }
     const F inverse = 1.0f / sums.weight;
@@ -184,29 +242,24 @@ struct AtrousKernel {
     for (uint32_t c = 0; c < kAtrousChannels; ++c) store_lanes(filtered.at(c, x, y), load_lanes<F>(light.at(c, x, y)));
   }
 
+  /// Adds a tap. `squared`: of its distance from the centre, in steps.
   template <typename F>
-  RELUME_HD_INLINE void tap(const atrous_detail::Centre<F>& here, int column, int row, int dx, int dy,
-                            atrous_detail::TapSums<F>& sums) const {
+  RELUME_HD_INLINE static void add_tap(const atrous_detail::Centre<F>& here, const atrous_detail::PixelPlanes& there,
+                                       int squared, atrous_detail::TapSums<F>& sums) {
     using namespace atrous_detail;
-    const auto x = static_cast<uint32_t>(column);
-    const auto y = static_cast<uint32_t>(row);
-    F cosine(0.0f);
-    F distance(0.0f);
-    for (uint32_t c = 0; c < 3; ++c) {
-      const F normal = here.pixels.normal[c];
-      cosine = cosine + normal * load_lanes<F>(at(features, place_of(AtrousPlane::normal_x, c), x, y));
-      const F position = load_lanes<F>(at(features, place_of(AtrousPlane::position_x, c), x, y));
-      distance = distance + normal * (position - here.pixels.position[c]);
-    }
-    F channels[kAtrousChannels];
-    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(at(light, c, x, y));
-    const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - here.brightness);
-    const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
-    const F weight = (spline(dx) * spline(dy)) * load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
-                     sharpened(max(cosine, F(0.0f))) *
-                     falloff(absolute(distance) * here.inverse_plane * (1.0f / apart) + contrast * here.inverse_light);
-    for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.channels[c] + weight * channels[c];
-    sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] + weight * weight * channels[kAtrousVariance];
+    const F cosine = max(here.pixels.cosine(there), F(0.0f));
+    const F distance = here.pixels.distance(there);
+    const F r = there.channel<F>(0);
+    const F g = there.channel<F>(1);
+    const F b = there.channel<F>(2);
+    const F contrast = absolute(luminance(r, g, b) - here.brightness);
+    const F weight = spline(squared) * there.feature<F>(AtrousPlane::valid) * sharpened(cosine) *
+                     falloff(distance * here.inverse_plane * inverse_distance(squared) + contrast * here.inverse_light);
+    sums.channels[0] = sums.channels[0] + weight * r;
+    sums.channels[1] = sums.channels[1] + weight * g;
+    sums.channels[2] = sums.channels[2] + weight * b;
+    sums.channels[kAtrousVariance] =
+        sums.channels[kAtrousVariance] + weight * weight * there.channel<F>(kAtrousVariance);
     sums.weight = sums.weight + weight;
   }
 };
