@@ -32,10 +32,7 @@ struct SurfaceLight {
   RELUME_HD_INLINE Triple<Lanes> at(uint32_t pixel, LaneMask& valid) const {
     const Triple<Lanes> light = vector_at<Lanes>(scattered, pixel);
     const Triple<Lanes> reflected = vector_at<Lanes>(albedo, pixel);
-    const Lanes most(3.402823466e+38f);
-    valid = is_filtered(reflected) & (absolute(light.x) <= most) & (absolute(light.y) <= most) &
-            (absolute(light.z) <= most);
-    if (!allocation.empty()) valid = valid & mask_of([&](uint32_t i) { return allocation[pixel + i] != 0; });
+    valid = is_filtered(reflected) & is_usable(pixel, light);
     return select(valid, light_at_surface(light, reflected), triple_of<Lanes>(Vec3(0)));
   }
 
@@ -48,6 +45,32 @@ struct SurfaceLight {
     }
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
+
+  /// The same for kLanes pixels, from `pixel` on.
+  RELUME_HD_INLINE Triple<Lanes> image(uint32_t pixel, const Triple<Lanes>& light) const {
+    const Triple<Lanes> reflected = vector_at<Lanes>(albedo, pixel);
+    const Triple<Lanes> emitted = vector_at<Lanes>(emission, pixel);
+    const Triple<Lanes> sample = vector_at<Lanes>(radiance, pixel);
+    Triple<Lanes> surface = emitted + product(reflected, light);
+    if (!caustics.empty()) surface = surface + vector_at<Lanes>(caustics, pixel);
+    const Triple<Lanes> black = triple_of<Lanes>(Vec3(0));
+    return select<Lanes>(is_filtered(reflected), max_of(surface, black),
+                         select(is_usable(pixel, sample), sample, emitted));
+  }
+
+  /// By component.
+  RELUME_HD_INLINE static Triple<Lanes> product(const Triple<Lanes>& a, const Triple<Lanes>& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
+  }
+
+ private:
+  /// Whether the samples of kLanes pixels from `pixel` on were taken and have finite `values`.
+  RELUME_HD_INLINE LaneMask is_usable(uint32_t pixel, const Triple<Lanes>& values) const {
+    const Lanes most(3.402823466e+38f);
+    const LaneMask finite = (absolute(values.x) <= most) & (absolute(values.y) <= most) & (absolute(values.z) <= most);
+    if (allocation.empty()) return finite;
+    return finite & mask_of([&](uint32_t i) { return allocation[pixel + i] != 0; });
+  }
 };
 
 /// The two parts of this frame's samples if they are kept apart.
@@ -57,9 +80,21 @@ struct SplitLight {
 
   RELUME_HD bool reflects(uint32_t pixel) const { return is_filtered(specular_albedo[pixel]); }
 
+  /// reflects() of kLanes pixels, from `pixel` on.
+  RELUME_HD_INLINE LaneMask reflecting(uint32_t pixel) const {
+    return is_filtered(vector_at<Lanes>(specular_albedo, pixel));
+  }
+
   /// Reflection of filtered light by specular lobes. Requires reflects().
   RELUME_HD Rgb specular_part(uint32_t pixel, const Rgb& light) const {
     return glm::max(specular_albedo[pixel] * light, Rgb(0));
+  }
+
+  /// The same for kLanes pixels, from `pixel` on; black in those that do not reflect.
+  RELUME_HD_INLINE Triple<Lanes> specular_part(uint32_t pixel, const Triple<Lanes>& light) const {
+    const Triple<Lanes> black = triple_of<Lanes>(Vec3(0));
+    const Triple<Lanes> reflected = SurfaceLight::product(vector_at<Lanes>(specular_albedo, pixel), light);
+    return select(reflecting(pixel), max_of(reflected, black), black);
   }
 
   /// The image from filtered diffuse light and the result of specular_part().
@@ -67,6 +102,14 @@ struct SplitLight {
     if (is_filtered(diffuse.albedo[pixel])) return diffuse.image(pixel, light) + specular;
     if (reflects(pixel)) return diffuse.emission[pixel] + specular;
     return diffuse.image(pixel, light);
+  }
+
+  /// The same for kLanes pixels, from `pixel` on.
+  RELUME_HD_INLINE Triple<Lanes> image(uint32_t pixel, const Triple<Lanes>& light,
+                                       const Triple<Lanes>& specular) const {
+    const Triple<Lanes> whole = diffuse.image(pixel, light);
+    const Triple<Lanes> mirror = select(reflecting(pixel), vector_at<Lanes>(diffuse.emission, pixel) + specular, whole);
+    return select(is_filtered(vector_at<Lanes>(diffuse.albedo, pixel)), whole + specular, mirror);
   }
 };
 

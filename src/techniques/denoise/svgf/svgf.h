@@ -213,6 +213,15 @@ struct SvgfPrepareKernel {
   }
 };
 
+/// Light of pixel (x, y) from the planes of a filtered image.
+RELUME_HD inline Rgb light_at(const AtrousImage& image, uint32_t x, uint32_t y) {
+  return {*image.at(0, x, y), *image.at(1, x, y), *image.at(2, x, y)};
+}
+/// The same for kLanes pixels from (x, y) on.
+RELUME_HD_INLINE Triple<Lanes> lanes_of_light(const AtrousImage& image, uint32_t x, uint32_t y) {
+  return {load_lanes(image.at(0, x, y)), load_lanes(image.at(1, x, y)), load_lanes(image.at(2, x, y))};
+}
+
 /// The image from filtered light.
 struct SvgfPresentKernel {
   SurfaceLight samples;
@@ -220,13 +229,19 @@ struct SvgfPresentKernel {
   View<Rgb> shown;
   uint32_t width = 0;
 
+  /// Host: kLanes pixels at once.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      const uint32_t pixel = y * width + x;
+      set_vector(shown, pixel, samples.image(pixel, lanes_of_light(filtered, x, y)));
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     shown[pixel] = samples.image(pixel, light_at(filtered, x, y));
-  }
-
-  RELUME_HD static Rgb light_at(const AtrousImage& image, uint32_t x, uint32_t y) {
-    return {*image.at(0, x, y), *image.at(1, x, y), *image.at(2, x, y)};
   }
 };
 
@@ -234,19 +249,30 @@ struct SvgfPresentKernel {
 struct SvgfPresentPartsKernel {
   SplitLight samples;
   AtrousImage diffuse;
-  AtrousImage specular;
+  AtrousImage specular;  ///< may be empty if no pixel reflects
   View<Rgb> shown;
   View<Rgb> shown_specular;
   uint32_t width = 0;
 
+  /// Host: kLanes pixels at once.
+  void operator()(const Tile& tile) const {
+    const auto lanes = [this](uint32_t x, uint32_t y) {
+      const uint32_t pixel = y * width + x;
+      Triple<Lanes> reflected = triple_of<Lanes>(Vec3(0));
+      if (any_of(samples.reflecting(pixel))) reflected = samples.specular_part(pixel, lanes_of_light(specular, x, y));
+      set_vector(shown_specular, pixel, reflected);
+      set_vector(shown, pixel, samples.image(pixel, lanes_of_light(diffuse, x, y), reflected));
+      return true;
+    };
+    for_each_in_rows(tile, lanes, [this](uint32_t x, uint32_t y) { (*this)(x, y); });
+  }
+
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     Rgb reflected(0);
-    if (samples.reflects(pixel)) {
-      reflected = samples.specular_part(pixel, SvgfPresentKernel::light_at(specular, x, y));
-    }
+    if (samples.reflects(pixel)) reflected = samples.specular_part(pixel, light_at(specular, x, y));
     shown_specular[pixel] = reflected;
-    shown[pixel] = samples.image(pixel, SvgfPresentKernel::light_at(diffuse, x, y), reflected);
+    shown[pixel] = samples.image(pixel, light_at(diffuse, x, y), reflected);
   }
 };
 
