@@ -245,8 +245,14 @@ struct LightHistory {
 
   /// The same for kLanes pixels from (x, y) on. Returns false, and changes nothing, if they must be updated one by one.
   RELUME_HD_INLINE bool accumulate(uint32_t x, uint32_t y, RowHistory& row) const {
-    if (!find_taps(reprojection, x, y, count_before, row.taps)) return false;
     const uint32_t first = pixel(x, y);
+    if (are_unlit(x, y)) {
+      row = RowHistory();
+      for (uint32_t i = 0; i < kLanes; ++i) count[first + i] = 0;
+      set_vector(light, first, row.light);
+      return true;
+    }
+    if (!find_taps(reprojection, x, y, count_before, row.taps)) return false;
     row.light = samples.at(first, row.sampled);
     uint32_t past[kLanes];
     row.taps.least(count_before, past);
@@ -259,6 +265,25 @@ struct LightHistory {
     }
     set_vector(light, first, row.mean(light_before, row.light));
     return true;
+  }
+
+ private:
+  /// Whether kLanes pixels from (x, y) on have neither samples nor a history: none is filtered, and no pixel that
+  /// taps_or_nearest() reads has samples. Most surfaces have no specular light, and each would search its neighbours.
+  RELUME_HD_INLINE bool are_unlit(uint32_t x, uint32_t y) const {
+    if (any_of(is_filtered(vector_at<Lanes>(samples.albedo, pixel(x, y))))) return false;
+    RowOrigin origin;
+    if (!find_row(reprojection.motion, reprojection.width, x, y, origin)) return false;
+    // The nearest pixel lies up to one right of or below a position, and its neighbours one further.
+    const auto clip = [](int i, uint32_t size) { return i < 0 ? 0u : relume::min(static_cast<uint32_t>(i), size); };
+    const uint32_t right = clip(origin.x + static_cast<int>(kLanes) + 2, reprojection.width);
+    const uint32_t bottom = clip(origin.y + 3, reprojection.height);
+    uint32_t samples_before = 0;
+    for (uint32_t row = clip(origin.y - 1, bottom); row < bottom; ++row) {
+      for (uint32_t column = clip(origin.x - 1, right); column < right; ++column)
+        samples_before |= count_before[row * reprojection.width + column];
+    }
+    return samples_before == 0;
   }
 };
 

@@ -40,7 +40,8 @@ struct SvgfAccumulateKernel {
   }
 };
 
-/// Computes the variance of the accumulated light and lays out the planes of the filter.
+/// Computes the variance of the accumulated light and lays out the planes of the filter. Unfiltered pixels, to which
+/// the filter gives no weight, keep their light; their other planes are zero.
 struct SvgfPrepareKernel {
   View<const Vec3> position;
   View<const Vec3> normal;
@@ -85,10 +86,13 @@ struct SvgfPrepareKernel {
     }
     put(AtrousPlane::valid, x, y, valid ? 1.0f : 0.0f);
     put(AtrousPlane::inverse_footprint, x, y, filtered && footprint > 0.0f ? 1.0f / footprint : 0.0f);
+    const Vec3 n = filtered ? normal[pixel] : Vec3(0);
+    const Vec3 p = filtered ? position[pixel] : Vec3(0);
     for (uint32_t c = 0; c < 3; ++c) {
-      *features.at(place_of(AtrousPlane::normal_x, c), x, y) = normal[pixel][static_cast<int>(c)];
-      *features.at(place_of(AtrousPlane::position_x, c), x, y) = position[pixel][static_cast<int>(c)];
-      *planes.at(c, x, y) = shown[static_cast<int>(c)];
+      const auto i = static_cast<int>(c);
+      *features.at(place_of(AtrousPlane::normal_x, c), x, y) = n[i];
+      *features.at(place_of(AtrousPlane::position_x, c), x, y) = p[i];
+      *planes.at(c, x, y) = shown[i];
     }
     *planes.at(kAtrousVariance, x, y) = variance;
   }
@@ -115,27 +119,40 @@ struct SvgfPrepareKernel {
   void prepare_lanes(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const LaneMask filtered = is_filtered(vector_at<Lanes>(albedo, pixel));
+    Triple<Lanes> shown = vector_at<Lanes>(light, pixel);
+    if (any_of(filtered)) {
+      prepare_filtered(x, y, filtered, shown);
+    } else {
+      for (uint32_t plane = 0; plane < kAtrousPlanes; ++plane) store_lanes(features.at(plane, x, y), Lanes(0.0f));
+      store_lanes(planes.at(kAtrousVariance, x, y), Lanes(0.0f));
+    }
+    put(planes, 0, x, y, shown);
+  }
+
+  /// Computes all planes except those of `shown`, the light, in which it replaces that of pixels without samples.
+  void prepare_filtered(uint32_t x, uint32_t y, const LaneMask& filtered, Triple<Lanes>& shown) const {
+    const uint32_t pixel = y * width + x;
+    const Lanes zero(0.0f);
     const Lanes footprint = footprint_at<Lanes>(pixel);
     const Lanes n = count_at<Lanes>(count, pixel);
     Lanes m[2];
     get_pair(moments, pixel, m);
-    Triple<Lanes> shown = vector_at<Lanes>(light, pixel);
     LaneMask valid = filtered;
-    Lanes variance = max(m[1] - m[0] * m[0], Lanes(0.0f)) / (n - 1.0f) * min(n, Lanes(correlated_frames));
-    if (has_young(pixel)) {
+    Lanes variance = max(m[1] - m[0] * m[0], zero) / (n - 1.0f) * min(n, Lanes(correlated_frames));
+    const LaneMask young = n < Lanes(static_cast<float>(kYoungHistory));
+    if (any_of(filtered & young)) {
       const Surroundings<Lanes> around = surroundings<Lanes>(x, y);
-      const LaneMask young = n < Lanes(static_cast<float>(kYoungHistory));
-      valid = filtered & ((!young) | (around.count > Lanes(0.0f)));
+      valid = filtered & ((!young) | (around.count > zero));
       variance = select(young, young_variance(around, n), variance);
       shown = select(filtered & (n < Lanes(1.0f)), {around.light[0], around.light[1], around.light[2]}, shown);
     }
-    store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(valid, Lanes(1.0f), Lanes(0.0f)));
+    const Triple<Lanes> none = triple_of<Lanes>(Vec3(0));
+    store_lanes(features.at(place_of(AtrousPlane::valid), x, y), select(valid, Lanes(1.0f), zero));
     store_lanes(features.at(place_of(AtrousPlane::inverse_footprint), x, y),
-                select(filtered & (footprint > Lanes(0.0f)), 1.0f / footprint, Lanes(0.0f)));
-    put(features, place_of(AtrousPlane::normal_x), x, y, vector_at<Lanes>(normal, pixel));
-    put(features, place_of(AtrousPlane::position_x), x, y, vector_at<Lanes>(position, pixel));
-    put(planes, 0, x, y, shown);
-    store_lanes(planes.at(kAtrousVariance, x, y), select(filtered, variance, Lanes(0.0f)));
+                select(filtered & (footprint > zero), 1.0f / footprint, zero));
+    put(features, place_of(AtrousPlane::normal_x), x, y, select(filtered, vector_at<Lanes>(normal, pixel), none));
+    put(features, place_of(AtrousPlane::position_x), x, y, select(filtered, vector_at<Lanes>(position, pixel), none));
+    store_lanes(planes.at(kAtrousVariance, x, y), select(filtered, variance, zero));
   }
 
   static void put(const AtrousImage& image, uint32_t first, uint32_t x, uint32_t y, const Triple<Lanes>& v) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -165,12 +166,15 @@ TEST(Svgf, PreparesLanesLikeSinglePixels) {
     wall.light[i] *= Rgb(1, 2, 3);
     if (i % 11 == 0) wall.albedo[i] = Rgb(0);
     if (i % 17 == 0) wall.albedo[i] = Rgb(0, 0.5f * kLeastAlbedo, kLeastAlbedo);
+    if (i / kWidth == 12) wall.albedo[i] = Rgb(0);
   }
+  const std::vector<float> unwritten(wall.features.size(), -7.0f);
+  wall.features = unwritten;
+  std::copy_n(unwritten.begin(), wall.planes.size(), wall.planes.begin());
   wall.prepare();
-  const std::vector<float> features = wall.features;
+  const std::vector<float> features = std::exchange(wall.features, unwritten);
   const std::vector<float> planes = wall.planes;
-  std::fill(wall.features.begin(), wall.features.end(), 0.0f);
-  std::fill(wall.planes.begin(), wall.planes.end(), 0.0f);
+  std::copy_n(unwritten.begin(), wall.planes.size(), wall.planes.begin());
   const SvgfPrepareKernel kernel = wall.prepare_kernel();
   for (uint32_t y = 0; y < kHeight; y += kTileSize) {
     for (uint32_t x = 0; x < kWidth; x += kTileSize)
@@ -181,7 +185,7 @@ TEST(Svgf, PreparesLanesLikeSinglePixels) {
 }
 
 /// Samples and histories of a wall that moves by `by` pixels per frame. In parts of it, the surface changes, is
-/// background, or has no samples.
+/// background, or has no samples. One corner is black, and was before.
 struct MovingWall {
   explicit MovingWall(const Vec2& by) : motion(kPixels, by) {
     std::mt19937 generator(5);
@@ -204,8 +208,15 @@ struct MovingWall {
       if (y % 9 == 7 && x % 16 == 5) normal_before[i] = Vec3(1, 0, 0);
       if (y % 9 == 8 && x % 16 == 5) position_before[i].z = 1;
       if (y % 9 == 6) motion[i] += Vec2(uniform(generator), 0);
+      if (is_unlit(x, y)) {
+        albedo[i] = Rgb(0);
+        count_before[i] = 0;
+        motion[i] = by;
+      }
     }
   }
+
+  static bool is_unlit(uint32_t x, uint32_t y) { return x > 50 && y < 22; }
 
   SvgfAccumulateKernel kernel() {
     SvgfAccumulateKernel kernel;
@@ -246,7 +257,8 @@ struct MovingWall {
 };
 
 TEST(Svgf, AccumulatesLanesLikeSinglePixels) {
-  for (const Vec2& motion : {Vec2(0), Vec2(3, -2), Vec2(-0.25f, 0), Vec2(1.3f, 2.6f), Vec2(-65504)}) {
+  for (const Vec2& motion :
+       {Vec2(0), Vec2(3, -2), Vec2(-0.25f, 0), Vec2(1.3f, 2.6f), Vec2(-0.7f, 0.3f), Vec2(-65504)}) {
     for (const bool sparse : {false, true}) {
       SCOPED_TRACE(::testing::Message() << motion.x << " " << motion.y << (sparse ? ", half of the pixels" : ""));
       MovingWall single(motion);
@@ -269,6 +281,8 @@ TEST(Svgf, AccumulatesLanesLikeSinglePixels) {
       EXPECT_EQ(single.count, tiles.count);
       RowHistory row;
       EXPECT_EQ(many.history.accumulate(32, 18, row), std::fabs(motion.x) < 4) << "a row on the wall";
+      EXPECT_TRUE(many.history.accumulate(64, 8, row)) << "a row without light";
+      EXPECT_EQ(tiles.count[8 * kWidth + 64], 0u);
     }
   }
 }
