@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/measure/parts.h"
+#include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 #include "files/json_parse.h"
 #include "settings/settings_json.h"
