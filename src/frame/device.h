@@ -25,7 +25,7 @@ struct DeviceLaunch {
   std::string_view name;    ///< of the launch, for messages
   std::string_view kernel;  ///< the C++ type, as kernel_type_name() writes it: "relume::FillElementsKernel<float>"
   uint32_t threads = 0;     ///< of a group, for group kernels; 0: a pass kernel, with one thread per element
-  std::span<const std::byte> argument = {};  ///< the kernel; at most 4 KiB
+  std::span<const std::byte> argument = {};  ///< the kernel, with zeroed padding; at most 4 KiB
   Tile window = {};                          ///< at least one element
   /// Whether the device may keep the launch, and begin it together with later ones: once it gets one without this mark,
   /// has enough of them, or anyone waits for launches or accesses its memory.

@@ -188,15 +188,23 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
-/// Reports a kernel to the backend's hook, with zeroed padding. Devices take kernels as they are: GCC 12 zeroes bytes
-/// of members, too, in some large types.
-template <LaunchableKernel K>
-[[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
+/// Calls use(bytes) with a copy of `kernel` with zeroed padding: equal kernels then have equal bytes. Arrays of
+/// structures must be the last members of a kernel, because GCC 12 misplaces the padding behind them.
+template <LaunchableKernel K, typename Use>
+void with_argument(const K& kernel, const Use& use) {
   K argument = kernel;
 #if __has_builtin(__builtin_clear_padding)
   __builtin_clear_padding(&argument);
 #endif
-  backend.report({LaunchEvent::Kind::kernel, name, std::as_bytes(std::span(&argument, 1))});
+  use(std::as_bytes(std::span(&argument, 1)));
+}
+
+/// Reports a kernel to the backend's hook.
+template <LaunchableKernel K>
+[[gnu::cold, gnu::noinline]] void report_kernel(const Backend& backend, std::string_view name, const K& kernel) {
+  with_argument(kernel, [&](std::span<const std::byte> argument) {
+    backend.report({LaunchEvent::Kind::kernel, name, argument});
+  });
 }
 
 /// launch() for backends with a device.
@@ -205,8 +213,11 @@ template <LaunchableKernel K>
                                                    const Tile& window, const std::stop_token& stop) {
   uint32_t threads = 0;
   if constexpr (GroupKernel<K>) threads = K::kThreads;
-  const std::span<const std::byte> argument = std::as_bytes(std::span(&kernel, 1));
-  return backend.launch_on_device({name, kernel_type_name<K>(), threads, argument, window}, stop);
+  bool complete = false;
+  with_argument(kernel, [&](std::span<const std::byte> argument) {
+    complete = backend.launch_on_device({name, kernel_type_name<K>(), threads, argument, window}, stop);
+  });
+  return complete;
 }
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then

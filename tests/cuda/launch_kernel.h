@@ -15,9 +15,13 @@ namespace relume::cuda::testing {
 template <typename Kernel>
 void queue(Device& device, const Kernel& kernel, const Tile& window, std::string_view name = "test",
            bool may_wait = false) {
+  Kernel argument = kernel;
+#if __has_builtin(__builtin_clear_padding)
+  __builtin_clear_padding(&argument);
+#endif
   uint32_t threads = 0;
   if constexpr (GroupKernel<Kernel>) threads = Kernel::kThreads;
-  device.launch({name, kernel_type_name<Kernel>(), threads, std::as_bytes(std::span(&kernel, 1)), window, may_wait});
+  device.launch({name, kernel_type_name<Kernel>(), threads, std::as_bytes(std::span(&argument, 1)), window, may_wait});
 }
 
 /// Queues a kernel that the device may keep.

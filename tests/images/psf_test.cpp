@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "builtin_scenes/builtin.h"
 #include "relume/lab/metrics.h"
@@ -52,23 +54,35 @@ double mean_right(const Image& image, int first, int last) {
 
 class Caches : public ::testing::TestWithParam<CacheChoice> {};
 
-TEST_P(Caches, LightStaysWithinACellOfAWall) {
-  for (const bool jitter : {false, true}) {
-    RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 128, 128);
-    s.psf.grid.cell_size = 8;  // 1/8 metre
-    s.psf.grid.jitter = jitter;
-    Session session(divided_floor(), s);
-    for (int frame = 0; frame < 6; ++frame) {
-      session.render_frame();
-      const Image image = session.image();
-      const double lit = mean_right(image, -16, 0);
-      EXPECT_GT(lit, 0.1);
-      // Jitter moves both points by up to half a cell: light reaches two cells far, but is faint.
-      EXPECT_EQ(mean_right(image, jitter ? 16 : 8, 64), 0.0) << jitter << " " << frame;
-      if (jitter) {
-        EXPECT_LT(mean_right(image, 8, 16), 0.02 * lit) << frame;
-      }
+/// `reach`: of light behind the wall, in pixels.
+void expect_light_near_wall(const RenderSettings& settings, int reach) {
+  Session session(divided_floor(), settings);
+  for (int frame = 0; frame < 6; ++frame) {
+    session.render_frame();
+    const Image image = session.image();
+    const double lit = mean_right(image, -16, 0);
+    EXPECT_GT(lit, 0.1);
+    EXPECT_EQ(mean_right(image, reach, 64), 0.0) << frame;
+    if (reach > 8) {
+      EXPECT_LT(mean_right(image, 8, reach), 0.02 * lit) << frame;
     }
+  }
+}
+
+TEST_P(Caches, LightStaysNearAWall) {
+  // Cells of 8 pixels, 1/8 metre. Jitter moves both points by up to half a cell. A point nearer than half a cell to the
+  // next one pools it if its own cell has few samples.
+  const std::tuple<UndersampledCells, bool, int> list[] = {{UndersampledCells::keep, false, 8},
+                                                           {UndersampledCells::keep, true, 16},
+                                                           {UndersampledCells::neighbours, false, 12},
+                                                           {UndersampledCells::neighbours, true, 20}};
+  for (const auto& [undersampled_cells, jitter, reach] : list) {
+    SCOPED_TRACE(reach);
+    RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 128, 128);
+    s.psf.grid.cell_size = 8;
+    s.psf.grid.undersampled_cells = undersampled_cells;
+    s.psf.grid.jitter = jitter;
+    expect_light_near_wall(s, reach);
   }
 }
 
@@ -112,25 +126,32 @@ TEST_P(Caches, LightReachesFurtherAtGrazingAnglesButFaintly) {
   EXPECT_EQ(bands[3], 0.0);
 }
 
-TEST_P(Caches, NeighboursAndACoarserLevelLeakOneCellFurther) {
+TEST_P(Caches, NeighboursLeakOneCellAtGrazingAngles) {
   constexpr int kCell = 8;  // as above
   RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 256, 64);
   s.psf.grid.cell_size = 10;
-  s.psf.grid.undersampled_cells = UndersampledCells::neighbours_coarser;
-  Session session(grazed_floor(6), s);
-  double lit = 0;
-  double third = 0;
-  constexpr int kFrames = 16;
-  for (int frame = 0; frame < kFrames; ++frame) {
-    session.render_frame();
-    const Image image = session.image();
-    lit += mean_right(image, -16, 0) / kFrames;
-    third += mean_right(image, 2 * kCell, 3 * kCell) / kFrames;
-    // Both points move by up to half a cell, and a coarser cell is two cells wide.
-    EXPECT_EQ(mean_right(image, 3 * kCell, 128), 0.0) << frame;
+  // Both points move by up to half a cell. A neighbour adds half a cell, and a coarser cell is two cells wide.
+  for (const auto& [undersampled_cells, reach] :
+       {std::pair(UndersampledCells::neighbours, 5 * kCell / 2), {UndersampledCells::neighbours_coarser, 3 * kCell}}) {
+    SCOPED_TRACE(reach);
+    s.psf.grid.undersampled_cells = undersampled_cells;
+    Session session(grazed_floor(6), s);
+    double lit = 0;
+    double second = 0;
+    double third = 0;
+    constexpr int kFrames = 16;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      session.render_frame();
+      const Image image = session.image();
+      lit += mean_right(image, -16, 0) / kFrames;
+      second += mean_right(image, kCell, 2 * kCell) / kFrames;
+      third += mean_right(image, 2 * kCell, 3 * kCell) / kFrames;
+      EXPECT_EQ(mean_right(image, reach, 128), 0.0) << frame;
+    }
+    EXPECT_GT(lit, 0.05);
+    EXPECT_LT(second, 0.01 * lit);
+    EXPECT_LT(third, 0.0005 * lit);
   }
-  EXPECT_GT(lit, 0.05);
-  EXPECT_LT(third, 0.0005 * lit);
 }
 
 /// Mean squared error within `reach` pixels of the middle.

@@ -15,15 +15,16 @@ struct PathNeighbours : ReuseNeighbours {
 
 struct PathSpatialKernel {
   PathShifter shifter;
-  PairSearch pairs;                                     ///< of neighbours; only its search unless `reciprocal`
-  View<const PairedPath> paired[kMostReuseNeighbours];  ///< results of PathPairKernel; empty: shifts are repeated here
-  View<const PathReservoir> reservoirs;                 ///< before this kernel
+  PairSearch pairs;                      ///< of neighbours; only its search unless `reciprocal`
+  View<const PathReservoir> reservoirs;  ///< before this kernel
   View<const ReceiverRecord> records;
   View<PathReservoir> history;  ///< for the next frame
   ReuseImage image;
   PathCorrection correction = PathCorrection::exact;
   bool reciprocal = false;  ///< whether neighbours come in pairs
   bool feeds_back = true;   ///< whether the history is the result of this kernel
+  /// Results of PathPairKernel; empty: shifts are repeated here.
+  View<const PairedPath> paired[kMostReuseNeighbours];
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * shifter.width + x;
