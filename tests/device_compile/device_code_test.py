@@ -13,6 +13,7 @@ import unittest
 FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
 
+from device_module import device_module
 from emitter import external_functions, opcode_counts, translate
 from kernel_names import compiled_kernels, launched_kernels, symbols_of
 from parser import parse
@@ -37,8 +38,7 @@ class DeviceCode(unittest.TestCase):
     maxDiff = None
     @classmethod
     def setUpClass(cls):
-        path = os.environ["RELUME_PTX"]
-        cls.module = parse(pathlib.Path(path).read_text(encoding="utf-8"), path)
+        cls.module = device_module()
         cls.entries = [f for f in cls.module.functions if f.entry]
 
     def test_every_launched_kernel_has_an_entry(self):

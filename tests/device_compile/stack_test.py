@@ -16,6 +16,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
 
 from assembler_report import Usage, parse_report, spilling, table
+from device_module import device_module, device_text
 from parser import parse
 from split_ptx import split
 from stack_sizes import stack_sizes
@@ -175,9 +176,8 @@ class Stack(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        path = os.environ["RELUME_PTX"]
-        cls.text = pathlib.Path(path).read_text(encoding="utf-8")
-        chains = stack_sizes(parse(cls.text, path))
+        cls.text = device_text()
+        chains = stack_sizes(device_module())
         cls.kernels = dict(zip(chains, demangled(chains)))
         cls.chains = chains
 

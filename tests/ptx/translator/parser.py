@@ -1,6 +1,7 @@
 """Parses the subset of PTX that clang writes: PTX ISA, chapters 4 (syntax), 5 (state spaces), 7 (functions) and 11
 (directives)."""
 
+import gc
 import re
 
 from errors import PtxError
@@ -303,4 +304,10 @@ class Parser:
 
 def parse(text, file):
     """The module in `text`. Raises PtxError with `file` and the line."""
-    return Parser(text, file).module()
+    collects = gc.isenabled()
+    gc.disable()  # the tokens and the module have no cycles, but collections would visit their millions of objects
+    try:
+        return Parser(text, file).module()
+    finally:
+        if collects:
+            gc.enable()

@@ -30,10 +30,9 @@ def tokens(text, file):
     found = []
     line = 1
     position = 0
-    while position < len(text):
-        match = TOKEN.match(text, position)
-        if match is None:
-            raise PtxError(file, line, f"unexpected character {text[position]!r}")
+    for match in TOKEN.finditer(text):
+        if match.start() > position:
+            break
         kind = match.lastgroup
         if kind == "newline":
             line += 1
@@ -42,5 +41,7 @@ def tokens(text, file):
         elif kind != "space":
             found.append(Token(kind, match[0], line))
         position = match.end()
+    if position < len(text):
+        raise PtxError(file, line, f"unexpected character {text[position]!r}")
     found.append(Token("end", "the end of the file", line))
     return found
