@@ -58,10 +58,10 @@ class Images(RanksTest):
         stats = json.loads((self.folder / "s.json").read_text())
         self.assertEqual(stats["stopped_by"], "time")
         self.assertGreater(stats["samples_per_pixel"], 0)
-        self.succeed_on_ranks(2, *look, "--spp", "0", "--error", "0.05")
+        self.succeed_on_ranks(2, *look, "--spp", "0", "--error", "0.1")
         stats = json.loads((self.folder / "s.json").read_text())
         self.assertEqual(stats["stopped_by"], "error")
-        self.assertLessEqual(stats["estimated_error"], 0.05)
+        self.assertLessEqual(stats["estimated_error"], 0.1)
 
     def test_techniques_that_learn_are_independent_renders(self):
         self.succeed_on_ranks(2, "render", "cornell", *SMALL, "--lights", "vlc", "--spp", "64", "-o", "out.exr", "--resume", "out.ckpt")
