@@ -228,16 +228,16 @@ class Stopping(StoppingTest):
 
     def test_kill_and_resume_a_sequence(self):
         # The history continues between images, so that every later image depends on the checkpoint.
-        arguments = ["render", "turntable", "--width", "96", "--height", "54", "--frames", "0-5", "--spp", "24", "--history", "reproject"]
+        arguments = ["render", "turntable", "--width", "96", "--height", "54", "--frames", "0-3", "--spp", "24", "--history", "reproject"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)
-        self.wait_for(self.folder / "a.0002.exr", process)
+        self.wait_for(self.folder / "a.0001.exr", process)
         process.kill()
         process.communicate(timeout=60)
         done = self.succeed(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
-        self.assertRegex(done.stderr, r"continues from a.ckpt at \d+ samples per pixel of frame [1-5]")
+        self.assertRegex(done.stderr, r"continues from a.ckpt at \d+ samples per pixel of frame [1-3]")
         self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
-        for frame in range(6):
+        for frame in range(4):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
 
     def test_a_checkpoint_of_another_range_leaves_nothing_out(self):
@@ -259,7 +259,7 @@ class Stopping(StoppingTest):
 
     def test_kill_and_resume_a_sequence_at_rest(self):
         # No change marks the start of an image, so that the checkpoint must store it.
-        arguments = ["render", *ROOM, "--frames", "0-3", "--spp", "24", "--history", "reproject", "--allocation", "adaptive"]
+        arguments = ["render", *ROOM, "--frames", "0-2", "--spp", "24", "--history", "reproject", "--allocation", "adaptive"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)
         self.wait_for(self.folder / "a.0001.exr", process)
@@ -268,7 +268,7 @@ class Stopping(StoppingTest):
         process.communicate(timeout=60)
         self.succeed(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
         self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
-        for frame in range(4):
+        for frame in range(3):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
 
 
