@@ -149,11 +149,13 @@ class Fit:
         cells = [c for c in self.cells if c.ranks == PREDICTED_RANKS]
         predictions = [self.seconds(c, self.values) for c in cells]
         gradients = [self.gradient(c, self.values) for c in cells]
+        count = len(self.fitted)
+        columns = [self.change(self.jacobian, [float(i == k) for i in range(count)], 0.0) for k in range(count)]
         shifts, times, errors = [], [[] for _ in cells], [[] for _ in cells]
         for _ in range(RESAMPLES):
             chosen = [random_numbers.randrange(repetitions) for _ in range(repetitions)]
             moved = [1 - sum(c.seconds[i] for i in chosen) / len(chosen) / c.mean for c in self.fitted]
-            shift = self.change(self.jacobian, moved, 0.0)
+            shift = [sum(steps) for steps in zip(*([step * m for step in column] for column, m in zip(columns, moved)))]  # linear in `moved`
             shifts.append(shift)
             for k, cell in enumerate(cells):
                 time = predictions[k] + cell.mean * sum(g * d for g, d in zip(gradients[k], shift))
