@@ -11,6 +11,7 @@ import re
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import house
 
@@ -202,6 +203,13 @@ class Fits(unittest.TestCase):
 
 
 class Page(unittest.TestCase):
+    """With fewer simulations: house.scaling makes the whole page."""
+
+    def setUp(self):
+        fewer = unittest.mock.patch.multiple(page, PLOTTED=page.PLOTTED[:2], SENSITIVE_RANKS=8)
+        fewer.start()
+        self.addCleanup(fewer.stop)
+
     def test_says_that_no_measurement_is_stored(self):
         text, plot = page.page(None)
         self.assertIn("No measurement is stored yet.", text)
