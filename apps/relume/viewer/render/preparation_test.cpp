@@ -14,13 +14,13 @@ namespace {
 
 using testing::Stage;
 
-/// Selects settings whose first frame needs minutes of preparation: 3 billion rays. Each part of 4,096 rays of a cell
-/// is a task, and a stopped launch still visits all of its 800,000 tasks. More rays would only add tasks.
+/// Selects settings whose first frame needs a minute or more of preparation: 800 million rays. Each part of 4,096 rays
+/// of a cell is a task, and a stopped launch still visits all of its 200,000 tasks. More rays would only add tasks.
 void prepare_long(Stage& stage) {
   stage.resolution_policy.preparation_s = 0;
   stage.settings[0].render.lights = LightSelectionChoice::static_lists;
   stage.settings[0].render.static_lists.rays = 1 << 15;
-  stage.settings[0].render.static_lists.cell_size = 0.02f;
+  stage.settings[0].render.static_lists.cell_size = 0.04f;
 }
 
 /// Processor time, since other programs may delay this one; full preparation takes longer on any machine.

@@ -65,7 +65,7 @@ TEST(RenderThread, SlowChangesAreNotRest) {
   std::vector<Material> materials = stage.document.outline().materials;
   stage.post();
   ASSERT_TRUE(stage.next());
-  const uint64_t enough = stage.thread.frame(0)->serial + 5;
+  const uint64_t enough = stage.thread.frame(0)->serial + 3;
   for (int i = 0; i < kPatience_ms / 3 && stage.thread.frame(0)->serial <= enough; ++i) {
     for (size_t k = 0; k < materials.size(); ++k) {
       materials[k].emission = Rgb(1.0f + static_cast<float>(i));
