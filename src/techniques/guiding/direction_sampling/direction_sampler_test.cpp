@@ -30,7 +30,7 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   const Guide stratified(kBsdfFraction, true);
   // Integrating leaf edges exactly would dominate the run time. An error of a fraction of a sample per part of a bin is
   // far below the noise of its 156 samples.
-  constexpr int kDepth = 7;
+  constexpr int kDepth = 6;
   constexpr int kLeast = 2;
   constexpr double kTolerance = 0.1 / kMixtureSamples;
   constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, of which quadrature misses small parts

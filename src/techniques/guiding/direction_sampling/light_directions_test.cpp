@@ -19,7 +19,7 @@ using testing::numbers;
 
 /// The density integrates to one: the histogram has the rejected directions and those of delta lobes as one more bin.
 TEST(LightDirections, FollowTheDensityOfTheMixture) {
-  constexpr int kDepth = 7;
+  constexpr int kDepth = 6;
   constexpr int kLeast = 2;
   constexpr double kTolerance = 0.1 / kMixtureSamples;
   constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins

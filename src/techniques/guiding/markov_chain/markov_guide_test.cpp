@@ -105,8 +105,9 @@ TEST(MarkovGuide, SamplesOfLobesFollowTheirDensity) {
 }
 
 TEST(MarkovGuide, SamplesFollowTheDensityOfTheMixtureWithTheBsdf) {
-  constexpr uint32_t kSamples = 40000;
-  constexpr int kBins = 16;
+  // A bin has 139 samples on average. Integrating the density takes most of the time, which grows with the bins.
+  constexpr uint32_t kSamples = 20000;
+  constexpr int kBins = 12;
   constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, of which quadrature misses small parts
   for (const testing::BsdfCase& c : materials()) {
     const SurfacePoint sp = make_point(c);
@@ -130,7 +131,7 @@ TEST(MarkovGuide, SamplesFollowTheDensityOfTheMixtureWithTheBsdf) {
       const BsdfEval e = eval_pdf(sp, w);
       return is_black(e.f) || e.pdf_forward <= 0.0f ? 0.0 : double{directions.pdf(sp, w, e)};
     };
-    const auto expected = testing::Histogram::integrals(chart.density(pdf), kBins, 0.1 / kSamples, 7, 2);
+    const auto expected = testing::Histogram::integrals(chart.density(pdf), kBins, 0.1 / kSamples, 6, 2);
     EXPECT_GT(histogram.test_against(expected, kMaxStrays).p_value, testing::significance()) << c.name;
   }
 }
