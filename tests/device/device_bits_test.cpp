@@ -30,6 +30,9 @@ struct BitsCase {
 
 void PrintTo(const BitsCase& tested, std::ostream* out) { *out << tested.name(); }
 
+/// The fewest pixels of four tiles: an emulated pixel takes longer than one of the host.
+constexpr ImageSize kFourTiles{17, 17};
+
 class DeviceBits : public ::testing::TestWithParam<BitsCase> {};
 TEST_P(DeviceBits, EqualThoseOfTheHost) {
   const std::vector<DeterminismCheck>& techniques = technique_checks().determinism;
@@ -44,7 +47,7 @@ std::vector<BitsCase> quick_cases() {
   constexpr size_t kParts = 4;
   std::vector<BitsCase> list;
   for (size_t part = 0; part < kParts; ++part)
-    list.push_back({find_builtin_scene("cornell-glass"), kQuickSize, part, kParts});
+    list.push_back({find_builtin_scene("cornell-glass"), kFourTiles, part, kParts});
   return list;
 }
 
