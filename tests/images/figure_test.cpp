@@ -23,7 +23,7 @@ constexpr int kWidth = 96;
 constexpr int kHeight = 64;
 constexpr int kFrames = 10;
 constexpr int kFirstCompared = 6;
-constexpr int kSeeds = 6;
+constexpr int kSeeds = 4;
 constexpr float kFps = 24;
 
 constexpr float kSwing_rad = 0.6f;  // per second
