@@ -136,8 +136,9 @@ Differences compare_everywhere(int width, int height, uint32_t images, bool robu
   Differences found;
   for (const BuiltinScene& builtin : builtin_scenes()) {
     SCOPED_TRACE(builtin.name);
-    CompiledScene by_embree(builtin.build(), {.width = width, .height = height});
-    CompiledScene by_bvh(builtin.build(), {.width = width, .height = height, .accel = AccelChoice::bvh});
+    const Scene scene = builtin.build();
+    CompiledScene by_embree(scene, {.width = width, .height = height});
+    CompiledScene by_bvh(scene, {.width = width, .height = height, .accel = AccelChoice::bvh});
     for (uint32_t image = 0; image < images; ++image) {
       const SceneRays rays = testing::scene_rays(by_embree, width, height, image);
       const std::unique_ptr<AccelStructure> other = robust ? robust_embree(by_embree.view()) : nullptr;
