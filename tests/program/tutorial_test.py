@@ -22,8 +22,9 @@ def commands():
 
 
 def smaller(script):
-    """A quarter of every width and height, and a tenth of every time."""
+    """A quarter of every width and height, an eighth of a reference's samples, and a tenth of every time."""
     script = re.sub(r"(--width|--height) (\d+)", lambda m: f"{m[1]} {int(m[2]) // 4}", script)
+    script = re.sub(r"--reference-spp (\d+)", lambda m: f"--reference-spp {int(m[1]) // 8}", script)
     return re.sub(r"(--time|--budget) (\d+)s", lambda m: f"{m[1]} {int(m[2]) / 10}s", script)
 
 
