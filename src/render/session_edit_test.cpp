@@ -76,10 +76,10 @@ TEST(SessionEdit, ShowsAddedMovedAndRemovedNodes) {
 }
 
 TEST(SessionEdit, EveryTechniqueSupportsEdits) {
-  for (const char* json :
-       {R"({"cache": "apsf+apg"})", R"({"lights": "vlc", "guide": "cdq"})", R"({"lights": "static-lists"})",
-        R"({"lights": "neeat"})", R"({"history": "reproject", "allocation": "adaptive"})", R"({"denoise": "bmfr"})",
-        R"({"estimator": "bdpt"})"}) {
+  for (const char* json : {R"({"cache": "apsf+apg"})", R"({"lights": "vlc", "guide": "cdq"})",
+                           R"({"lights": "static-lists", "static-lists.rays": 64})", R"({"lights": "neeat"})",
+                           R"({"history": "reproject", "allocation": "adaptive"})", R"({"denoise": "bmfr"})",
+                           R"({"estimator": "bdpt"})"}) {
     Settings settings = small_settings();
     settings.apply_json(json, json);
     Session session(find_builtin_scene("cornell")->build(), settings);

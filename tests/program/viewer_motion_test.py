@@ -53,7 +53,7 @@ class Camera(Viewer):
 
     def test_a_held_key_flies_no_further_than_frames_show(self):
         # Slow frames, each limited to a step of 0.15 s.
-        script = "pace off\nset width 900\nset height 700\nset max-bounces 12\nframes 1\nreport\nkey w 60\nreport\nframes 1\nreport\nseconds 1\nreport\n"
+        script = "pace off\nset width 700\nset height 500\nset max-bounces 12\nframes 1\nreport\nkey w 60\nreport\nframes 1\nreport\nseconds 1\nreport\n"
         start, held, shown, later, _ = self.view("cornell", script)
         flown = length([a - b for a, b in zip(start["eye"], held["eye"])])
         steps = held["frames"] - start["frames"] + 1
