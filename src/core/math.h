@@ -49,7 +49,7 @@ RELUME_HD inline float cos(float x) {
   return cosine;
 }
 
-/// e^x within 1 ulp.
+/// e^x within 1.05 ulp.
 RELUME_HD inline float exp(float x) {
   using namespace detail;
   if (is_nan(x)) return not_a_number();

@@ -81,7 +81,7 @@ double exact_power(double x) {
 const BoundedError kErrors[] = {
     {"sin", math::sin, std::sin, 1.5},
     {"cos", math::cos, std::cos, 1.5},
-    {"exp", math::exp, std::exp, 1.0},
+    {"exp", math::exp, std::exp, 1.05},
     {"log", math::log, std::log, 1.0},
     {"log2", math::log2, std::log2, 1.0},
     {"exp2", math::exp2, std::exp2, 0.51},
