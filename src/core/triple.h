@@ -36,6 +36,11 @@ RELUME_HD inline Triple<T> select(const MaskOf<T>& condition, const Triple<T>& y
   return {select(condition, yes.x, no.x), select(condition, yes.y, no.y), select(condition, yes.z, no.z)};
 }
 
+/// Product by component.
+template <typename T>
+RELUME_HD inline Triple<T> product_of(const Triple<T>& a, const Triple<T>& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 /// By component, as glm::min() and glm::max().
 template <typename T>
 RELUME_HD inline Triple<T> min_of(const Triple<T>& a, const Triple<T>& b) {

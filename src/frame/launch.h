@@ -188,8 +188,9 @@ bool launch_tiles(Backend& backend, std::string_view name, const Work& work, con
   return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
 }
 
-/// Calls use(bytes) with a copy of `kernel` with zeroed padding: equal kernels then have equal bytes. Arrays of
-/// structures must be the last members of a kernel, because GCC 12 misplaces the padding behind them.
+/// Calls use(bytes) with a copy of `kernel` with zeroed padding: equal kernels then have equal bytes. Long
+/// arrays of structures must be the last members of a kernel: GCC 12 misplaces the padding behind eight elements,
+/// though not behind two.
 template <LaunchableKernel K, typename Use>
 void with_argument(const K& kernel, const Use& use) {
   K argument = kernel;

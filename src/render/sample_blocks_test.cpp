@@ -10,18 +10,15 @@
 #include "render/sample_parts.h"
 #include "render/session.h"
 #include "render/summed_layers.h"
+#include "render/testing/summing_settings.h"
 
 namespace relume {
 namespace {
 
 constexpr size_t kPixels = size_t{16} * 12;
 
-RenderSettings summing_settings() {
-  RenderSettings settings;
-  settings.width = 16;
-  settings.height = 12;
-  settings.threads = 1;
-  settings.samples.sums = true;
+RenderSettings settings_with_layers() {
+  RenderSettings settings = testing::summing_settings();
   settings.auxiliary = true;
   return settings;
 }
@@ -50,9 +47,9 @@ void expect_same_image(const Session& a, const Session& b) {
 }
 
 TEST(SampleBlocks, OfOneSessionInAnyOrderAreOneRender) {
-  Session whole = cornell(summing_settings());
+  Session whole = cornell(settings_with_layers());
   render(whole, 40);
-  Session parts = cornell(summing_settings());
+  Session parts = cornell(settings_with_layers());
   std::vector<PixelSums> total(kPixels);
   const auto add = [&](uint32_t first, int frames) {
     begin_samples(parts, first);
@@ -76,12 +73,12 @@ TEST(SampleBlocks, OfOneSessionInAnyOrderAreOneRender) {
 TEST(SampleBlocks, AreOneRenderForAllTechniquesThatDoNotAdapt) {
   std::vector<RenderSettings> list;
   for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm}) {
-    list.push_back(summing_settings());
+    list.push_back(settings_with_layers());
     list.back().estimator = estimator;
   }
-  list.push_back(summing_settings());
+  list.push_back(settings_with_layers());
   list.back().reuse = ReuseChoice::ris;
-  list.push_back(summing_settings());
+  list.push_back(settings_with_layers());
   list.back().stratify = false;
   for (const RenderSettings& settings : list) {
     SCOPED_TRACE(&settings - list.data());
@@ -102,9 +99,9 @@ TEST(SampleBlocks, AreOneRenderForAllTechniquesThatDoNotAdapt) {
 }
 
 TEST(SampleBlocks, ContinueAfterTheirSumsAreTaken) {
-  Session whole = cornell(summing_settings());
+  Session whole = cornell(settings_with_layers());
   render(whole, 32);
-  Session parts = cornell(summing_settings());
+  Session parts = cornell(settings_with_layers());
   std::vector<PixelSums> total(kPixels);
   begin_samples(parts, 0);
   for (int i = 0; i < 2; ++i) {
@@ -117,7 +114,7 @@ TEST(SampleBlocks, ContinueAfterTheirSumsAreTaken) {
 }
 
 TEST(SampleBlocks, TheErrorOfSumsIsThatOfTheSession) {
-  Session session = cornell(summing_settings());
+  Session session = cornell(settings_with_layers());
   render(session, 32);
   const double expected = session.estimated_error();
   std::vector<PixelSums> sums(kPixels);

@@ -12,18 +12,12 @@
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "render/summed_layers.h"
+#include "render/testing/summing_settings.h"
 
 namespace relume {
 namespace {
 
-RenderSettings summing_settings() {
-  RenderSettings settings;
-  settings.width = 16;
-  settings.height = 12;
-  settings.threads = 1;
-  settings.samples.sums = true;
-  return settings;
-}
+using testing::summing_settings;
 
 Session cornell(const RenderSettings& settings) { return Session(find_builtin_scene("cornell")->build(), settings); }
 

@@ -58,7 +58,7 @@ class SampleWorker {
 
   /// Renders deals until no work is left.
   void run();
-  /// Number of deals whose cancelling it remembers.
+  /// Number of cancelled deals in the list.
   size_t cancelled_deals() const;
 
  private:
@@ -80,7 +80,7 @@ class SampleWorker {
   bool any_ = false;                  ///< whether a frame is complete: the first one ignores the time
   double render_s_ = 0;
   double reported_s_ = 0;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::stop_source stop_;
   uint32_t current_ = 0;          ///< id of the deal in progress; 0: none
   std::set<uint32_t> cancelled_;  ///< deals that were cancelled before they began, or after they ended

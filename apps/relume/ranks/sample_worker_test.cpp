@@ -8,21 +8,13 @@
 
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
+#include "render/testing/summing_settings.h"
 
 namespace relume::ranks {
 namespace {
 
-RenderSettings small_sums() {
-  RenderSettings settings;
-  settings.width = 16;
-  settings.height = 12;
-  settings.threads = 1;
-  settings.samples.sums = true;
-  return settings;
-}
-
 /// A worker whose coordinator is the test.
-class SampleWorkerTest : public testing::Test {
+class SampleWorkerTest : public ::testing::Test {
  protected:
   void deal(uint32_t id) {
     const SampleWork work{id, 0, 1, std::numeric_limits<double>::infinity()};
@@ -47,7 +39,7 @@ class SampleWorkerTest : public testing::Test {
   void TearDown() override { link_.send(0, MessageKind::finish); }
 
   RankLink link_;
-  Session session_{find_builtin_scene("cornell")->build(), small_sums()};
+  Session session_{find_builtin_scene("cornell")->build(), testing::summing_settings()};
   SampleWorker worker_{session_, link_};
   std::jthread thread_;
 };

@@ -14,8 +14,8 @@ namespace {
 
 using testing::Stage;
 
-/// Selects settings whose first frame needs a minute or more of preparation: 800 million rays. Each part of 4,096 rays
-/// of a cell is a task, and a stopped launch still visits all of its 200,000 tasks. More rays would only add tasks.
+/// Selects settings whose first frame needs far more preparation than the tests wait for. Each part of 4,096 rays of a
+/// cell is a task, and a stopped launch still visits all of its tasks. More rays would only add tasks.
 void prepare_long(Stage& stage) {
   stage.resolution_policy.preparation_s = 0;
   stage.settings[0].render.lights = LightSelectionChoice::static_lists;

@@ -51,16 +51,11 @@ struct SurfaceLight {
     const Triple<Lanes> reflected = vector_at<Lanes>(albedo, pixel);
     const Triple<Lanes> emitted = vector_at<Lanes>(emission, pixel);
     const Triple<Lanes> sample = vector_at<Lanes>(radiance, pixel);
-    Triple<Lanes> surface = emitted + product(reflected, light);
+    Triple<Lanes> surface = emitted + product_of(reflected, light);
     if (!caustics.empty()) surface = surface + vector_at<Lanes>(caustics, pixel);
     const Triple<Lanes> black = triple_of<Lanes>(Vec3(0));
     return select<Lanes>(is_filtered(reflected), max_of(surface, black),
                          select(is_usable(pixel, sample), sample, emitted));
-  }
-
-  /// By component.
-  RELUME_HD_INLINE static Triple<Lanes> product(const Triple<Lanes>& a, const Triple<Lanes>& b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
   }
 
  private:
@@ -93,7 +88,7 @@ struct SplitLight {
   /// The same for kLanes pixels, from `pixel` on; black in those that do not reflect.
   RELUME_HD_INLINE Triple<Lanes> specular_part(uint32_t pixel, const Triple<Lanes>& light) const {
     const Triple<Lanes> black = triple_of<Lanes>(Vec3(0));
-    const Triple<Lanes> reflected = SurfaceLight::product(vector_at<Lanes>(specular_albedo, pixel), light);
+    const Triple<Lanes> reflected = product_of(vector_at<Lanes>(specular_albedo, pixel), light);
     return select(reflecting(pixel), max_of(reflected, black), black);
   }
 
