@@ -10,6 +10,7 @@
 
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
+#include "experiments/measure/guiding_contenders.h"
 #include "experiments/measure/learning_modes.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/setup/guiding_scenes.h"
@@ -31,109 +32,23 @@ struct SceneResult {
   ImageSet images;
 };
 
-/// A guided contender: its index in the errors, and the labels of its claims.
-struct Guided {
-  size_t contender;
-  const char* name;
-  const char* suffix;  ///< suffix of claims
-  const char* source;
-};
-constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
-                              {2, "cdq, lasting quadtrees", "-lasting", kOurs}};
-
-/// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
-constexpr size_t kSampled = 3;
-
-/// Markov chains, which account for parallax, because their targets are points [Alber25]. They cannot be combined with
-/// the visibility light cache. In scenes that use the cache, the light tree replaces it, also for BSDF sampling.
-constexpr const char* kChains = "mcpg";
-
-/// Settings measured besides BSDF sampling, the paper's and lasting quadtrees, and Markov chains.
-enum class Extent {
-  guided,      ///< none
-  departures,  ///< single departures from both; none in a quick run
-  modes,       ///< the paper's with each mode, and both with all modes
-};
-
-/// Adds the modes whose defaults are open.
-void add_modes(const ExperimentContext& context, const RenderSettings& paper, const RenderSettings& lasting,
-               std::vector<NamedSettings>& list) {
-  const auto add = [&](const RenderSettings& base, const char* name, const LearningMode& mode) {
-    list.push_back({with_mode(name, mode), base});
-    mode.apply(list.back().settings);
-  };
-  for (const LearningMode& mode : modes_to_measure(context, guiding_modes())) add(paper, kGuided[0].name, mode);
-  add(lasting, kGuided[1].name, guiding_modes().back());
-}
-
-/// Adds Markov chains and, if they need another light selection than the scene's, BSDF sampling with it.
-void add_chains(RenderSettings settings, std::vector<NamedSettings>& list) {
-  std::string name = kChains;
-  if (settings.lights == LightSelectionChoice::vlc) {
-    settings.lights = LightSelectionChoice::light_tree;
-    list.push_back({"BSDF, light tree", settings});
-    name += ", light tree";
-  }
-  settings.guide = GuideChoice::mcpg;
-  list.push_back({std::move(name), settings});
-}
-
-/// Contenders: the BSDF, the paper's settings and lasting quadtrees. Next event estimation of the environment is added
-/// if the scene disables it. Markov chains and the `extent` follow.
-std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
-  RenderSettings settings = scene.settings;
-  set_size_and_device(context, settings, scene.scale);
-  std::vector<NamedSettings> list{{"BSDF", settings}};
-  RenderSettings sampled = settings;
-  sampled.light_selection.environment = true;
-  RenderSettings paper = settings;
-  paper.guide = GuideChoice::cdq;
-  RenderSettings lasting = paper;
-  use_lasting_quadtrees(lasting);
-  const auto add = [&](const RenderSettings& base, std::string name, const auto& change) {
-    RenderSettings s = base;
-    change(s);
-    list.push_back({std::move(name), s});
-  };
-  list.push_back({kGuided[0].name, paper});
-  list.push_back({kGuided[1].name, lasting});
-  if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
-  add_chains(settings, list);
-  if (extent == Extent::modes) add_modes(context, paper, lasting, list);
-  if (extent != Extent::departures || context.quick) return list;
-  for (const int migrations : {4, 16})
-    add(paper, fmt::format("{} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
-  add(paper, "stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
-  add(paper, "jitter", [](RenderSettings& s) { s.octree.jitter = 1; });
-  add(paper, "a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add(paper, "a memory of 8 frames", [](RenderSettings& s) { s.cdq.memory = 8; });
-  add(paper, "spread to leaves around", [](RenderSettings& s) { s.cdq.spread = 1; });
-  for (const int bits : {32, 64, 96}) {
-    add(paper, fmt::format("{} bits", bits),
-        [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
-  }
-  add(lasting, "lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add(lasting, "lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
-  add(lasting, "lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
-  return list;
-}
-
-SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
-  const Reference reference = make_reference(context, plainly_sampled(scene), learning_reference_spp(context));
+SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, GuidingExtent extent) {
+  const int spp = learning_reference_spp(context, scene.scale);
+  const Reference reference = make_reference(context, plainly_sampled(scene), spp);
   SceneResult result{scene.name, {surfaces_of(context, scene)}, {}, {}};
   if (scene.name.starts_with("mine")) {
     ExperimentScene direct = plainly_sampled(scene);
     direct.settings.path.max_bounces = 1;
-    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(512, 16)).image,
+    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(64, 16)).image,
                                   result.regions.front());
   }
-  result.errors = measure_adapted(context, scene, contenders(context, scene, extent), reference, result.regions,
-                                  adapted_options(context));
+  result.errors = measure_adapted(context, scene, guiding_contenders(context, scene, extent), reference, result.regions,
+                                  adapted_options(context, scene.scale));
   result.images = adapted_images(scene.name, result.errors, reference.image);
   return result;
 }
 
-Ratio gain(const SceneResult& scene, const Guided& guided, size_t region) {
+Ratio gain(const SceneResult& scene, const GuidedContender& guided, size_t region) {
   return error_ratio(scene.errors[0].mse[region], scene.errors[guided.contender].mse[region]);
 }
 
@@ -164,14 +79,14 @@ TableBlock table(const SceneResult& scene) {
   return block;
 }
 
-void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guided& guided,
+void claim_mine(const SceneResult& paper, const SceneResult& sampled, const GuidedContender& guided,
                 std::vector<Claim>& claims) {
   const Ratio sun = gain(paper, guided, 1);
   const Ratio spot = gain(paper, guided, 2);
   const std::string measured =
       fmt::format("sun {}, spot {}; sampling the sun itself {} and {}", to_text(sun), to_text(spot),
-                  to_text(error_ratio(paper.errors[0].mse[1], paper.errors[kSampled].mse[1])),
-                  to_text(error_ratio(paper.errors[0].mse[2], paper.errors[kSampled].mse[2])));
+                  to_text(error_ratio(paper.errors[0].mse[1], paper.errors[kEnvironmentSampled].mse[1])),
+                  to_text(error_ratio(paper.errors[0].mse[2], paper.errors[kEnvironmentSampled].mse[2])));
   claims.push_back(
       judged_ratios(fmt::format("mine-orders{}", guided.suffix), guided.source,
                     fmt::format("Where the sun and its spot light the mine, guiding ({}) has two to three orders of "
@@ -203,7 +118,8 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
 
 /// The warehouse has the paper's uniform light. For the cover (§7.1) and the turntable (§7.3), the paper claims an
 /// improvement.
-void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guided, std::vector<Claim>& claims) {
+void claim_elsewhere(const std::vector<SceneResult>& scenes, const GuidedContender& guided,
+                     std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;
   std::string measured;
   for (const SceneResult& scene : scenes) {
@@ -244,7 +160,7 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 size_t region_of(const SceneResult& scene) { return scene.regions.size() > 1 ? 1 : 0; }
 
 /// Claims that quadtrees, which ignore the parallax within a leaf, have no more error than Markov chains.
-void claim_parallax(const std::vector<SceneResult>& scenes, const Guided& guided, std::vector<Claim>& claims) {
+void claim_parallax(const std::vector<SceneResult>& scenes, const GuidedContender& guided, std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;
   std::string measured;
   for (const SceneResult& scene : scenes) {
@@ -264,8 +180,9 @@ void claim_few_directions(const std::vector<SceneResult>& scenes, std::vector<Cl
   for (const SceneResult& scene : scenes) {
     const bool mine = scene.regions.size() > 1;
     const double least = mine ? 25 : scene.name == "skylight" ? 2.3 : 1;
-    const std::string id = mine ? scene.name : scene.name == "skylight" ? "skylight" : "skylight-small";
-    for (const Guided& guided : kGuided) {
+    std::string id = scene.name;
+    if (const size_t comma = id.find(", "); comma != std::string::npos) id.replace(comma, 2, "-");
+    for (const GuidedContender& guided : kGuided) {
       const auto add = [&](const std::string& contender, const std::string& suffix) {
         const Ratio ratio = error_ratio(scene.errors[0].mse[region_of(scene)],
                                         named(scene.errors, "contender", contender).mse[region_of(scene)]);
@@ -293,14 +210,14 @@ std::vector<ModeGain> gains_of(const std::vector<SceneResult>& scenes, const Lea
   return gains;
 }
 
-/// Claims that decide the modes' defaults, and that guiding with all of them does no harm where light is uniform.
-void claim_modes(const ExperimentContext& context, const std::vector<SceneResult>& few,
+/// Claims that decide the modes' defaults by their gains in small images, and that guiding with all of them does no
+/// harm where light is uniform.
+void claim_modes(const ExperimentContext& context, const std::vector<SceneResult>& small,
                  const std::vector<SceneResult>& others, std::vector<Claim>& claims) {
-  for (const LearningMode& mode : modes_to_measure(context, guiding_modes())) {
-    claim_gain("mode", mode, kGuided[0].name, "where light comes from few directions", gains_of(few, mode), claims);
-    claim_harmless("mode", mode, kGuided[0].name, gains_of(others, mode), claims);
-  }
-  for (const Guided& guided : kGuided) {
+  for (const LearningMode& mode : modes_to_measure(context, guiding_modes()))
+    claim_gain("mode", mode, kGuided[0].name, "where light comes from few directions", gains_of(small, mode), claims);
+  claim_harmless("mode", guiding_modes().back(), kGuided[0].name, gains_of(others, guiding_modes().back()), claims);
+  for (const GuidedContender& guided : kGuided) {
     const std::string name = with_mode(guided.name, guiding_modes().back());
     std::vector<Ratio> ratios;
     std::string measured;
@@ -314,16 +231,27 @@ void claim_modes(const ExperimentContext& context, const std::vector<SceneResult
   }
 }
 
-/// Scenes with light from few directions, for the modes.
-std::vector<SceneResult> measure_few_directions(const ExperimentContext& context) {
-  std::vector<ExperimentScene> scenes{built_in_mine("mine-sun-5"), skylight(", small", 1)};
-  if (!context.quick) {
-    scenes.push_back(built_in_mine("mine-sun-1"));
-    scenes.push_back(skylight("", kMineScale));
+/// Scenes with light from few directions.
+struct FewDirections {
+  std::vector<SceneResult> small;  ///< with each mode
+  std::vector<SceneResult> large;  ///< with all modes; none in a quick run
+
+  std::vector<SceneResult> all() const {
+    std::vector<SceneResult> scenes = small;
+    scenes.insert(scenes.end(), large.begin(), large.end());
+    return scenes;
   }
-  std::vector<SceneResult> results;
-  for (const ExperimentScene& scene : scenes) results.push_back(measure(context, scene, Extent::modes));
-  return results;
+};
+
+FewDirections measure_few_directions(const ExperimentContext& context) {
+  FewDirections few;
+  for (const ExperimentScene& scene : {built_in_mine("mine-sun-5", ", small", 1), skylight(", small", 1)})
+    few.small.push_back(measure(context, scene, GuidingExtent::each_mode));
+  if (context.quick) return few;
+  for (const ExperimentScene& scene : {skylight("", kMineScale), built_in_mine("mine-sun-5", "", kLargeScale),
+                                       built_in_mine("mine-sun-1", "", kLargeScale)})
+    few.large.push_back(measure(context, scene, GuidingExtent::all_modes));
+  return few;
 }
 
 std::vector<SceneResult> measure_others(const ExperimentContext& context) {
@@ -333,42 +261,41 @@ std::vector<SceneResult> measure_others(const ExperimentContext& context) {
   for (const char* name : names) {
     ExperimentScene scene = learning_scene(name);
     scene.settings.lights = LightSelectionChoice::vlc;
-    results.push_back(measure(context, scene, Extent::modes));
+    results.push_back(measure(context, scene, GuidingExtent::all_modes));
   }
   if (const std::optional<ExperimentScene> hall = sponza_with_lamps(context))
-    results.push_back(measure(context, *hall, Extent::modes));
+    results.push_back(measure(context, *hall, GuidingExtent::all_modes));
   return results;
 }
 
 ExperimentResult run_guiding(const ExperimentContext& context) {
   const SceneResult paper_result =
-      measure(context, mine("mine, environment not sampled", false, kMineScale), Extent::guided);
+      measure(context, mine("mine, environment not sampled", false, kMineScale), GuidingExtent::guided);
   const SceneResult sampled_result =
-      measure(context, mine("mine, environment sampled", true, kMineScale), Extent::guided);
+      measure(context, mine("mine, environment sampled", true, kMineScale), GuidingExtent::guided);
   // A quick run has no departures, and only small images.
   const SceneResult departures =
-      context.quick ? paper_result
-                    : measure(context, mine("mine, environment not sampled, small", false, 1), Extent::departures);
-  const std::vector<SceneResult> few = measure_few_directions(context);
-  std::vector<SceneResult> suns;
-  if (context.quick) suns.push_back(few.front());
-  for (const float degrees : {5.0f, 2.5f}) {
-    if (!context.quick) suns.push_back(measure(context, mine_with_sun(degrees), Extent::guided));
-  }
+      context.quick
+          ? paper_result
+          : measure(context, mine("mine, environment not sampled, small", false, 1), GuidingExtent::departures);
+  const FewDirections few = measure_few_directions(context);
+  std::vector<SceneResult> suns{few.small.front()};
+  if (!context.quick) suns.push_back(measure(context, mine_with_sun(2.5f), GuidingExtent::guided));
   const std::vector<SceneResult> others = measure_others(context);
 
   ExperimentResult result;
-  for (const Guided& guided : kGuided) {
+  for (const GuidedContender& guided : kGuided) {
     claim_mine(paper_result, sampled_result, guided, result.claims);
     claim_elsewhere(others, guided, result.claims);
-    claim_parallax(few, guided, result.claims);
+    claim_parallax(few.all(), guided, result.claims);
   }
   claim_suns(departures, suns, result.claims);
-  claim_few_directions(few, result.claims);
-  claim_modes(context, few, others, result.claims);
+  claim_few_directions(few.all(), result.claims);
+  claim_modes(context, few.small, others, result.claims);
   std::vector<SceneResult> all{paper_result, sampled_result, departures};
-  if (!context.quick) all.insert(all.end(), suns.begin(), suns.end());
-  all.insert(all.end(), few.begin(), few.end());
+  all.insert(all.end(), suns.begin() + 1, suns.end());
+  all.insert(all.end(), few.small.begin(), few.small.end());
+  all.insert(all.end(), few.large.begin(), few.large.end());
   all.insert(all.end(), others.begin(), others.end());
   std::vector<ImageSet> images;
   for (const SceneResult& scene : all) images.push_back(scene.images);
@@ -378,8 +305,11 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   result.setup = adapted_setup(context);
   if (!context.quick) {
     result.setup.emplace_back(
-        "Mine",
-        fmt::format("{} times as large along each edge, except for departures and the small images", kMineScale));
+        "Larger images",
+        fmt::format("mine and skylight {0}×{0} times as many pixels, except for departures and images called small: "
+                    "references of 192 samples, three sessions of 64 frames to adapt and 32 measured. mine-sun-5 and "
+                    "mine-sun-1 {1}×{1} times as many: 64 samples, two sessions of 24 frames and 8",
+                    kMineScale, kLargeScale));
   }
   result.setup.emplace_back("Regions",
                             "sun: direct light above a tenth of its 99.5th percentile; spot: more than half of the "

@@ -144,7 +144,9 @@ ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError
   return measured_set(label, reference, images, {.values = false});
 }
 
-AdaptedOptions adapted_options(const ExperimentContext& context) {
+AdaptedOptions adapted_options(const ExperimentContext& context, int scale) {
+  if (!context.quick && scale >= 5) return {.warm_up = 24, .frames = 8, .sessions = 2, .block = 4};
+  if (!context.quick && scale > 1) return {.warm_up = 64, .frames = 32, .sessions = 3, .block = 16};
   return {.warm_up = context.choose(128, 8),
           .frames = context.choose(64, 4),
           .sessions = context.choose(4, 2),

@@ -61,8 +61,9 @@ Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t regi
 /// Reference and last frame of each contender.
 ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
 
-/// 128 warm-up frames and 64 measured ones in four sessions; fewer in a quick run.
-AdaptedOptions adapted_options(const ExperimentContext& context);
+/// 128 warm-up frames and 64 measured ones in four sessions; fewer in a quick run. Images of a larger `scale`
+/// (ExperimentScene) have fewer frames, because techniques learn from more samples in each.
+AdaptedOptions adapted_options(const ExperimentContext& context, int scale = 1);
 /// Protocol of experiments with measure_adapted() and adapted_options().
 std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context);
 

@@ -17,10 +17,11 @@ ExperimentScene mine(std::string name, bool environment, int scale) {
   return scene;
 }
 
-ExperimentScene built_in_mine(const char* name) {
+ExperimentScene built_in_mine(const char* name, const char* suffix, int scale) {
   ExperimentScene scene = learning_scene(name);
+  scene.name += suffix;
   scene.settings.light_selection.environment = false;
-  scene.scale = kMineScale;
+  scene.scale = scale;
   return scene;
 }
 

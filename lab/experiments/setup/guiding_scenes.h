@@ -13,8 +13,11 @@ inline constexpr int kMineScale = 3;
 /// The built-in mine; `environment`: whether next event estimation samples the environment.
 ExperimentScene mine(std::string name, bool environment, int scale);
 
-/// A built-in mine with a smaller sun, large enough that regions have the paper's number of samples.
-ExperimentScene built_in_mine(const char* name);
+/// Image scale of the size at which guiding has to gain the most, 1344×756 pixels.
+inline constexpr int kLargeScale = 7;
+
+/// A built-in mine with a smaller sun, whose light is not sampled. `suffix`: end of its name.
+ExperimentScene built_in_mine(const char* name, const char* suffix, int scale);
 
 /// The room with holes in its ceiling, with the environment sampled. `suffix`: end of its name.
 ExperimentScene skylight(const char* suffix, int scale);

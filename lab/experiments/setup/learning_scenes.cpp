@@ -99,7 +99,9 @@ void use_paper_cache(RenderSettings& settings) {
   settings.vlc.memory = 0;
 }
 
-int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 16); }
+int learning_reference_spp(const ExperimentContext& context, int scale) {
+  return context.choose(scale >= 5 ? 64 : scale > 1 ? 192 : 512, 16);
+}
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
   return {{"Size", size_text(context)},

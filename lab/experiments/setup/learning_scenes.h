@@ -32,8 +32,8 @@ void use_lasting_quadtrees(RenderSettings& settings);
 /// exploration, which weighs changed lights by the amount of the change.
 void use_paper_cache(RenderSettings& settings);
 
-/// Samples per pixel of references in learning experiments.
-int learning_reference_spp(const ExperimentContext& context);
+/// Samples per pixel of references in learning experiments; fewer at a large image `scale` (ExperimentScene).
+int learning_reference_spp(const ExperimentContext& context, int scale = 1);
 /// Common conditions of these experiments, for ExperimentResult::setup.
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context);
 
