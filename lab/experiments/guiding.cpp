@@ -307,7 +307,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
     result.setup.emplace_back(
         "Larger images",
         fmt::format("mine and skylight {0}×{0} times as many pixels, except for departures and images called small: "
-                    "references of 192 samples, three sessions of 64 frames to adapt and 32 measured. mine-sun-5 and "
+                    "references of 192 samples, two sessions of 48 frames to adapt and 16 measured. mine-sun-5 and "
                     "mine-sun-1 {1}×{1} times as many: 64 samples, two sessions of 24 frames and 8",
                     kMineScale, kLargeScale));
   }
