@@ -34,6 +34,8 @@ UNDONE_SUFFIXES = house.CODE_SUFFIXES + (".cmake", ".txt", ".py", ".js", ".md", 
 
 CITATION = re.compile(r"\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))[^\]\w][^\]]*\]|\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))\]")
 
+# What ends a statement or a scope, and the text between.
+TOKEN = re.compile(r"[{};:]|[^{};:]+")
 CONTAINER = re.compile(r"\b(?:namespace|class|struct|union|enum|extern)\b(?!.*\)\s*(?:const|noexcept|override|final|\s)*$)", re.DOTALL)
 
 
@@ -68,12 +70,12 @@ def functions(text):
     """(name, first line, number of lines) of every function in C++ text. Raises ValueError if braces do not match."""
     text = re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", lambda m: "\n" * m[0].count("\n"), house.without_comments(text), flags=re.MULTILINE)
     found, stack, head, line, head_line = [], [], "", 1, 1
-    for c in text:
-        if c == "{":
+    for token in TOKEN.findall(text):
+        if token == "{":
             kind = scope_kind(head, stack)
             stack.append((kind, head, head_line))
             head = "" if kind != "part" else head + "{"
-        elif c == "}":
+        elif token == "}":
             if not stack:
                 raise ValueError(f"line {line}: closing brace without an opening one")
             kind, opened_head, opened_line = stack.pop()
@@ -81,12 +83,14 @@ def functions(text):
             if kind == "function":
                 name = re.search(r"([\w~]+|operator\W+)\s*\(", without_template(opened_head))
                 found.append((name[1] if name else "?", opened_line, line - opened_line + 1))
-        elif (c == ";" and head.count("(") <= head.count(")")) or (c == ":" and head in ("public", "private", "protected")):
+        elif (token == ";" and head.count("(") <= head.count(")")) or (token == ":" and head in ("public", "private", "protected")):
             head = ""
-        elif head or not c.isspace():
-            head_line = line if not head else head_line
-            head += c
-        line += c == "\n"
+        elif head:
+            head += token
+        else:
+            head = token.lstrip()
+            head_line = line + token.count("\n", 0, len(token) - len(head))
+        line += token.count("\n")
     if stack:
         raise ValueError(f"line {stack[-1][2]}: opening brace without a closing one")
     return found

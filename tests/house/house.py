@@ -1,5 +1,6 @@
 """Shared by the house checks: the files of the repository, and C++ text without comments and strings."""
 
+import functools
 import pathlib
 import re
 import subprocess
@@ -41,6 +42,7 @@ def code_files(root):
     return [p for p in files(root) if p.suffix in CODE_SUFFIXES and p.relative_to(root).parts[0] in CODE_FOLDERS]
 
 
+@functools.lru_cache(maxsize=4)  # several checks of the same file
 def without_comments(text, keep_strings=False):
     """`text` with comments blanked and, unless kept, literals emptied; line numbers stay."""
 
