@@ -53,6 +53,14 @@ Brightness brightness(const RenderSettings& settings, int seeds) {
   return {mean(means), standard_deviation(means) / std::sqrt(static_cast<double>(seeds))};
 }
 
+RenderSettings plain_settings() { return small_settings(24, 16); }
+
+/// Of path tracing, rendered once per process for all caches.
+const Brightness& plain_brightness() {
+  static const Brightness result = brightness(plain_settings(), 48);
+  return result;
+}
+
 class CachedLearning : public ::testing::TestWithParam<CacheChoice> {};
 
 /// The combination table tests the same with the default settings, while the camera moves.
@@ -60,10 +68,9 @@ TEST_P(CachedLearning, AllSettingsKeepTheMean) {
   if (is_host_replaced()) GTEST_SKIP() << kOnTheHost;
   const char* const names[] = {"none", "psf", "apsf", "apg", "apsf+apg"};
   const double bias = technique_checks().biases.at(std::string("cache=") + names[static_cast<int>(GetParam())]);
-  const RenderSettings plain = small_settings(24, 16);
-  RenderSettings settings = all_departures(plain);
+  RenderSettings settings = all_departures(plain_settings());
   settings.cache = GetParam();
-  const Brightness expected = brightness(plain, 48);
+  const Brightness& expected = plain_brightness();
   const Brightness found = brightness(settings, 32);
   const double error = std::hypot(found.error, expected.error) / expected.mean;
   EXPECT_LT(error, 0.01) << "too noisy to tell";

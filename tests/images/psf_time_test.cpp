@@ -129,8 +129,14 @@ BorderBound border_bound(CacheChoice cache) {
   }
 }
 
+/// Flicker of path tracing at borders, measured once per process.
+double plain_flicker() {
+  static const double flicker = walk(CacheChoice::none).near_borders;
+  return flicker;
+}
+
 void expect_borders_without_flicker(CacheChoice cache, bool disturbed) {
-  const double plain = walk(CacheChoice::none).near_borders;
+  const double plain = plain_flicker();
   const BorderBound bound = border_bound(cache);
   std::vector<double> ratios;
   for (int seed = 1; seed <= bound.walks; ++seed) {
