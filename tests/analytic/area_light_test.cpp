@@ -14,6 +14,13 @@ class AreaLight : public IrradianceTest {};
 INSTANTIATE_TEST_SUITE_P(Lights, AreaLight, kWays, way_name);
 INSTANTIATE_TEST_SUITE_P(SlowLights, AreaLight, kOtherWays, way_name);
 
+/// One lamp and nine thousand samples per pixel or more. Quick tests have both estimators, and a guide and a selection
+/// of lights that learn.
+class NoisyAreaLight : public IrradianceTest {};
+INSTANTIATE_TEST_SUITE_P(Lights, NoisyAreaLight, kWaysOfOneLight, way_name);
+INSTANTIATE_TEST_SUITE_P(SlowSelections, NoisyAreaLight, kOtherSelections, way_name);
+INSTANTIATE_TEST_SUITE_P(SlowLights, NoisyAreaLight, kOtherWays, way_name);
+
 /// Configuration factor of a parallel rectangle [0, x] × [0, y] at distance 1 above its corner (Howell's catalogue,
 /// B-4).
 double corner_factor(double x, double y) {
@@ -106,7 +113,7 @@ TEST_P(AreaLight, InstancedMirroredAndStretched) {
                     Rgb(static_cast<float>(mesh_irradiance(transformed(mesh, matrix), Vec3(0), {0, 0, 1}))), kOneLamp);
 }
 
-TEST_P(AreaLight, BlendedOccluderTransmitsItsShare) {
+TEST_P(NoisyAreaLight, BlendedOccluderTransmitsItsShare) {
   Scene scene = irradiance_meter();
   add(scene, ceiling(0.8f, 0.5f, 1), emitter("lamp", Rgb(1)));
   Material veil = matte("veil", Rgb(0));
@@ -168,7 +175,7 @@ TEST_P(AreaLight, Textured) {
   expect_irradiance(std::move(scene), {red, green, 0});
 }
 
-TEST_P(AreaLight, FinelyTextured) {  // finer than the ray cones of diffuse paths: filtering must keep the mean
+TEST_P(NoisyAreaLight, FinelyTextured) {  // finer than the ray cones of diffuse paths: filtering must keep the mean
   Scene scene = irradiance_meter();
   Material lamp = emitter("lamp", Rgb(1));
   lamp.emission_texture.texture = add_texture(scene, make_texture(64, 64, PixelFormat::rgba8_linear, [](int x, int y) {

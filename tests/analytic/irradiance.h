@@ -24,16 +24,16 @@ struct Way {
   ReuseChoice reuse = ReuseChoice::none;
 };
 
+inline const Way kUniform{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform};
 inline const Way kPower{"power"};
+inline const Way kLightTree{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree};
+inline const Way kLists{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2};
+inline const Way kNeeat{"neeat", EstimatorChoice::path, LightSelectionChoice::neeat, GuideChoice::bsdf, 8};
 inline const Way kVlcCdq{"vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8};
 inline const Way kBdpt{"bdpt", EstimatorChoice::bdpt};
+inline const Way kDeparts{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true};
 
-inline const auto kWays = ::testing::Values(
-    Way{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform}, kPower,
-    Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
-    Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
-    Way{"neeat", EstimatorChoice::path, LightSelectionChoice::neeat, GuideChoice::bsdf, 8}, kVlcCdq,
-    Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt);
+inline const auto kWays = ::testing::Values(kUniform, kPower, kLightTree, kLists, kNeeat, kVlcCdq, kDeparts, kBdpt);
 
 /// Parts of pairs above, and other pairs.
 inline const auto kOtherWays = ::testing::Values(
@@ -57,8 +57,9 @@ inline const auto kOtherWays = ::testing::Values(
     Way{"mcpg", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::mcpg, 8},
     Way{"mcls_mcpg", EstimatorChoice::path, LightSelectionChoice::mcls, GuideChoice::mcpg, 8});
 
-/// For scenes without light selection.
-inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);
+/// For scenes in which the selection of lights does not matter, and the others of kWays.
+inline const auto kWaysOfOneLight = ::testing::Values(kPower, kVlcCdq, kBdpt);
+inline const auto kOtherSelections = ::testing::Values(kUniform, kLightTree, kLists, kNeeat, kDeparts);
 
 inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 inline std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
@@ -85,6 +86,20 @@ inline void take(const Way& way, RenderSettings& settings) {
 
 class WayTest : public ::testing::TestWithParam<Way> {
  protected:
+  /// Whether tolerances are wide, because samples are independent.
+  static bool is_wide() { return GetParam().noise >= 8; }
+
+  /// Mean of `spp` samples per pixel. Of independent samples, only their number counts: wide ways render a quarter of
+  /// the frames with four times the pixels, since adaptation after each frame takes longer than a small image.
+  static Estimate estimated(Scene scene, RenderSettings settings, int spp) {
+    if (is_wide()) {
+      settings.width *= 2;
+      settings.height *= 2;
+      spp = std::max(spp / 4, 1);
+    }
+    return estimate_of(render(std::move(scene), settings, spp));
+  }
+
   static void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance) {
     support::expect_near(estimate, expected, tolerance * GetParam().noise);
   }
@@ -105,16 +120,9 @@ class IrradianceTest : public WayTest {
   /// times the technique's noise.
   void expect_irradiance(Scene scene, const Rgb& expected, const Samples& spp) const {
     RenderSettings settings = small_settings(12, 12);
-    int frames = samples(spp);
-    if (is_wide()) {
-      // Their samples are independent, so that only the number of all samples counts. Adaptation after each frame takes
-      // longer than the samples of 12 × 12 pixels.
-      settings.width = settings.height = 24;
-      frames = std::max(frames / 4, 1);
-    }
     take(GetParam(), settings);
     settings.path.max_bounces = 1;
-    Estimate e = estimate_of(render(std::move(scene), settings, frames));
+    Estimate e = estimated(std::move(scene), settings, samples(spp));
     e.mean *= kPi;
     e.standard_error *= kPi;
     expect_near(e, expected, 0.002);
@@ -128,7 +136,6 @@ class IrradianceTest : public WayTest {
   void expect_black(Scene scene) const { expect_irradiance(std::move(scene), Rgb(0), 256); }
 
  private:
-  static bool is_wide() { return GetParam().noise >= 8; }
   /// Per pixel of an image of 12 × 12 pixels.
   static int samples(const Samples& spp) {
     if (is_wide()) return spp.wide;

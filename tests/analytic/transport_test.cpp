@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(SlowLights, Transport, kOtherWays, way_name);
 
 /// Scenes without sampled lights.
 class Scattering : public Transport {};
-INSTANTIATE_TEST_SUITE_P(Lights, Scattering, kWaysWithoutLights, way_name);
+INSTANTIATE_TEST_SUITE_P(Lights, Scattering, kWaysOfOneLight, way_name);
 
 TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo, and nothing twice
   for (const float albedo : {0.3f, 1.0f}) {
@@ -37,7 +37,7 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo, and nothing t
     for (const auto& [max_bounces, roulette] : {std::pair(1, false), {8, false}, {8, true}}) {
       RenderSettings s = settings(max_bounces);
       s.path.russian_roulette = roulette;
-      expect_near(estimate_of(render(scene, s, 1024)), Vec3(1, 2, 3) * albedo, 0.001);
+      expect_near(estimated(scene, s, 1024), Vec3(1, 2, 3) * albedo, 0.001);
     }
   }
 }
@@ -64,7 +64,7 @@ TEST_P(Transport, ClosedFurnace) {
       RenderSettings s = settings(n, 12);
       s.path.russian_roulette = roulette;
       s.static_lists.cell_size = 0.5f;  // short lists, quick to build
-      expect_near(estimate_of(render(closed_sphere(kAlbedo), s, n == 0 ? 1 : samples)),
+      expect_near(estimated(closed_sphere(kAlbedo), s, n == 0 ? 1 : samples),
                   Vec3(1, 0.5f, 2) * static_cast<float>(expected), roulette ? 0.004 : 0.002);
     }
   }
@@ -117,7 +117,7 @@ TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
                                                {3, 0, 0}, {0, 0, 1});
   const Rgb direct(static_cast<float>(0.5 / M_PI * irradiance));
   for (const int max_bounces : {1, 2})  // the lamp reflects nothing
-    expect_near(estimate_of(render(scene, settings(max_bounces), 2048)), direct, 0.002);
+    expect_near(estimated(scene, settings(max_bounces), 2048), direct, 0.002);
   Scene lamp = scene;
   lamp.nodes.pop_back();
   add_spot_meter(lamp, {0.1f, 0, 1}, {0, 0, 1}, 0.5f);
@@ -200,9 +200,8 @@ TEST_P(Scattering, GlassAbsorbsByBeersLaw) {
         expected[c] =
             static_cast<float>(f + (1 - f) * (1 - f) * t / (1 - f * t));  // all internal reflections, on either side
       }
-      expect_near(estimate_of(render(glass_slab(glass("glass", ior, color, kDistance), kThickness, angle),
-                                     settings(200, 16), 512)),
-                  expected, 0.002);
+      const Scene slab = glass_slab(glass("glass", ior, color, kDistance), kThickness, angle);
+      expect_near(estimated(slab, settings(200, 16), 512), expected, 0.002);
     }
   }
 }
@@ -220,7 +219,7 @@ TEST_P(Scattering, ThinGlassTints) {
     set_constant_environment(scene, Rgb(1));
     add_spot_meter(scene, Vec3(0), {0, 0, -1}, 1);
     const float f = 0.04f * specular;  // Schlick at normal incidence
-    expect_near(estimate_of(render(scene, settings(4), 512)), Rgb(f) + tint * (1 - f), 0.002);
+    expect_near(estimated(scene, settings(4), 512), Rgb(f) + tint * (1 - f), 0.002);
   }
 }
 
@@ -232,7 +231,10 @@ TEST_P(Scattering, AlphaBlendMixes) {
   add(scene, quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), veil);
   set_constant_environment(scene, {1, 2, 3});
   add_spot_meter(scene, Vec3(0), {0, 0, -1}, 1);
-  expect_near(estimate_of(render(scene, settings(4, 32), 1536)), 0.25f * Rgb(4, 0.5f, 0) + 0.75f * Rgb(1, 2, 3), 0.002);
+  // The veil hides the environment or not: 1.6 million samples leave 0.06 % of red's mean, where 0.07 % is required,
+  // and a sixteenth of them 0.24 %, where wide tolerances require 0.53 %.
+  const int spp = is_wide() ? 96 : 1536;
+  expect_near(estimated(scene, settings(4, 32), spp), 0.25f * Rgb(4, 0.5f, 0) + 0.75f * Rgb(1, 2, 3), 0.002);
 }
 
 TEST_P(Scattering, AlphaMaskCutsOut) {
@@ -260,7 +262,7 @@ TEST_P(Scattering, ClearcoatReflectsOverBlack) {
     set_constant_environment(scene, Rgb(1));
     add_spot_meter(scene, Vec3(0), {-std::sin(angle), 0, -std::cos(angle)}, 1);
     const float schlick = 0.04f + 0.96f * std::pow(1 - std::cos(angle), 5.0f);
-    expect_near(estimate_of(render(scene, settings(2), 256)), Rgb(0.7f * schlick), 0.002);
+    expect_near(estimated(scene, settings(2), 256), Rgb(0.7f * schlick), 0.002);
   }
 }
 
