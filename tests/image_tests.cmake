@@ -15,13 +15,17 @@ function(relume_add_image_tests name)
   relume_list_suites(${name}_tests PREFIX ${name}. SLOW *Slow* OMIT *Shared* ALONE ${arg_ALONE} MOST ${arg_MOST} COST ${arg_COST})
 endfunction()
 
-# relume_share_processes(NAME SUITE COUNT property...): runs the tests Shared/SUITE or SharedSUITE of NAME_tests in
-# COUNT processes with a ctest each. References are rendered once per process.
-function(relume_share_processes name suite shards)
+# relume_share_processes(NAME SUITES COUNT property...): runs the tests Shared/SUITE or SharedSUITE of NAME_tests in
+# COUNT processes with a ctest each. References are rendered once per process. SUITES: one, or a list that shares
+# references; the first names the tests.
+function(relume_share_processes name suites shards)
+  list(GET suites 0 first)
+  list(TRANSFORM suites REPLACE "^(.+)$" "Shared/\\1.*:Shared\\1.*")
+  list(JOIN suites ":" filter)
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
-    set(test ${name}.${suite}_${shard})
-    add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=Shared/${suite}.*:Shared${suite}.*)
+    set(test ${name}.${first}_${shard})
+    add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=${filter})
     # Without this, a program without tests passes.
     set_tests_properties(${test} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}"
       FAIL_REGULAR_EXPRESSION "Running 0 tests" COST 50 ${ARGN})

@@ -40,6 +40,10 @@ constexpr int kSeedsWithFewerPaths = 16;
 /// Without next event estimation, kMostError would take 16 times the samples. Tests of Markov chain guiding compare its
 /// mean more closely.
 constexpr double kMostErrorWithoutNextEvents = 0.025;
+/// Largest standard errors of a preset in the quick tests. Combinations renders each of its choices alone.
+constexpr double kMostErrorOfAPreset = 0.01;
+constexpr double kMostErrorOfAPresetWithoutNextEvents = 0.05;
+constexpr int kSeedsOfAPreset = 16;
 
 const std::vector<Cell>& cells() {
   static const std::vector<Cell> list = distinct_cells(scaled(small_settings(kSize, kSize)));
@@ -226,8 +230,8 @@ TEST(CombinationTable, EveryCellIsComparedOnceOrRefused) {
 
 std::string text_of(RenderSettings settings) { return settings_to_json(describe(settings)); }
 
-/// Presets that are no cells of the table, which Combinations renders.
-TEST(SharedPresets, ShowTheRightMean) {
+/// Compares presets that are no cells of the table, which Combinations renders.
+void check_presets(double most_error, double most_error_without_next_events, int least_seeds) {
   std::set<std::string> compared;
   for (const Cell& cell : cells()) compared.insert(text_of(cell.settings));
   for (const Preset& preset : presets()) {
@@ -236,12 +240,16 @@ TEST(SharedPresets, ShowTheRightMean) {
     settings.render.threads = 1;
     settings.render = scaled(settings.render);
     if (!compared.insert(text_of(settings.render)).second) continue;
-    const double most_error = settings.render.mcpg.nee ? kMostError : kMostErrorWithoutNextEvents;
-    const Deviations deviations = deviations_of(settings.render, most_error);
-    EXPECT_EQ(problem_of(deviations, bias_of(settings.render), most_error), "") << preset.name;
+    const double error = settings.render.mcpg.nee ? most_error : most_error_without_next_events;
+    const Deviations deviations = deviations_of(settings.render, error, least_seeds);
+    EXPECT_EQ(problem_of(deviations, bias_of(settings.render), error), "") << preset.name;
   }
   EXPECT_GT(compared.size(), cells().size()) << "no preset was rendered";
 }
+TEST(SharedPresets, ShowTheRightMean) {
+  check_presets(kMostErrorOfAPreset, kMostErrorOfAPresetWithoutNextEvents, kSeedsOfAPreset);
+}
+TEST(SharedSlowPresets, ShowTheRightMean) { check_presets(kMostError, kMostErrorWithoutNextEvents, kSeeds); }
 
 TEST(CombinationTable, SlotsWithABiasedChoiceDeclareIt) {
   RenderSettings settings;

@@ -103,7 +103,6 @@ const Mean& reference(int max_bounces, ReferenceLength length) {
   switch (length) {
     case ReferenceLength::whole: found->second = mean_of_path_tracing(max_bounces, 256, is_default ? 32 : 12); break;
     case ReferenceLength::quarter: found->second = mean_of_path_tracing(max_bounces, 128, is_default ? 16 : 8); break;
-    case ReferenceLength::tenth: found->second = mean_of_path_tracing(max_bounces, 56, 12); break;
   }
   return found->second;
 }

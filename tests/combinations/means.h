@@ -25,8 +25,7 @@ struct Mean {
 /// Frames of a reference.
 enum class ReferenceLength {
   whole,    ///< for standard errors of a cell down to 0.25 %
-  quarter,  ///< for 0.5 %
-  tenth,    ///< for 1.5 %
+  quarter,  ///< for 0.5 % or more
 };
 
 /// Reference by number of bounces, measured once per process. Many cells have the default number, and single presets

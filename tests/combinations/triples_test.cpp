@@ -111,7 +111,7 @@ void expect_same_bits(const Triple& triple) {
 /// A few triples with as many different choices as possible, with lower precision.
 class Triples : public ::testing::TestWithParam<size_t> {};
 TEST_P(Triples, HaveTheCorrectMean) {
-  const Mean& truth = reference(RenderSettings{}.path.max_bounces, ReferenceLength::tenth);
+  const Mean& truth = reference(RenderSettings{}.path.max_bounces, ReferenceLength::quarter);
   expect_correct_mean(quick_triples()[GetParam()], truth, kMostQuickError, kQuickSeeds, sidak_limit<kQuickTriples>);
 }
 TEST_P(Triples, HaveTheSameBits) { expect_same_bits(quick_triples()[GetParam()]); }
