@@ -16,14 +16,21 @@ PAGE = (ROOT / "docs/embedding.md").read_text()
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(embedding LANGUAGES CXX)
 {package}
+# Compiles the headers once for all programs.
+file(WRITE ${{CMAKE_BINARY_DIR}}/headers.cpp "")
+add_library(headers OBJECT ${{CMAKE_BINARY_DIR}}/headers.cpp)
+target_link_libraries(headers PRIVATE relume::relume)
+target_precompile_headers(headers PRIVATE <relume/relume.h>)
 foreach(program {programs})
   add_executable(${{program}} ${{program}}.cpp)
   {link}
+  target_precompile_headers(${{program}} REUSE_FROM headers)
   add_executable(${{program}}_shared $<TARGET_OBJECTS:${{program}}>)
   target_link_libraries(${{program}}_shared PRIVATE relume::shared)
 endforeach()
 add_executable(measure measure.cpp)
 target_link_libraries(measure PRIVATE relume::lab)
+target_precompile_headers(measure REUSE_FROM headers)
 """
 
 
@@ -60,6 +67,7 @@ class Embedding(unittest.TestCase):
             project = folder / "project"
             project.mkdir()
             for program, text in programs.items():
+                self.assertIn("#include <relume/relume.h>", text, "which is precompiled here")
                 (project / f"{program}.cpp").write_text(text)
             linked = link.replace("program", "${program}")
             embedding = " ".join(sorted(programs.keys() - {"measure"}))
@@ -85,23 +93,24 @@ class Embedding(unittest.TestCase):
             def install(component):
                 self.succeed("cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", component)
 
-            def configure(build, components):
+            # One build folder, in which CMake tests the compiler once.
+            def configure(components):
                 (folder / "CMakeLists.txt").write_text(SINGLE.format(components=components, source=ROOT / "tests/package/main.cpp"))
-                code, output = run("cmake", "-S", folder, "-B", folder / build, *flags)
+                code, output = run("cmake", "-S", folder, "-B", folder / "build", *flags)
                 return code, " ".join(output.split())
 
             install("shared")
-            code, output = configure("build", "COMPONENTS shared")
+            code, output = configure("COMPONENTS shared")
             self.assertEqual(code, 0, output)
             self.succeed("cmake", "--build", folder / "build")
             self.succeed(folder / "build/single", cwd=folder)
-            code, output = configure("missing", "")
+            code, output = configure("")
             self.assertNotEqual(code, 0)
             self.assertIn("use find_package(relume COMPONENTS shared)", output)
             # The static library does need them, so the first program could fail.
             install("library")
             for components in ("", "COMPONENTS static", "COMPONENTS lab"):
-                code, output = configure("static", components)
+                code, output = configure(components)
                 self.assertNotEqual(code, 0, components)
                 self.assertIn("CMAKE_DISABLE_FIND_PACKAGE", output)
 
