@@ -63,8 +63,8 @@ INSTANTIATE_TEST_SUITE_P(Some, DeviceBits, ::testing::ValuesIn(quick_cases()), c
 INSTANTIATE_TEST_SUITE_P(SlowAll, DeviceBits, ::testing::ValuesIn(all_scenes()), case_name);
 
 /// Kernels also deform the mesh.
-TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) {
-  HostAndDevice sessions(testing::figure({.morphs = true}));
+void expect_equal_bits_of_motion(const ImageSize& size) {
+  HostAndDevice sessions(testing::figure({.morphs = true}), {&ptx::all_kernels}, size);
   for (const float time_s : {0.0f, 0.3f, 0.6f}) {
     for (Session* session : {&sessions.host(), &sessions.on_device()}) {
       session->set_time(time_s);
@@ -73,15 +73,19 @@ TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) {
     EXPECT_EQ(frame_hash(sessions.host()), frame_hash(sessions.on_device())) << time_s;
   }
 }
+TEST(DeviceBitsOfMotion, EqualThoseOfTheHost) { expect_equal_bits_of_motion(kFourTiles); }
+TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHost) { expect_equal_bits_of_motion({}); }
 
 /// Kernels also write the vertices at the keys of the shutter.
-TEST(DeviceBitsOfMotion, EqualThoseOfTheHostWithAnOpenShutter) {
-  HostAndDevice sessions(in_a_room(testing::figure({.morphs = true})));
+void expect_equal_bits_with_an_open_shutter(const ImageSize& size) {
+  HostAndDevice sessions(in_a_room(testing::figure({.morphs = true})), {&ptx::all_kernels}, size);
   for (const char* estimator : {"path", "bdpt", "light", "vcm"}) {
     const std::string json = R"({"shutter": 0.3, "shutter-keys": 5, "estimator": ")" + std::string(estimator) + "\"}";
     EXPECT_TRUE(sessions.agrees({.name = "motion blur", .json = json}, 0.15f)) << estimator;
   }
 }
+TEST(DeviceBitsOfMotion, EqualThoseOfTheHostWithAnOpenShutter) { expect_equal_bits_with_an_open_shutter(kFourTiles); }
+TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHostWithAnOpenShutter) { expect_equal_bits_with_an_open_shutter({}); }
 
 /// The same in every technique, while the camera moves, too.
 TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHostInEveryTechnique) {
@@ -95,8 +99,8 @@ TEST(SlowDeviceBitsOfMotion, EqualThoseOfTheHostInEveryTechnique) {
 TEST(DeviceBitsOfContractedCode, DifferFromTheHost) {
   const DeterminismCheck technique{.name = "reprojection", .json = R"({"history": "reproject"})"};
   const Scene scene = find_builtin_scene("cornell")->build();
-  EXPECT_TRUE(HostAndDevice(scene).agrees(technique));
-  EXPECT_FALSE(HostAndDevice(scene, {&ptx::contracted, &ptx::all_kernels}).agrees(technique));
+  EXPECT_TRUE(HostAndDevice(scene, {&ptx::all_kernels}, kFourTiles).agrees(technique));
+  EXPECT_FALSE(HostAndDevice(scene, {&ptx::contracted, &ptx::all_kernels}, kFourTiles).agrees(technique));
 }
 
 }  // namespace
