@@ -102,7 +102,7 @@ class Stopping(StoppingTest):
 
     def test_ignored_interrupts_stay_ignored(self):
         for number in (signal.SIGINT, signal.SIGTERM):
-            process = start("render", *ROOM, "--threads", "1", "-o", "out.exr", "--time", "3s", "--resume", f"{number}.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder, ignored=[number])
+            process = start("render", *ROOM, "--threads", "1", "-o", "out.exr", "--time", "1.5s", "--resume", f"{number}.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder, ignored=[number])
             self.addCleanup(process.kill)
             self.wait_for(self.folder / f"{number}.ckpt", process)
             process.send_signal(number)
