@@ -130,6 +130,12 @@ bool finish_image(const FrameContext& frame, PrimitiveScratch& scratch, const Im
     average.specular.motion = frame.read(kReflection.motion);
     average.specular.image = frame.write(buffers.specular.history);
   }
+  // A count of one may also mean that light has changed, or that the pixel got no sample in this frame.
+  const bool light_changes = includes(frame.changes, Change::geometry | Change::lights);
+  if (!light_changes && frame.read(kAllocation).empty()) {
+    average.samples = frame.read(buffers.samples);
+    if (!buffers.specular.samples.name.empty()) average.specular.samples = frame.read(buffers.specular.samples);
+  }
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;

@@ -15,7 +15,8 @@ struct SpecularImages {
   View<const Rgb> shown;
   View<const Rgb> before;
   View<const Vec2> motion;
-  View<Rgb> image;  ///< empty: not kept apart
+  View<Rgb> image;                    ///< empty: not kept apart
+  View<const uint32_t> samples = {};  ///< as in ImageHistoryKernel
 };
 
 /// Light with one motion: an image minus the parts that have another motion.
@@ -36,7 +37,7 @@ struct MovingLight {
 /// Where to interpolate the previous image for one pixel, or for kLanes pixels that were side by side there too.
 template <typename T>
 struct ImageOrigin {
-  bool known = false;   ///< false: the position is outside the image
+  bool known = false;   ///< false: outside the image, or hidden in the previous frame
   int x = 0;            ///< column of weights_x[1], for the first pixel
   int y = 0;            ///< row of weights_y[1]
   T weights_x[4] = {};  ///< weights of columns x − 1 … x + 2
@@ -47,7 +48,8 @@ struct ImageOrigin {
 /// growing weights. Unfiltered pixels, such as lamps and sky, and the part of a pixel that these cover, are averaged
 /// with equal weights: unequal ones would add noise at edges. With upscaling, the average of filtered images begins
 /// with the first frame after which every pixel has a sample. Where something moves, the previous image is looked up
-/// along the motion and clamped to the range of this frame's surrounding pixels.
+/// along the motion and clamped to the range of this frame's surrounding pixels. What has just come into view has no
+/// previous image. This frame's image, smoothed, takes its place: else small dark or bright surfaces would be dots.
 struct ImageHistoryKernel {
   View<const Rgb> shown;  ///< filtered image of this frame
   View<const Rgb> before;
@@ -60,6 +62,8 @@ struct ImageHistoryKernel {
   View<float> filtered_share;         ///< fraction of frames since then that filtered the pixel; updated
   View<Rgb> image;
   SpecularImages specular;
+  /// Sample count of each pixel's light, where 1 means no earlier samples; empty: does not tell that.
+  View<const uint32_t> samples;
   float newest = 1;       ///< weight of this frame where something moves; 1: discards earlier images
   uint32_t frames = 1;    ///< frames since the last change, including this one
   uint32_t averaged = 1;  ///< number of latest frames whose filtered images are averaged
@@ -142,8 +146,8 @@ struct ImageHistoryKernel {
     ImageOrigin<T> origin;
     ImageOrigin<T> specular_origin;
     if (edge && !kIsSingle<T>) return false;
-    if (!find(motion, x, y, origin)) return false;
-    if (apart() && !find(specular.motion, x, y, specular_origin)) return false;
+    if (!find(motion, samples, x, y, origin)) return false;
+    if (apart() && !find(specular.motion, specular.samples, x, y, specular_origin)) return false;
     MovingLight now{shown};
     MovingLight past{before};
     // The emission at edges is a mean of many rays, which a moved image would only blur.
@@ -189,8 +193,22 @@ struct ImageHistoryKernel {
     w[3] = (0.5f * t - 0.5f) * t * t;
   }
 
+  /// Whether the surfaces of a pixel and of most of the 3 × 3 pixels around have just come into view. A lone surface
+  /// without a history does not suffice: the image has one where a small window appears in a wall.
+  RELUME_HD bool is_new(const View<const uint32_t>& counts, uint32_t x, uint32_t y) const {
+    if (counts.empty() || counts[y * width + x] != 1) return false;
+    uint32_t fresh = 0;
+    for (int j = -1; j <= 1; ++j) {
+      const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
+      for (int i = -1; i <= 1; ++i) fresh += counts[row + inside(static_cast<int>(x) + i, width)] == 1 ? 1u : 0u;
+    }
+    return 2 * fresh > 9;
+  }
+
   /// Finds a pixel in the previous frame. Always returns true.
-  RELUME_HD bool find(const View<const Vec2>& by, uint32_t x, uint32_t y, ImageOrigin<float>& origin) const {
+  RELUME_HD bool find(const View<const Vec2>& by, const View<const uint32_t>& counts, uint32_t x, uint32_t y,
+                      ImageOrigin<float>& origin) const {
+    if (is_new(counts, x, y)) return true;
     const Vec2& way = by[y * width + x];
     const float fx = static_cast<float>(x) - way.x;
     const float fy = static_cast<float>(y) - way.y;
@@ -204,13 +222,17 @@ struct ImageHistoryKernel {
     return true;
   }
 
-  /// Finds kLanes pixels. Returns false if they were apart, or if columns around them, then or now, lie outside the
-  /// image.
-  RELUME_HD_INLINE bool find(const View<const Vec2>& by, uint32_t x, uint32_t y, ImageOrigin<Lanes>& origin) const {
+  /// Finds kLanes pixels. Returns false if they were apart, if one is new, or if columns around them, then or now, lie
+  /// outside the image.
+  RELUME_HD_INLINE bool find(const View<const Vec2>& by, const View<const uint32_t>& counts, uint32_t x, uint32_t y,
+                             ImageOrigin<Lanes>& origin) const {
     RowOrigin row;
     if (x == 0 || x + kLanes >= width || !find_row(by, width, x, y, row)) return false;
     if (row.x < 1 || row.x + static_cast<int>(kLanes) + 1 >= static_cast<int>(width)) return false;
     if (row.y < 0 || row.y + 1 >= static_cast<int>(height)) return false;
+    for (uint32_t k = 0; k < kLanes; ++k) {
+      if (is_new(counts, x + k, y)) return false;
+    }
     origin.known = true;
     origin.x = row.x;
     origin.y = row.y;
@@ -227,12 +249,13 @@ struct ImageHistoryKernel {
     return history + (now.at<T>(y * width + x) - history) * T(newest);
   }
 
-  /// Previous light at the origin, clamped to the range of this frame's light in the 3 × 3 pixels around (x, y).
+  /// Previous light at the origin, clamped to the range of this frame's light in the 3 × 3 pixels around (x, y). If it
+  /// is unknown, this frame's light there, smoothed.
   template <typename T>
   RELUME_HD_INLINE Triple<T> moved(uint32_t x, uint32_t y, const ImageOrigin<T>& origin, const MovingLight& now,
                                    const MovingLight& past) const {
+    if (!origin.known) return smoothed<T>(x, y, now);
     Triple<T> low = now.at<T>(y * width + x);
-    if (!origin.known) return low;
     Triple<T> history = triple_of<T>(Vec3(0));
     for (int j = 0; j < 4; ++j) {
       const uint32_t row = inside(origin.y + j - 1, height) * width;
@@ -251,6 +274,20 @@ struct ImageHistoryKernel {
       }
     }
     return min_of(max_of(history, low), high);
+  }
+
+  /// This frame's light, smoothed by a triangle over 3 × 3 pixels. Their samples lie at different places in a pixel.
+  template <typename T>
+  RELUME_HD_INLINE Triple<T> smoothed(uint32_t x, uint32_t y, const MovingLight& now) const {
+    Triple<T> sum = triple_of<T>(Vec3(0));
+    for (int j = -1; j <= 1; ++j) {
+      const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
+      for (int i = -1; i <= 1; ++i) {
+        const float weight = (i == 0 ? 0.5f : 0.25f) * (j == 0 ? 0.5f : 0.25f);
+        sum = sum + now.at<T>(row + inside(static_cast<int>(x) + i, width)) * T(weight);
+      }
+    }
+    return sum;
   }
 
   RELUME_HD static uint32_t inside(int i, uint32_t size) {

@@ -33,6 +33,7 @@ struct Images {
     kernel.unfiltered = mutable_view_of(unfiltered);
     kernel.image = mutable_view_of(image);
     kernel.specular = specular;
+    kernel.samples = view_of(samples);
     kernel.newest = newest;
     kernel.filtered_share = mutable_view_of(filtered_share);
     kernel.frames = frames;
@@ -99,7 +100,8 @@ TEST(ImageHistory, PartsMoveByTheirOwnMotion) {
 }
 
 /// Random images with random motion by row: mostly a fraction of a pixel that grows with y; none; different in each
-/// pixel; or out of the image. Some pixels are lamps, and some are edges of lamps.
+/// pixel; or out of the image. Some pixels are lamps, and some are edges of lamps. Three of five have just come into
+/// view.
 struct MovingImages : Images {
   explicit MovingImages(bool apart) {
     std::mt19937 generator(7);
@@ -122,14 +124,19 @@ struct MovingImages : Images {
       reflected[i] = 0.3f * color();
       reflected_before[i] = 0.3f * color();
       reflected_motion[i] = 0.5f * motion[i];
+      samples[i] = uniform(generator) < 1.2f ? 1 : 2;
+      reflected_samples[i] = uniform(generator) < 1.2f ? 1 : 2;
     }
-    if (apart)
-      specular = {view_of(reflected), view_of(reflected_before), view_of(reflected_motion), mutable_view_of(result)};
+    if (apart) {
+      specular = {view_of(reflected), view_of(reflected_before), view_of(reflected_motion), mutable_view_of(result),
+                  view_of(reflected_samples)};
+    }
   }
 
   std::vector<Rgb> reflected = std::vector<Rgb>(kPixels);
   std::vector<Rgb> reflected_before = reflected;
   std::vector<Vec2> reflected_motion = std::vector<Vec2>(kPixels);
+  std::vector<uint32_t> reflected_samples = std::vector<uint32_t>(kPixels);
   std::vector<Rgb> result = reflected;
 };
 
@@ -232,6 +239,50 @@ TEST(ImageHistory, MovedImagesAreClampedToTheirNeighbourhood) {
   Images p;
   p.average(false, 0.25f);
   EXPECT_EQ(p.image[7], Rgb(1));  // 3 exceeds the range around
+}
+
+/// A bright wall with a dark window in every third pixel of every third row.
+struct Facade : Images {
+  Facade() {
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      if (is_window(i % kWidth, i / kWidth)) shown[i] = Rgb(0);
+    }
+  }
+  static bool is_window(uint32_t x, uint32_t y) { return x % 3 == 1 && y % 3 == 1; }
+};
+
+/// A dark object has moved away. Its image would darken every pixel to the window next to it.
+TEST(ImageHistory, WindowsThatComeIntoViewAreNoDots) {
+  Facade p;
+  p.before.assign(kPixels, Rgb(0));
+  p.samples.assign(kPixels, 1);
+  p.average(false, 0.2f);
+  double sum = 0;
+  for (uint32_t y = 3; y < 33; ++y) {
+    for (uint32_t x = 3; x < 33; ++x) {
+      const float value = p.image[y * kWidth + x].r;
+      EXPECT_GE(value, 0.59f) << x << " " << y;  // 0.8 · 0.75 in a window
+      sum += value;
+    }
+  }
+  EXPECT_NEAR(sum / 900, 8.0 / 9, 1e-5) << "smoothing keeps the mean";
+}
+
+TEST(ImageHistory, WhatComesIntoTheImageIsSmoothed) {
+  Facade p;
+  std::fill_n(p.motion.begin(), 10 * kWidth, Vec2(0, 20));
+  p.average(false, 0.2f);
+  EXPECT_NEAR(p.image[4 * kWidth + 4].r, 0.6f, 1e-6f);
+  EXPECT_NEAR(p.image[4 * kWidth + 3].r, 0.2f + 0.8f * 0.875f, 1e-6f);
+  EXPECT_NEAR(p.image[13 * kWidth + 13].r, 0.8f, 1e-6f) << "the history, clamped to the wall";
+}
+
+TEST(ImageHistory, LoneNewSurfacesKeepTheHistoryOfTheImage) {
+  Facade p;
+  p.before.assign(kPixels, Rgb(0.5f));
+  for (uint32_t i = 0; i < kPixels; ++i) p.samples[i] = Facade::is_window(i % kWidth, i / kWidth) ? 1 : 16;
+  p.average(false, 0.2f);
+  EXPECT_NEAR(p.image[4 * kWidth + 4].r, 0.8f * 0.5f, 1e-6f);
 }
 
 TEST(ImageHistory, MotionIsFollowedWithoutBlur) {
