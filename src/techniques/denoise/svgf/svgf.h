@@ -104,7 +104,7 @@ struct SvgfPrepareKernel {
   template <typename T>
   struct Surroundings {
     T light[3];  ///< of those on the pixel's plane; of all if there are none
-    T variance;  ///< of a single sample
+    T variance;  ///< of a single sample; of all pixels if fewer than two are on the plane: one tells no variance
     T count;     ///< number of pixels on the plane
   };
 
@@ -199,7 +199,8 @@ struct SvgfPrepareKernel {
     const Triple<T> zero = triple_of<T>(Vec3(0));
     Triple<T> on_plane = zero;
     Triple<T> anywhere = zero;
-    T sums[2] = {T(0.0f), T(0.0f)};
+    T moments_on_plane[2] = {T(0.0f), T(0.0f)};
+    T moments_anywhere[2] = {T(0.0f), T(0.0f)};
     T count_on_plane(0.0f);
     T count_anywhere(0.0f);
     for (int dy = -kReach; dy <= kReach; ++dy) {
@@ -217,16 +218,18 @@ struct SvgfPrepareKernel {
         count_anywhere = count_anywhere + select(known, T(1.0f), T(0.0f));
         on_plane = on_plane + select(same, value, zero);
         count_on_plane = count_on_plane + select(same, T(1.0f), T(0.0f));
-        add_moments<T>(other, same, sums);
+        add_moments<T>(other, same, moments_on_plane);
+        add_moments<T>(other, known, moments_anywhere);
       }
     }
     const MaskOf<T> any = count_on_plane > T(0.0f);
     const T divisor = max(select(any, count_on_plane, count_anywhere), T(1.0f));
     const Triple<T> sum = select(any, on_plane, anywhere);
-    const T mean = sums[0] / divisor;
-    return {{sum.x / divisor, sum.y / divisor, sum.z / divisor},
-            max(sums[1] / divisor - mean * mean, T(0.0f)),
-            count_on_plane};
+    const MaskOf<T> several = count_on_plane > T(1.0f);
+    const T measured = max(select(several, count_on_plane, count_anywhere), T(1.0f));
+    const T mean = select(several, moments_on_plane[0], moments_anywhere[0]) / measured;
+    const T square = select(several, moments_on_plane[1], moments_anywhere[1]) / measured;
+    return {{sum.x / divisor, sum.y / divisor, sum.z / divisor}, max(square - mean * mean, T(0.0f)), count_on_plane};
   }
 };
 
