@@ -1,4 +1,5 @@
-// Counts the allocations of Session::read(). This program replaces the global operator new with one that counts.
+// Counts the allocations of Session::read(), and those of kernel memory in frames of vertex merging. This
+// program replaces the global operator new with one that counts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,9 +8,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <string_view>
 #include <vector>
 
 #include "builtin_scenes/builtin.h"
+#include "core/array.h"
 #include "render/session.h"
 
 namespace {
@@ -86,6 +89,47 @@ TEST_P(SessionAllocations, ReadingADenoisedOrKeptImageAllocatesNothing) {
   EXPECT_EQ(of_reading(session), 0u);
   ASSERT_TRUE(session.set_settings(settings()));  // displays the last complete frame
   EXPECT_EQ(of_reading(session), 0u);
+}
+
+/// Host memory that counts the blocks it has given out.
+class CountedMemory final : public Memory {
+ public:
+  void* allocate(size_t bytes, size_t alignment) override {
+    ++allocations_;
+    return host_memory().allocate(bytes, alignment);
+  }
+  void deallocate(void* block, size_t bytes, size_t alignment) noexcept override {
+    host_memory().deallocate(block, bytes, alignment);
+  }
+  uint64_t allocations() const { return allocations_; }
+
+ private:
+  std::atomic<uint64_t> allocations_ = 0;
+};
+
+/// Largest number of sorted light vertices in any of the next `frames` frames.
+double most_vertices(Session& session, int frames) {
+  double most = 0;
+  for (int i = 0; i < frames; ++i) {
+    session.render_frame();
+    for (const PassStatistic& s : session.statistics().pass_statistics) {
+      if (std::string_view(s.name).ends_with("merging-vertices")) most = std::max(most, s.value);
+    }
+  }
+  return most;
+}
+
+TEST_P(SessionAllocations, SteadyFramesOfVcmAllocateNoKernelMemory) {
+  CountedMemory memory;
+  RenderSettings s = settings();
+  s.estimator = EstimatorChoice::vcm;
+  s.vcm.radius = 0.03f;
+  Session session = make_session(find_builtin_scene("cornell")->build(), s, memory);
+  const double first = most_vertices(session, 2);
+  const uint64_t before = memory.allocations();
+  EXPECT_GT(before, 0u);
+  EXPECT_GT(most_vertices(session, 60), first) << "no frame had more vertices than the first ones";
+  EXPECT_EQ(memory.allocations(), before);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, SessionAllocations, ::testing::Values(1, 2));

@@ -11,7 +11,7 @@ namespace relume {
 namespace {
 
 /// Upper bounds of the memory for light vertices, bytes: the vertex, its key, its elements of the grid and of the order
-/// by bucket, which is copied while it grows, and its share of the counts of group_by_key().
+/// by bucket, which has two blocks while it grows, and its share of the counts of group_by_key().
 constexpr uint64_t kBytesPerVertex = sizeof(PathVertex) + sizeof(SortedVertex) + 3 * sizeof(uint32_t) + 8;
 /// For each light subpath: counts of vertices and rays, and the beginnings of at most two buckets.
 constexpr uint64_t kBytesPerPath = 32;
@@ -119,8 +119,13 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   }
   const PrimitiveLaunch at{frame.backend, "merging", grid_scratch_};
   const Elements<uint32_t> keys{keys_.view()};
+  const size_t slots = keys_.size();
+  groups_.order.reset(slots, kUninitialized);  // so that group_by_key() never has to grow it
   if (!group_by_key(at, keys, keys.values.size, grid.near.grid.buckets, groups_, frame.stop)) return false;
-  reset_without_copy(sorted_, groups_.order.size());
+  // The number of vertices varies from frame to frame. A quarter to spare makes larger blocks rare.
+  const size_t count = groups_.order.size();
+  if (count > sorted_.capacity()) reset_without_copy(sorted_, std::min(count + count / 4, slots));
+  sorted_.reset(count, kUninitialized);
   const SortVerticesKernel sort{grid.vertices, groups_.order.view(), sorted_.mutable_view()};
   grid.near.sorted = sorted_.view();
   grid.near.begins = groups_.begins.view();
