@@ -306,17 +306,17 @@ void MaterialWriter::note_parts(const Material& m) {
       return scene_.materials[static_cast<size_t>(part)].normal_texture.used();
     };
     note(m.normal_texture.used() && !(has_normals(m.mix_first) && has_normals(m.mix_second)),
-         "the normal map of a mixture", "which pbrt has in parts only, is left out");
+         "the normal map of a mixture", "which pbrt supports in parts only, is left out");
     return;
   }
-  note(!is_black(m.sheen_color), "sheen", "which pbrt has no form of, is left out");
-  note(m.iridescence > 0, "iridescence", "which pbrt has no form of, is left out");
+  note(!is_black(m.sheen_color), "sheen", "which pbrt cannot represent, is left out");
+  note(m.iridescence > 0, "iridescence", "which pbrt cannot represent, is left out");
   note(is_transparent(m) && (m.base_color != Rgb(1) || m.base_color_texture.used()), "the tint of transmitted light",
-       "which pbrt has no form of, is left out");
+       "which pbrt cannot represent, is left out");
   note(is_transparent(m) && !(m.thickness > 0) && m.roughness > 0.03f, "the roughness of a thin wall",
-       "which pbrt has no form of, is left out");
+       "which pbrt cannot represent, is left out");
   note(m.diffuse_transmission > 0 && m.specular > 0 && m.ior > 1, "the reflection above diffuse transmission",
-       "which pbrt has no form of, is left out");
+       "which pbrt cannot represent, is left out");
   note(m.diffuse_transmission_texture.used(), "the texture of the share of diffuse transmission", "is left out");
   note(m.anisotropy_texture.used() || (m.anisotropy > 0 && m.metallic_roughness_texture.used()),
        "the texture of anisotropic roughness", "is left out");

@@ -110,7 +110,7 @@ class ShapeWriter {
     const auto [entry, is_new] = files_.try_emplace(index);
     if (!is_new) return entry->second;
     const Mesh& mesh = scene_.meshes[index];
-    if (!mesh.colors.empty()) output_.note("vertex colours, which pbrt has no form of, are left out");
+    if (!mesh.colors.empty()) output_.note("vertex colours, which pbrt cannot represent, are left out");
     std::optional<Vec2> shift = Vec2(0);
     if (material_of(mesh).has_emission_map) shift = shift_to_unit(mesh);
     if (!shift) output_.note("textures of emission do not repeat; beyond the image, its edge emits");

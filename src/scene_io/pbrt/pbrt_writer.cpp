@@ -20,7 +20,7 @@ std::vector<std::string> write_pbrt(const std::filesystem::path& file, const Sce
   pbrt::write_shapes(scene, world, visible, materials, output);
   if (!source.animation.empty() || !source.parameter_animation.empty())
     output.note("the animation is left out; the scene is written at time 0");
-  if (!scene.visible_sets.empty()) output.note("visible sets, which pbrt has no form of, are left out");
+  if (!scene.visible_sets.empty()) output.note("visible sets, which pbrt cannot represent, are left out");
   if (!scene.variants.empty()) output.note("variants of materials are left out; the default materials are written");
   return output.finish();
 }
