@@ -313,7 +313,7 @@ Motions motions(const ExperimentContext& context) {
         turned_ahead(walk.scene, 0, walk.options.step_m);  // so that the walk begins at the scene's view
     list.walking.push_back(std::move(walk));
   }
-  options.step_s = frames / kFrameRate;
+  options.animation_step_s = frames / kFrameRate;
   list.changing.push_back({renamed(at_rest(built_in("turntable", kBounces)), "changing"), options});
   if (context.quick) return list;
   list.changing.push_back({renamed(at_rest(built_in("slit", kBounces)), "changing"), options});

@@ -96,7 +96,7 @@ std::string option_light_id(const CacheOption& option, const std::string& scene)
 bool compares_light(const CacheOption& option) { return option.basis != std::string_view("apg"); }
 
 std::string option_bias_text(const CacheOption& option, const std::string& scene) {
-  return fmt::format("{}: {} has {} bias than {}.", scene, option.name, option.less_bias ? "less" : "no more",
+  return fmt::format("{}: {} has {} bias than {}.", scene, option.name, option.reduces_bias ? "less" : "no more",
                      option.basis);
 }
 std::string option_light_text(const CacheOption& option, const std::string& scene) {
@@ -109,9 +109,10 @@ void claim_options(const SceneAverages& scene, std::vector<Claim>& claims) {
   for (const CacheOption& option : kCacheOptions) {
     const FrameAverages& a = named(scene.options, "option", option.name);
     const FrameAverages& basis = named(scene.caches, "cache", option.basis);
-    claim_less_bias(
-        option_bias_id(option, scene.name), option_bias_text(option, scene.name), a, basis, option.less_bias ? 1 : 1.05,
-        fmt::format("; variance {} against {}", with_noise(a.variance), with_noise(basis.variance)), claims, kOurs);
+    claim_less_bias(option_bias_id(option, scene.name), option_bias_text(option, scene.name), a, basis,
+                    option.reduces_bias ? 1 : 1.05,
+                    fmt::format("; variance {} against {}", with_noise(a.variance), with_noise(basis.variance)), claims,
+                    kOurs);
     if (!compares_light(option)) continue;
     const Ratio light = paired_error_ratio(a.light, psf.light);
     claims.push_back(judged_within(option_light_id(option, scene.name), kOurs, option_light_text(option, scene.name),

@@ -245,10 +245,9 @@ std::string option_id(const CacheOption& option, const std::string& scene) {
   return fmt::format("option-cost-{}-{}", option.name, scene);
 }
 std::string option_text(const CacheOption& option, const std::string& scene) {
-  return fmt::format("{}, 6 bounces: {} takes at most {} of path tracing's time.", scene, option.name,
-                     option.most_time);
+  return fmt::format("{}, 6 bounces: {} takes at most {} of path tracing's time.", scene, option.name, option.max_time);
 }
-std::string option_threshold(const CacheOption& option) { return fmt::format("at most {}", option.most_time); }
+std::string option_threshold(const CacheOption& option) { return fmt::format("at most {}", option.max_time); }
 
 /// Sponza and the mine; in a quick run the box.
 bool times_options(const ExperimentContext& context, const ExperimentScene& scene) {
@@ -267,7 +266,7 @@ void measure_options(const ExperimentContext& context, const ExperimentScene& sc
     result.claims.push_back(judged_within(option_id(option, scene.name), kOurs, option_text(option, scene.name),
                                           fmt::format("{} of path tracing's time, {} of {}'s", share_text(path),
                                                       share_text(t.ratio(option.name, option.basis)), option.basis),
-                                          option_threshold(option), {path}, 0, option.most_time));
+                                          option_threshold(option), {path}, 0, option.max_time));
   }
   result.blocks.emplace_back(cost_table(t, ": settings that may become defaults"));
 }

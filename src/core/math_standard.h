@@ -1,5 +1,6 @@
-// The elementary functions of core/math.h by those of the C++ library, for tools/compare_math. Values round
-// differently. Denormal numbers follow the library and the processor.
+// Computes the elementary functions of core/math.h with the C++ library. Only for tools/compare_math, which compares
+// images of both versions. Values are rounded differently. The library and the processor decide whether denormal
+// numbers become zero.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Means of images in the scene of the combination table, and their deviations from path tracing.
+// Mean luminance and colour of images of open_box() (support/scenes.h), and their deviations from path tracing.
 #pragma once
 
 #include <array>
@@ -11,30 +11,31 @@ namespace relume::support {
 
 inline constexpr int kSize = 20;  ///< edge of the images, in pixels
 
-/// Luminance, red, green and blue.
+/// Number of means: of luminance, red, green and blue.
 inline constexpr int kMeans = 4;
 using Means = std::array<double, kMeans>;
 
-/// Means over images of several seeds, and their standard errors.
+/// Means over the images of several seeds, and their standard errors.
 struct Mean {
   Means value = {};
   Means error = {};
   int seeds = 0;
 };
 
-/// Frames of a reference.
+/// Number of frames of a reference: all or a quarter.
 enum class ReferenceLength {
-  whole,    ///< for standard errors of a cell down to 0.25 %
-  quarter,  ///< for 0.5 % or more
+  whole,    ///< for cells with standard errors of at least 0.25 %
+  quarter,  ///< of at least 0.5 %
 };
 
-/// Reference by number of bounces, measured once per process. Many cells have the default number, and single presets
-/// others: theirs have fewer seeds, since a reference takes longer than a preset. On the host, also if cells are
-/// rendered on a device. The error of a Deviation includes that of the reference. A quarter of the frames has a third
-/// of the standard error of path tracing in a cell of ten seeds.
+/// Means of path tracing, measured once per process for each number of bounces and length. The host renders them, even
+/// if a device renders the cells. Most cells have the default number of bounces. References of other numbers have fewer
+/// seeds: each serves a single preset, which renders in less time than its reference. The error of a Deviation includes
+/// that of the reference. With a quarter of the frames, the reference has a third of the standard error of path tracing
+/// in a cell of ten seeds.
 const Mean& reference(int max_bounces, ReferenceLength length);
 
-/// Scales settings to the small images.
+/// Adapts settings to the small images.
 RenderSettings scaled(RenderSettings settings);
 
 using Deviations = std::array<Deviation, kMeans>;

@@ -26,7 +26,7 @@ std::optional<CameraPose> moved_camera(const ExperimentScene& scene, const Movin
 
 /// Time of the animation `steps` after the scene's view, in seconds.
 float moved_time(const ExperimentScene& scene, const MovingOptions& options, float steps) {
-  return scene.settings.time_s + (steps + 1) * options.step_s;
+  return scene.settings.time_s + (steps + 1) * options.animation_step_s;
 }
 
 /// Session shared by all contenders: one scene per contender could exhaust memory.
@@ -48,7 +48,7 @@ struct Walk {
   /// Brings camera and animation to their states `steps` after the scene's view.
   void move(float steps) {
     timed.session().set_camera(moved_camera(scene, options, steps));
-    if (options.step_s > 0) timed.session().set_time(moved_time(scene, options, steps));
+    if (options.animation_step_s > 0) timed.session().set_time(moved_time(scene, options, steps));
   }
 
   /// Moves from the previous view to this one. Returns the time in ms.

@@ -23,9 +23,9 @@ struct MovingOptions {
   bool equal_frames = false;  ///< all contenders render `frames`, in different times
   int views = 2;              ///< measured views
   int repetitions = 3;
-  float step_deg = 10;  ///< turn between views, degrees
-  float step_m = 0;     ///< way ahead between views, metres
-  float step_s = 0;     ///< time of the animation between views, seconds
+  float step_deg = 10;         ///< turn of the camera from one view to the next, degrees
+  float step_m = 0;            ///< forward motion of the camera from one view to the next, metres
+  float animation_step_s = 0;  ///< animation time from one view to the next, seconds; 0: it does not change
   int reference_spp = 1024;
   /// Settings of references in the syntax of apply_settings(), beyond those of plainly_sampled().
   std::string reference = {};

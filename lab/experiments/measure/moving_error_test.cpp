@@ -92,9 +92,14 @@ TEST(MovingError, AnimatesTheSceneFromItsTimeOn) {
   context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
   ExperimentScene lamp = brightening_lamp();
   lamp.settings.time_s = 0.5f;
-  const MovingErrors errors = measure_moving(
-      context, lamp, {{"first", lamp.settings}, {"second", lamp.settings}},
-      {.frames = 3, .views = 2, .repetitions = 2, .step_deg = 0, .step_s = 2, .reference_spp = 2, .clock = rays_clock});
+  const MovingErrors errors = measure_moving(context, lamp, {{"first", lamp.settings}, {"second", lamp.settings}},
+                                             {.frames = 3,
+                                              .views = 2,
+                                              .repetitions = 2,
+                                              .step_deg = 0,
+                                              .animation_step_s = 2,
+                                              .reference_spp = 2,
+                                              .clock = rays_clock});
   EXPECT_NEAR(errors.reference.at(16, 9).x, 5.5f, 1e-4f);  // two steps after 0.5 s
   for (const MovingError& e : errors.contenders) {
     EXPECT_NEAR(e.last.at(16, 9).x, 5.5f, 1e-4f) << e.name;
@@ -171,9 +176,9 @@ TEST(MovingError, ContinuesFromStoredMeasurements) {
   options.step_m = 0.1f;
   EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
   options.step_m = 0;
-  options.step_s = 0.5f;
+  options.animation_step_s = 0.5f;
   EXPECT_FALSE(load_moving(moving_file(context, box, contenders, options)));
-  options.step_s = 0;
+  options.animation_step_s = 0;
   ExperimentScene other = box;
   other.settings.path.max_bounces += 1;
   EXPECT_FALSE(load_moving(moving_file(context, other, contenders, options))) << "references have other bounces";

@@ -53,7 +53,7 @@ std::filesystem::path moving_file(const ExperimentContext& context, const Experi
                                   const std::vector<MovingContender>& contenders, const MovingOptions& options) {
   std::string text = fmt::format("{} {} {} {} {} {} {} {} {} {} {}", scene.name, scene.settings.time_s, options.frames,
                                  options.equal_frames, options.views, options.repetitions, options.step_deg,
-                                 options.step_m, options.step_s, options.reference_spp, options.reference);
+                                 options.step_m, options.animation_step_s, options.reference_spp, options.reference);
   RenderSettings of_references = plainly_sampled(scene).settings;
   set_size_and_device(context, of_references);
   text += ' ' + settings_to_json(describe(of_references));

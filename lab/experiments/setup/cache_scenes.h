@@ -19,13 +19,13 @@ std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, co
 /// "apsf, one-over-square", which follow every path.
 std::vector<NamedSettings> blend_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// A setting that may become a default, or replace one.
+/// A setting that may become a default, or replace one. Its claims say whether it may.
 struct CacheOption {
-  const char* name;        ///< of its contender
-  const char* basis;       ///< the contender of the cache without it
-  const char* settings;    ///< in the syntax of `relume compare`; path graphs have the feed kThesisFeed
-  double most_time;        ///< largest frame time over path tracing's with which it may become a default
-  bool less_bias = false;  ///< whether it is to lower the bias; otherwise it may not raise it
+  const char* name;           ///< name of its contender
+  const char* basis;          ///< name of the contender with the same cache, without the option
+  const char* settings;       ///< in the syntax of `relume compare`; path graphs have the feed kThesisFeed
+  double max_time;            ///< limit of the frame time, relative to path tracing's
+  bool reduces_bias = false;  ///< true: the bias must be lower than without the option; false: it must not be higher
 };
 
 inline constexpr CacheOption kCacheOptions[] = {

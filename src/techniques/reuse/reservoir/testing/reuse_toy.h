@@ -1,5 +1,6 @@
-// A model for tests of reservoirs: 32 pixels in a ring and 24 light points, with occlusion that differs from pixel to
-// pixel. Samples move between pixels unchanged. The model shows the signs of biases, not their sizes in real scenes.
+// A small model of a frame, for tests of reservoirs: a ring of 32 pixels, lit by 24 light points. Each pixel has its
+// own occlusion. A reused sample keeps its light point. The model shows the sign of a bias, not its size in real
+// scenes.
 #pragma once
 
 #include <array>
@@ -15,21 +16,25 @@ namespace relume::testing {
 /// How a mode combines reservoirs of neighbours.
 enum class ToyNeighbours { none, pairwise, basic, constant };
 
-/// Neighbours that a mode leaves out by their own samples. Those without a sample are counted nonetheless.
-enum class ToyOmission { none, without_sample, naive };
+/// Neighbours that a mode leaves out because of their own samples.
+enum class ToyOmission {
+  none,
+  without_sample,  ///< those of weight 0, which still count in the weights of the others
+  naive,           ///< those with a sample but no history, which do not count; biased
+};
 
 struct ToyMode {
   const char* name = "";
   ToyNeighbours neighbours = ToyNeighbours::pairwise;
   ToyOmission omission = ToyOmission::none;
   bool occluded_targets = true;  ///< whether targets contain occlusion
-  bool discards_hidden = false;  ///< whether hidden candidates get weight 0 nonetheless
+  bool discards_hidden = false;  ///< whether occluded candidates get weight 0, even if targets ignore occlusion
   bool feeds_back = true;        ///< whether neighbours' samples enter the history
-  float cap = 8;                 ///< 0: no temporal reuse
-  float refused = 0;             ///< share of neighbours that their surface excludes
-  float boiling = 0;             ///< drops samples of more than this many mean weights, as boiling filters; 0: none
-  int oldest = 0;                ///< age in frames beyond which histories are dropped; 0: none
-  float most_weight = 0;         ///< clamp of the weights; 0: none
+  float cap = 8;                 ///< limit of the history's confidence, frames; 0: no temporal reuse
+  float refused = 0;             ///< probability that a neighbour is rejected for its surface
+  float boiling = 0;             ///< weight, relative to the mean, above which samples are dropped; 0: no limit
+  int oldest = 0;                ///< age, frames, above which histories are dropped; 0: no limit
+  float most_weight = 0;         ///< limit to which weights are clamped; 0: no limit
 };
 
 class ReuseToy {
@@ -37,7 +42,8 @@ class ReuseToy {
   static constexpr int kPixels = 32;
   static constexpr uint32_t kLights = 24;
 
-  /// A sample is a light point plus kLights times the number of its candidate, which counts pixels and frames.
+  /// A sample is the number of its light point, plus kLights times the number of its candidate (frame * kPixels +
+  /// pixel).
   using ToyReservoir = Reservoir<uint32_t>;
 
   ReuseToy() {
@@ -60,7 +66,7 @@ class ReuseToy {
     }
   }
 
-  /// Relative error of the mean over pixels and the second half of 16 frames, of one run.
+  /// Renders 16 frames. Returns the relative error of the mean over all pixels of the last eight.
   double run(const ToyMode& mode, uint32_t seed) const {
     constexpr int kFrames = 16;
     Random random(seed);
