@@ -70,6 +70,24 @@ void set_lens(const Parameters& p, Camera& camera) {
   camera.focus_distance = std::clamp(p.number("focaldistance", 1e6f), 1e-6f, 1e9f);
 }
 
+/// Full angle of an image with that half height at distance 1, within limits.
+float vertical_fov(float half_height) { return std::clamp(2 * std::atan(half_height), 1e-4f, glm::radians(179.0f)); }
+
+/// `half_height`: of the screen window. With a lens, pbrt's rays start on the lens, at the camera's position, and pass
+/// through the window at the focus distance (OrthographicCamera::GenerateRay()). This is a perspective camera.
+void set_orthographic(const Parameters& p, float half_height, Camera& camera, Warnings& warnings) {
+  const bool has_lens = p.number("lensradius", 0) > 0;
+  p.number("focaldistance", 0);
+  if (!has_lens) {
+    camera.projection = Projection::orthographic;
+    camera.half_height = std::clamp(half_height, 1e-6f, 1e9f);
+    return;
+  }
+  warnings.add("an orthographic camera with a lens becomes a perspective one; pbrt renders it in perspective, too");
+  set_lens(p, camera);
+  camera.fov_y_rad = vertical_fov(half_height / camera.focus_distance);
+}
+
 /// Thin lens of a realistic camera: a lens of 50 mm before the film's diagonal.
 void set_realistic(const Parameters& p, const Parameters& film, const IVec2& size, Camera& camera, Warnings& warnings) {
   constexpr float kFocalLength = 50;  // mm
@@ -95,14 +113,10 @@ Camera camera_of(const CameraEntity& source, const Parameters& film, Warnings& w
     warnings.add("pixels that are not square are not supported; the camera's vertical field of view counts");
   if (source.kind == "perspective") {
     const float fov = std::clamp(p.number("fov", 90), 0.01f, 179.0f);
-    camera.fov_y_rad =
-        std::clamp(2 * std::atan(screen.half.y * std::tan(glm::radians(fov / 2))), 1e-4f, glm::radians(179.0f));
+    camera.fov_y_rad = vertical_fov(screen.half.y * std::tan(glm::radians(fov / 2)));
     set_lens(p, camera);
   } else if (source.kind == "orthographic") {
-    camera.projection = Projection::orthographic;
-    camera.half_height = std::clamp(screen.half.y, 1e-6f, 1e9f);
-    if (p.number("lensradius", 0) > 0) warnings.add("orthographic cameras have no lens; the image is sharp");
-    p.number("focaldistance", 0);
+    set_orthographic(p, screen.half.y, camera, warnings);
   } else if (source.kind == "spherical") {
     camera.projection = Projection::panoramic;
     if (p.string("mapping", "equalarea") != "equirectangular")

@@ -368,7 +368,7 @@ TEST(Pbrt, WarnsOfWhatHasNoCounterpart) {
       "Material \"diffusetransmission\" \"rgb reflectance\" [0.9 0 0] \"rgb transmittance\" [0 0.9 0]\n"
       "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"string emissionfilename\" \"a.png\"\n");
   for (const char* part :
-       {"orthographic cameras have no lens", "shapes that move in an object", "with alpha 0",
+       {"an orthographic camera with a lens", "shapes that move in an object", "with alpha 0",
         "parameter 'rgb Le' of medium", "area lights with the material 'interface'", "sum to more than 1"})
     EXPECT_TRUE(mentions(scene.warnings, part)) << part;
   EXPECT_FALSE(mentions(scene.warnings, "emissionfilename"));  // changes only the noise

@@ -43,16 +43,17 @@ std::string crop_text(const ImagePart& crop, const IVec2& size) {
 std::string camera_text(const Camera& camera, const IVec2& size) {
   const float aspect = static_cast<float>(size.x) / static_cast<float>(size.y);
   if (camera.projection == Projection::panoramic) return "Camera \"spherical\" \"string mapping\" \"equirectangular\"";
-  std::string lens;
-  if (camera.lens_radius > 0)
-    lens = fmt::format(" \"float lensradius\" {} \"float focaldistance\" {}", number(camera.lens_radius),
-                       number(camera.focus_distance));
   if (camera.projection == Projection::orthographic) {
+    // Without the lens radius: relume ignores it, and with a lens pbrt renders an orthographic camera in perspective.
     const float h = camera.half_height;
     const float w = h * aspect;
     return fmt::format("Camera \"orthographic\" \"float screenwindow\" [ {} {} {} {} ]", number(-w), number(w),
                        number(-h), number(h));
   }
+  std::string lens;
+  if (camera.lens_radius > 0)
+    lens = fmt::format(" \"float lensradius\" {} \"float focaldistance\" {}", number(camera.lens_radius),
+                       number(camera.focus_distance));
   const float half = std::tan(camera.fov_y_rad / 2) * std::min(aspect, 1.0f);  // of the lower side
   return fmt::format("Camera \"perspective\" \"float fov\" {}", number(glm::degrees(2 * std::atan(half)))) + lens;
 }

@@ -293,6 +293,7 @@ TEST(PbrtWriter, CamerasRoundTrip) {
     EXPECT_EQ(loaded.nodes[0].meshes.size(), 1u);  // no mirrored world above
     if (projection == Projection::orthographic) {
       EXPECT_EQ(loaded.cameras[0].half_height, 2);
+      EXPECT_EQ(loaded.cameras[0].lens_radius, 0) << "relume ignores it, and pbrt would not";
     }
     if (projection != Projection::perspective) continue;
     EXPECT_NEAR(loaded.cameras[0].fov_y_rad, 0.7f, 1e-5);
