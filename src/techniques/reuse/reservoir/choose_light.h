@@ -10,9 +10,6 @@ namespace relume {
 
 using LightReservoir = Reservoir<LightPoint>;
 
-/// First dimension of the candidates, beyond those of paths and the wavelength.
-inline constexpr uint32_t kCandidateDimension = kWavelengthDimension + 64;
-
 /// Strategies that sample the candidates of a pixel, and their densities.
 struct CandidateSource {
   const PathContext& context;

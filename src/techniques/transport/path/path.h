@@ -45,7 +45,8 @@ struct Connection {
   LightId light = kNoLight;
   Vec2 u{0};          ///< random numbers of the point on the light
   Rgb irradiance{0};  ///< radiance that arrives at the surface · cosine there / pdf_w
-  float scale = 0;  ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale · dispersion_weight()
+  float scale = 0;  ///< LightPick::factor · MIS weight / pmf. The contribution is throughput · f · irradiance · scale
+                    ///< · dispersion_weight()
   bool dispersed = false;  ///< the contribution includes the weight of the path's wavelength
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
@@ -65,10 +66,16 @@ struct PathContext {
   bool russian_roulette = true;
   IndirectRate indirect;
   uint32_t first_nee_bounce = 0;  ///< vertices of earlier bounces leave light sources to reservoirs (techniques/reuse)
+  uint32_t light_candidates = 1;  ///< lights sampled at a primary hit, of which next event estimation takes one; above
+                                  ///< 1 only with policies that resample lights (path_policy.h)
   bool indirect_to_reservoirs = false;  ///< whether reservoirs resample the light beyond the second vertex
   bool only_specular = false;           ///< whether paths end at lobes with a density, whose light reservoirs add
   bool next_event = true;               ///< whether vertices connect to lights that directions can find, too
 
+  /// Number of lights sampled at a vertex of this bounce, a factor of their density in MIS weights.
+  RELUME_HD float light_samples(uint32_t bounce) const {
+    return bounce == 0 ? static_cast<float>(static_cast<int>(light_candidates)) : 1.0f;
+  }
   /// Whether reservoirs add the light that reaches a vertex from `light`, found by the path's current ray.
   RELUME_HD bool left_to_reservoirs(const PathState& path, LightId light) const {
     return path.bounce <= first_nee_bounce && !path.delta && reservoirs_take(scene.lights, light);
@@ -107,6 +114,8 @@ RELUME_HD inline uint32_t ray_id_of(const PathContext& c, const PathState& path,
 
 /// Sampler dimension of the wavelength, beyond those of the longest camera and light paths.
 inline constexpr uint32_t kWavelengthDimension = 8192;
+/// First dimension of lights among which a primary hit chooses, beyond that.
+inline constexpr uint32_t kCandidateDimension = kWavelengthDimension + 64;
 
 /// Wavelength of a pixel's sample, nanometres. In bidirectional tracing both subpaths share it.
 RELUME_HD inline float path_wavelength(const SceneView& scene, const Sampler& sampler) {
@@ -133,7 +142,7 @@ RELUME_HD inline bool add_surface_emission(const PathContext& c, const Vec3& pre
   if (covered_by_nee) {
     const float pdf_light =
         light_pmf(sp.light) * pdf_li(c.scene.lights, sp.light, previous, path.ray.direction, sp.emitter_point());
-    weight = power_heuristic(path.pdf_w, pdf_light);
+    weight = power_heuristic(path.pdf_w, c.light_samples(path.bounce - 1) * pdf_light);
   }
   path.radiance += path.throughput * sp.emission * weight;
   return covered_by_nee;
@@ -155,7 +164,10 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
     float weight = 1.0f;
     if (c.next_event && !path.delta) {
       const float pmf = c.selector.pmf(previous, id);
-      if (pmf > 0.0f) weight = power_heuristic(path.pdf_w, pmf * pdf_li(lights, id, previous.position, wi, {}));
+      if (pmf > 0.0f) {
+        const float pdf_light = pmf * pdf_li(lights, id, previous.position, wi, {});
+        weight = power_heuristic(path.pdf_w, c.light_samples(path.bounce - 1) * pdf_light);
+      }
       covered_by_nee = covered_by_nee || pmf > 0.0f;
     }
     path.radiance += path.throughput * radiance * weight;
@@ -166,8 +178,9 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
 /// A light selected at a surface.
 struct LightPick {
   LightId id = kNoLight;
-  float pmf = 0;  ///< probability of the light under the selector; 0: no light
-  Vec2 u{0};      ///< random numbers of the point on the light
+  float pmf = 0;     ///< probability of the light under the selector; 0: no light
+  Vec2 u{0};         ///< random numbers of the point on the light
+  float factor = 1;  ///< of the light, where it was chosen among several
 };
 
 RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& sp, Sampler& sampler) {
@@ -189,7 +202,7 @@ RELUME_HD inline bool make_connection(const PathContext& c, const SurfacePoint& 
   if (!light.valid() || (!c.next_event && !light.delta)) return false;
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
   if (is_black(bsdf.f)) return false;
-  const float pdf_light = pick.pmf * light.pdf_w;
+  const float pdf_light = c.light_samples(path.bounce) * (pick.pmf * light.pdf_w);
   const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
   connection.ray = shadow_ray(sp, light);
   connection.ray_id = sampler.ray_id();
@@ -199,7 +212,7 @@ RELUME_HD inline bool make_connection(const PathContext& c, const SurfacePoint& 
   if (c.scene.absorbs) {
     connection.irradiance *= transmittance(medium_along(c.scene, sp, light.wi, path.medium), light.distance);
   }
-  connection.scale = weight / pick.pmf;
+  connection.scale = pick.factor * weight / pick.pmf;
   connection.contribution = path.throughput * bsdf.f * connection.irradiance * connection.scale;
   connection.dispersed = path.dispersed || disperses(c.scene, sp, light.wi);
   if (connection.dispersed) connection.contribution *= dispersion_weight(c.scene, sp, light.wi, path);
@@ -308,12 +321,18 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   return arrive_at_surface(c, hit, previous.position, light_pmf, sp, path, policy);
 }
 
-/// Selects the light of next event estimation at a vertex; none where only delta lobes scatter, or where reservoirs add
-/// the light.
+/// Starts the random numbers of a vertex. Returns whether next event estimation samples lights there: not where only
+/// delta lobes scatter, or where reservoirs add the light.
+RELUME_HD inline bool start_vertex(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                   Sampler& sampler) {
+  sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
+  return !c.only_specular && has_non_delta(sp.bsdf) && path.bounce >= c.first_nee_bounce;
+}
+
+/// Starts a vertex, and selects the light of next event estimation there, if any.
 RELUME_HD inline LightPick pick_light_at(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                          Sampler& sampler) {
-  sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-  if (c.only_specular || !has_non_delta(sp.bsdf) || path.bounce < c.first_nee_bounce) return {};
+  if (!start_vertex(c, sp, path, sampler)) return {};
   return pick_light(c, sp, sampler);
 }
 

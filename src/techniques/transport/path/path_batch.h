@@ -6,7 +6,7 @@
 #include "lights/sample_lights.h"
 #include "scene/prefetch.h"
 #include "techniques/gbuffer/primary_hits/first_surfaces.h"
-#include "techniques/transport/path/path.h"
+#include "techniques/transport/path/resampled_light.h"
 
 namespace relume {
 
@@ -90,7 +90,7 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
   uint32_t count = 0;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
-    const LightPick pick = b.picks[count] = pick_light_at(c, points[i], b.paths[i], b.samplers[i]);
+    const LightPick pick = b.picks[count] = pick_light_for<Policy>(c, points[i], b.paths[i], b.samplers[i]);
     if (!(pick.pmf > 0.0f)) continue;
     path_policy::light_picked(policies[i], points[i], b.paths[i], pick.id);
     b.requests[count] = {pick.id, points[i].position, pick.u, points[i].time};

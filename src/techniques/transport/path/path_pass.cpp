@@ -23,6 +23,7 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   context.max_bounces = static_cast<uint32_t>(source.settings.max_bounces);
   context.russian_roulette = source.settings.russian_roulette;
   context.first_nee_bounce = source.first_nee_bounce;
+  context.light_candidates = source.light_candidates;
   context.indirect_to_reservoirs = source.indirect_to_reservoirs;
   context.only_specular = source.only_specular;
   context.next_event = !source.directions.chains.replaces_lights;

@@ -20,8 +20,14 @@ struct PathSource {
   const LightSelector& selector;
   const DirectionSampler& directions;
   uint32_t first_nee_bounce = 0;        ///< as in PathContext
+  uint32_t light_candidates = 1;        ///< as in PathContext
   bool indirect_to_reservoirs = false;  ///< as in PathContext
   bool only_specular = false;           ///< as in PathContext
+};
+
+/// Number of lights that paths sample at a primary hit (PathContext::light_candidates).
+struct LightCandidates {
+  uint32_t count = 1;
 };
 
 /// Data shared by all paths of this frame.

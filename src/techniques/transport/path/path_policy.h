@@ -86,6 +86,13 @@ concept DecidesLater = requires(Policy& policy, PathState& path) {
   { policy.goes_on(path, earlier) } -> std::same_as<bool>;
 };
 
+/// Whether a path with this policy chooses among PathContext::light_candidates lights at its primary hit. A policy says
+/// so by a constant `resamples_lights`; the kernels of others lack the code.
+template <typename Policy>
+inline constexpr bool kResamplesLights = requires {
+  requires Policy::resamples_lights;
+};
+
 namespace path_policy {
 
 // Calls of one policy, which reports events to `earlier` if it takes them.
@@ -137,6 +144,8 @@ struct PathPolicies<> : NoPolicy {};
 
 template <typename First, typename... Others>
 struct PathPolicies<First, Others...> {
+  static constexpr bool resamples_lights = kResamplesLights<First> || kResamplesLights<PathPolicies<Others...>>;
+
   First first;
   PathPolicies<Others...> others;
 

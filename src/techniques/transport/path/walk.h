@@ -2,7 +2,7 @@
 // and a device's thread then stores only the variables of the current step beside those of the path.
 #pragma once
 
-#include "techniques/transport/path/path.h"
+#include "techniques/transport/path/resampled_light.h"
 
 namespace relume {
 
@@ -44,7 +44,7 @@ RELUME_HD_NOINLINE void add_picked(const PathContext& c, const SurfacePoint& sp,
 template <typename Policy>
 RELUME_HD_NOINLINE void add_direct_light(const PathContext& c, const SurfacePoint& sp, PathState& path,
                                          Sampler& sampler, Policy& policy) {
-  const LightPick pick = pick_light_at(c, sp, path, sampler);
+  const LightPick pick = pick_light_for<Policy>(c, sp, path, sampler);
   if (!(pick.pmf > 0.0f)) return;
   path_policy::light_picked(policy, sp, path, pick.id);
   add_picked(c, sp, path, pick, sampler, policy);

@@ -34,6 +34,7 @@ struct TraceSettings {
   uint32_t max_bounces = PathContext{}.max_bounces;
   uint32_t sample = 3;
   uint32_t first_nee_bounce = 0;         ///< as in PathContext
+  uint32_t light_candidates = 1;         ///< as in PathContext
   bool only_specular = false;            ///< as in PathContext
   View<const uint32_t> allocation = {};  ///< as for PathKernel
   bool russian_roulette = true;
@@ -54,6 +55,7 @@ std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettin
   kernel.context.selector.uniform = make_uniform_lights(view.lights);
   kernel.context.max_bounces = settings.max_bounces;
   kernel.context.first_nee_bounce = settings.first_nee_bounce;
+  kernel.context.light_candidates = settings.light_candidates;
   kernel.context.only_specular = settings.only_specular;
   kernel.context.russian_roulette = settings.russian_roulette;
   kernel.index = index;
