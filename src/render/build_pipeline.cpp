@@ -143,6 +143,11 @@ bool looks_up_cells(const RenderSettings& settings) {
   return needs_first_vertices(settings) && settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
 }
 
+/// Whether first vertices record points of reservoirs on lights. Paths that fill cells record random numbers instead.
+bool records_light_points(const RenderSettings& settings) {
+  return settings.reuse != ReuseChoice::none && !looks_up_cells(settings);
+}
+
 /// Changes that end the history.
 Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
@@ -161,7 +166,7 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
     const HistoryContents contents{
-        .m2_rgb = parts.m2_rgb, .cells = parts.cells, .light_points = settings.reuse != ReuseChoice::none};
+        .m2_rgb = parts.m2_rgb, .cells = parts.cells, .light_points = records_light_points(settings)};
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), contents);
     if (settings.reproject.method == ReprojectionMethod::forward)
       builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);

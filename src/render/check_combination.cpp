@@ -142,6 +142,20 @@ void check_restir_pt(const RenderSettings& s) {
   }
 }
 
+/// Throws if reservoirs do not combine with the radiance cache.
+void check_reuse_with_cache(const RenderSettings& s) {
+  if (resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt) {
+    throw Error(
+        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: reservoirs of paths "
+        "that end in cells are not implemented; use reuse 'ris', or cache 'none'");
+  }
+  if (s.reuse == ReuseChoice::restir_di && s.cache != CacheChoice::sharc) {
+    throw Error(
+        "reuse 'restir-di' does not combine with caches 'psf', 'apsf', 'apg' and 'apsf+apg': samples for cells that "
+        "wait for the reservoirs of the frame are not implemented; use reuse 'ris', or cache 'sharc'");
+  }
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
@@ -150,11 +164,7 @@ void check_reuse(const RenderSettings& s) {
         "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', "
         "'light' and 'vcm': MIS weights with reservoirs are not implemented; use estimator 'path' or reuse 'none'");
   }
-  if (s.cache != CacheChoice::none) {
-    throw Error(
-        "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: "
-        "cells with the light of reservoirs are not implemented; use cache 'none' or reuse 'none'");
-  }
+  if (s.cache != CacheChoice::none) check_reuse_with_cache(s);
   if (resamples_indirect_light(s.reuse)) return check_restir_gi(s);
   if (s.reuse == ReuseChoice::restir_pt) return check_restir_pt(s);
   if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {

@@ -1,5 +1,7 @@
 #include "render/estimator_passes.h"
 
+#include <utility>
+
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
@@ -42,14 +44,18 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
   }
 }
 
-/// Adds path tracing with the spatially hashed radiance cache.
+/// Adds path tracing with the spatially hashed radiance cache. Its cells lie behind primary hits, whose direct light
+/// reservoirs can add.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source) {
   auto& cells =
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, needs_first_vertices(settings));
-  builder.add<MaintainSharcPass>(cells);
+  const PathRecords records{.first_vertices = needs_first_vertices(settings),
+                            .first_scatters = resamples_direct_light(settings.reuse)};
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, records);
+  add_reuse(builder, settings, source, nullptr);
+  builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
 /// Outputs of light paths besides the radiance.
@@ -88,20 +94,30 @@ void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& 
       adapts, cells, source, recording, records);
 }
 
+/// Adds a pass of paths that fill cells. These take the light of a path with that of its primary hit, so paths resample
+/// lights there themselves.
+template <typename P, auto... members, typename... Arguments>
+void add_filling(PipelineBuilder& builder, Arguments&&... arguments) {
+  P& pass = builder.add_tracing<P, members...>(std::forward<Arguments>(arguments)...);
+  builder.add_follower(pass, [](const RenderSettings& s) {
+    return LightCandidates{s.reuse == ReuseChoice::ris ? static_cast<uint32_t>(s.ris.candidates) : 1u};
+  });
+}
+
 /// Adds camera paths that fill cells.
 void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                           const PathRecording* recording, const CellsPass& cells) {
   switch (settings.cache) {
     case CacheChoice::none:
     case CacheChoice::sharc: break;
-    case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells, recording); break;
+    case CacheChoice::psf: add_filling<PathSpaceFilterPass>(builder, source, cells, recording); break;
     case CacheChoice::apsf:
-      builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells, recording);
+      add_filling<AdaptivePsfPass, &RenderSettings::apsf>(builder, source, cells, recording);
       break;
     case CacheChoice::apg:
     case CacheChoice::apsf_apg:
-      builder.add_tracing<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
-          settings.cache == CacheChoice::apsf_apg, source, cells, recording);
+      add_filling<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
+          builder, settings.cache == CacheChoice::apsf_apg, source, cells, recording);
       break;
   }
 }

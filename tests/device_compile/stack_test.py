@@ -45,13 +45,16 @@ BOUNDS = (
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),
-    (r"PathKernel<CellsOutput<PathGraphContext>|CellUpdateKernel", 2100),  # vertices of the path
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2250),
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1550),
-    (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2150),  # and an evaluation for mirror reflection
-    (r"PathKernel<VerifiedCellsOutput<", 1450),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2300),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 1600),
+    (r"CellUpdateKernel", 2100),  # vertices of the path
+    # These also choose among several lights: 0.1 KB.
+    (r"PathKernel<CellsOutput<PathGraphContext>", 2200),
+    (r"PathKernel<CellsOutput<", 1550),
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2350),
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1650),
+    (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2250),  # and an evaluation for mirror reflection
+    (r"PathKernel<VerifiedCellsOutput<", 1550),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2400),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 1700),
     (r"PathKernel<RadianceOutput> ", 1229),  # the limit of the design
     (r"PathKernel<", 1450),
     (r"DepthVoteKernel|FirstLightKernel", 1550),

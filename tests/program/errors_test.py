@@ -183,7 +183,8 @@ class Combinations(RefusalTest):
 
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
-            (FAILED, "--cache psf --reuse ris", "reuse 'ris', .* and 'restir-pt' .* radiance cache.*; use cache 'none' or reuse 'none'"),
+            (FAILED, "--cache psf --reuse restir-di", "reuse 'restir-di' .* caches 'psf', 'apsf', 'apg' and 'apsf\\+apg'.*; use reuse 'ris', or cache 'sharc'"),
+            (FAILED, "--cache sharc --reuse restir-gi", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'ris', or cache 'none'"),
             (FAILED, "--reuse restir-gi --allocation adaptive", "reuse 'restir-gi' .* allocation 'adaptive'.*; use reuse 'none', or allocation 'uniform'"),
             (FAILED, "--reuse restir-gi --history reproject", "reuse 'restir-gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-di+gi --history reproject", "'restir-di.gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
@@ -205,11 +206,11 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator bdpt --cache psf --history reproject", "'bdpt' and 'vcm' with a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
-            (FAILED, "--preset restir-research --cache psf", "reuse 'ris', .* and 'restir-pt' .* radiance cache"),
+            (FAILED, "--preset restir-research --cache psf", "reuse 'restir-di' .* caches 'psf'"),
             (FAILED, "--preset paper-001 --history none", "allocation 'adaptive' .* history 'none'"),
         ])
-        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "ris"}')
-        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'ris', .* and 'restir-pt'")
+        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "restir-di"}')
+        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'restir-di' .* caches 'psf'")
 
     def test_values(self):
         self.refuse_each(self.render("-o", "out.exr"), [
@@ -298,7 +299,7 @@ class Commands(RefusalTest):
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is common to all contenders; give it as --width"),
-            (FAILED, "--reference-settings cache:psf,reuse:ris", "reuse 'ris', .* and 'restir-pt' .* radiance cache"),
+            (FAILED, "--reference-settings cache:psf,reuse:restir-di", "reuse 'restir-di' .* caches 'psf'"),
         ])
 
     def test_experiment(self):

@@ -98,6 +98,8 @@ struct AdaptiveFilterContext {
 /// A filter vertex that may end its path.
 class AdaptiveVertex : public NoPolicy {
  public:
+  static constexpr bool resamples_lights = true;
+
   AdaptiveVertex() = default;
   RELUME_HD AdaptiveVertex(const AdaptiveFilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
       : context_(&context), vertex_(context.filter, index, x, y), u_survival_(filter_random(index, x, y, 1)) {}

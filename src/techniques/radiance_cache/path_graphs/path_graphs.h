@@ -37,6 +37,8 @@ struct PathGraphContext {
 /// to the demodulated first of them.
 class PathGraph : public NoPolicy {
  public:
+  static constexpr bool resamples_lights = true;
+
   PathGraph() = default;
   RELUME_HD PathGraph(const PathGraphContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
       : context_(&context), index_(&index), x_(x), y_(y) {

@@ -36,6 +36,8 @@ struct FilterContext {
 /// this vertex through a delta lobe continues as usual; the radiance beyond stays outside the cell.
 class FilterVertex : public NoPolicy {
  public:
+  static constexpr bool resamples_lights = true;
+
   FilterVertex() = default;
   RELUME_HD FilterVertex(const FilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
       : context_(&context), index_(&index), x_(x), y_(y) {}

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/radiance_cache/sharc/sharc_cells.h"
+#include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/path_kernel.h"
 
@@ -108,5 +109,9 @@ using CellEndsKernel = PathKernel<RadianceOutput, CellEnds>;
 
 /// The same with records of first vertices. Cells are behind them, so their light is part of that along the directions.
 using RecordedCellEndsKernel = PathKernel<RadianceOutput, FirstVertexOutput, CellEnds>;
+
+/// The same two for reservoirs, which add the direct light of primary hits. No cell holds light of primary hits.
+using ReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, CellEnds>;
+using RecordedReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
 
 }  // namespace relume

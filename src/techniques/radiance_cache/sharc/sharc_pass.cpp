@@ -26,8 +26,12 @@ PassDeclaration SharcPass::declaration() const {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
-  if (first_vertices_)
+  if (records_.first_vertices)
     declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
+  if (records_.first_scatters) {
+    declaration.owns.push_back(
+        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
+  }
   return declaration;
 }
 
@@ -42,16 +46,21 @@ bool SharcPass::trace(const FrameContext& frame) const {
                       .by_variance = settings_.end == SharcEnd::variance,
                       .variance = settings_.variance,
                       .termination = frame.write(kCellTermination)};
+  const auto trace_with = [&](const auto&... outputs) {
+    if (!records_.first_vertices) return trace_paths(source_, frame, nullptr, outputs..., ends);
+    return trace_paths(source_, frame, nullptr, outputs..., FirstVertexOutput{frame.write(kFirstVertices)}, ends);
+  };
   const RadianceOutput radiance{frame.write(kRadiance)};
-  if (!first_vertices_) return trace_paths(source_, frame, nullptr, radiance, ends);
-  return trace_paths(source_, frame, nullptr, radiance, FirstVertexOutput{frame.write(kFirstVertices)}, ends);
+  if (!records_.first_scatters) return trace_with(radiance);
+  return trace_with(radiance, FirstScatterOutput{frame.write(kFirstScatters)});
 }
 
 bool SharcPass::update_cells(const FrameContext& frame) const {
   constexpr uint32_t kSalt = 0x7a3c9e15u;
   CellUpdateKernel kernel;
   kernel.context = make_path_context(source_, frame);
-  kernel.context.indirect = {};  // every update path continues
+  kernel.context.indirect = {};         // every update path continues
+  kernel.context.first_nee_bounce = 0;  // cells receive all direct light, which reservoirs only add to pixels
   kernel.context.max_bounces = std::max(kernel.context.max_bounces, kLeastUpdateBounces);
   kernel.update = {.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
                    .depth = static_cast<uint32_t>(settings_.propagation_depth),

@@ -14,9 +14,11 @@ CellDepths cell_depths(const SharcSettings& settings);
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  /// `first_vertices`: whether to record them for a history.
-  SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells, bool first_vertices)
-      : settings_(settings), source_(source), cells_(cells), first_vertices_(first_vertices) {}
+  /// `records`: first vertices for a history, first scattering events for reservoirs; no others.
+  SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells, const PathRecords& records)
+      : settings_(settings), source_(source), cells_(cells), records_(records) {
+    if (records.first_scatters) source_.first_nee_bounce = 1;
+  }
 
   void configure(const SharcSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -31,7 +33,7 @@ class SharcPass final : public Pass {
   SharcSettings settings_;
   PathSource source_;
   const CellsPass& cells_;
-  bool first_vertices_;
+  PathRecords records_;
 };
 
 /// Pools the samples of the frame with the cells.

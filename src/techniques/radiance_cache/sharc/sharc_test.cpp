@@ -66,6 +66,31 @@ TEST(Sharc, UnknownCellsChangeNoBit) {
   expect_bits_of_paths(build("cornell-spheres"), settings);
 }
 
+TEST(Sharc, UnknownCellsChangeNoBitOfReservoirs) {
+  for (const ReuseChoice reuse : {ReuseChoice::ris, ReuseChoice::restir_di}) {
+    RenderSettings settings = sharc_settings(32, 32);
+    settings.sharc.min_samples = 4096;
+    settings.reuse = reuse;
+    expect_bits_of_paths(build("cornell-spheres"), settings);
+  }
+}
+
+/// Update paths sample lights at primary hits, although camera paths leave these to reservoirs. Cells without that
+/// light would darken the image.
+TEST(Sharc, ReservoirsLeaveDirectLightToTheCells) {
+  RenderSettings settings = sharc_settings(32, 32);
+  settings.sharc.update = SharcUpdate::all;
+  settings.sharc.min_samples = 1;
+  const auto mean_with = [&](ReuseChoice reuse) {
+    settings.reuse = reuse;
+    Session session(build("cornell"), settings);
+    skip_frames(session, 32);
+    return testing::mean_of_frames(session, 64);
+  };
+  const double expected = mean_with(ReuseChoice::none);
+  EXPECT_NEAR(mean_with(ReuseChoice::ris), expected, 0.03 * expected);
+}
+
 TEST(Sharc, CellsLargerThanTheRoomChangeNoBit) {
   RenderSettings settings = sharc_settings(24, 24);
   settings.sharc.cell_size = 1024;

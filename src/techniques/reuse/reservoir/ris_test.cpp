@@ -77,6 +77,19 @@ TEST(Ris, KeepsTheMeanWithIndirectLightInHalfOfThePixels) {
                mean_over_seeds("cornell", settings_of(ReuseChoice::none), 32, 12));
 }
 
+/// Cells have the same bias with better samples of light: their mean and edges stay.
+class RisWithCache : public ::testing::TestWithParam<CacheChoice> {};
+TEST_P(RisWithCache, HasTheMeanOfTheCache) {
+  RenderSettings cached = settings_of(ReuseChoice::none);
+  cached.cache = GetParam();
+  RenderSettings resampled = cached;
+  resampled.reuse = ReuseChoice::ris;
+  expect_equal(mean_over_seeds("cornell", resampled, 32, 12), mean_over_seeds("cornell", cached, 32, 12));
+}
+INSTANTIATE_TEST_SUITE_P(Caches, RisWithCache,
+                         ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg,
+                                           CacheChoice::sharc));
+
 /// Relative standard deviation of a pixel's single sample; the median over pixels, because the edges of lamps vary with
 /// the position in the pixel.
 double noise_of(const RenderSettings& settings) {

@@ -44,6 +44,7 @@ const std::vector<Choices>& all_choices() {
       {.name = "sharc", .cache = CacheChoice::sharc},
       {.name = "ris", .reuse = ReuseChoice::ris},
       {.name = "restir_di", .reuse = ReuseChoice::restir_di},
+      {.name = "psf_ris", .cache = CacheChoice::psf, .reuse = ReuseChoice::ris},
   };
   return list;
 }
