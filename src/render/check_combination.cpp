@@ -107,18 +107,11 @@ void check_forward_history(const RenderSettings& s) {
 
 /// Throws if reservoirs for indirect light do not combine with the other choices.
 void check_restir_gi(const RenderSettings& s) {
-  if (needs_first_vertices(s)) {
-    throw Error(
-        "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward': "
-        "verifying the light of other pixels' paths is not implemented; use reproject.method 'backward', history "
-        "'accumulate' or reuse 'none'");
-  }
-  if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
-    throw Error(
-        "reuse 'restir-gi' and 'restir-di+gi' do not combine with allocation 'adaptive' or with upscale above 1: "
-        "reservoirs of pixels without a path are not implemented; use reuse 'none', or allocation 'uniform' with "
-        "upscale 1");
-  }
+  if (!needs_first_vertices(s)) return;
+  throw Error(
+      "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward': "
+      "verifying the light of other pixels' paths is not implemented; use reproject.method 'backward', history "
+      "'accumulate' or reuse 'none'");
 }
 
 /// Throws if reservoirs of paths do not combine with the other choices.
@@ -134,11 +127,6 @@ void check_restir_pt(const RenderSettings& s) {
         "reuse 'restir-pt' does not combine with history 'reproject' by reproject.method 'forward': verifying the "
         "light of other pixels' paths is not implemented; use reproject.method 'backward', history 'accumulate' or "
         "reuse 'none'");
-  }
-  if (s.allocation == AllocationChoice::adaptive || upscales(s)) {
-    throw Error(
-        "reuse 'restir-pt' does not combine with allocation 'adaptive' or with upscale above 1: reservoirs of pixels "
-        "without a path are not implemented; use reuse 'none', or allocation 'uniform' with upscale 1");
   }
 }
 
@@ -165,13 +153,8 @@ void check_reuse(const RenderSettings& s) {
         "'light' and 'vcm': MIS weights with reservoirs are not implemented; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) check_reuse_with_cache(s);
-  if (resamples_indirect_light(s.reuse)) return check_restir_gi(s);
-  if (s.reuse == ReuseChoice::restir_pt) return check_restir_pt(s);
-  if (s.reuse == ReuseChoice::restir_di && (s.allocation == AllocationChoice::adaptive || upscales(s))) {
-    throw Error(
-        "reuse 'restir-di' does not combine with allocation 'adaptive' or with upscale above 1: reservoirs of pixels "
-        "without a path are not implemented; use reuse 'ris', or allocation 'uniform' with upscale 1");
-  }
+  if (resamples_indirect_light(s.reuse)) check_restir_gi(s);
+  if (s.reuse == ReuseChoice::restir_pt) check_restir_pt(s);
 }
 
 /// Throws if a technique describes the scene of other frames or pixels at one time, and so does not combine with an

@@ -181,9 +181,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, SlowWithFewerPaths, ::testing::Range(size_t{0},
                          fewer_paths_name);
 
 TEST(FewerPaths, OnlyChoicesOfPixelsAreRefused) {
-  std::set<std::string> refused{"allocation_adaptive_upscaled", "history_none_upscaled",
-                                "reuse_restir-di_upscaled",     "reuse_restir-gi_upscaled",
-                                "reuse_restir-di+gi_upscaled",  "reuse_restir-pt_upscaled"};
+  std::set<std::string> refused{"allocation_adaptive_upscaled", "history_none_upscaled"};
   if (!refusal(combine({}, {"denoise", "oidn"}, {"denoise", "oidn"})).empty())  // a build without the library
     refused.merge(std::set<std::string>{"denoise_oidn_half_rate", "denoise_oidn_upscaled"});
   EXPECT_EQ(fewer_paths().refused, refused);

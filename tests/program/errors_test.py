@@ -185,12 +185,10 @@ class Combinations(RefusalTest):
         self.refuse_each(self.render("-o", "out.exr"), [
             (FAILED, "--cache psf --reuse restir-di", "reuse 'restir-di' .* caches 'psf', 'apsf', 'apg' and 'apsf\\+apg'.*; use reuse 'ris', or cache 'sharc'"),
             (FAILED, "--cache sharc --reuse restir-gi", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'ris', or cache 'none'"),
-            (FAILED, "--reuse restir-gi --allocation adaptive", "reuse 'restir-gi' .* allocation 'adaptive'.*; use reuse 'none', or allocation 'uniform'"),
             (FAILED, "--reuse restir-gi --history reproject", "reuse 'restir-gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-di+gi --history reproject", "'restir-di.gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-di+gi --lights mcls", "lights 'mcls' .* reuse 'ris', 'restir-di' and 'restir-di.gi'.*; use lights 'light-tree'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
-            (FAILED, "--reuse restir-pt --upscale 2", "reuse 'restir-pt' .* upscale above 1.*; use reuse 'none', or allocation 'uniform'"),
             (FAILED, "--reuse restir-pt --history reproject", "reuse 'restir-pt' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-pt --lights neeat", "reuse 'restir-pt' .* lights 'vlc', 'neeat' and 'mcls'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--guide mcpg --lights neeat", "lights 'vlc' and 'neeat' with guide 'mcpg'.*; use lights 'mcls' with guide 'mcpg'"),

@@ -39,6 +39,7 @@ struct ReservoirHistory {
   View<const ReceiverRecord> records;  ///< receivers of the reservoirs
   float cap = 0;                       ///< largest confidence, in frames; 0: no history
   bool moved = false;                  ///< whether instances were placed differently in the previous frame
+  bool holds = false;                  ///< whether reservoirs still hold for their receivers in this frame
 
   /// The pixel whose reservoir that of (x, y) reuses; kNoSurface: none. `u`: uniform in [0, 1).
   RELUME_HD uint32_t find(const SceneView& scene, uint32_t x, uint32_t y, float u) const {
@@ -57,7 +58,24 @@ struct ReservoirHistory {
     return before;
   }
 
-  /// The instance of that reservoir's receiver, as placed in the previous frame.
+  /// Gives pixel (x, y), which has no path in this frame, the reservoir of its surface in the previous frame together
+  /// with that reservoir's receiver: a domain of its own, which remains exact while the reservoirs hold. Otherwise, and
+  /// without history, the pixel gets an empty reservoir, which no pixel or frame reuses. Returns the pixel that the
+  /// reservoir comes from; kNoSurface: it is empty. `u`: uniform in [0, 1).
+  RELUME_HD uint32_t keep(const SceneView& scene, uint32_t x, uint32_t y, float u, Reservoir<Sample>& reservoir,
+                          ReceiverRecord& record) const {
+    const uint32_t source = holds ? find(scene, x, y, u) : kNoSurface;
+    if (source == kNoSurface) {
+      reservoir = {};
+      record = {};
+    } else {
+      reservoir = at(source, cap);  // as much as it counts in the history of a pixel with a path
+      record = records[source];
+    }
+    return source;
+  }
+
+  /// The instance of the receiver of a reservoir from find(), as placed in the previous frame.
   RELUME_HD Instance instance_of(const SceneView& scene, uint32_t source) const {
     const Instance& instance = scene.instances[records[source].hit.instance];
     return moved ? previous_instance(instance) : instance;

@@ -34,8 +34,17 @@ NeighbourSearch neighbour_search(const FrameContext& frame, int neighbours, floa
           .height = frame.height()};
 }
 
+bool reservoirs_hold(const FrameContext& frame) {
+  const CameraView& now = frame.scene.camera;
+  const CameraView& before = frame.scene.previous_camera;
+  const bool same_cones = now.cone_width() == before.cone_width() && now.cone_spread() == before.cone_spread();
+  return same_cones && (frame.changes | Change::camera) == Change::camera;
+}
+
+SampledPixels sampled_pixels(const FrameContext& frame) { return {frame.read(kAllocation)}; }
+
 ReuseImage reuse_image(const FrameContext& frame) {
-  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays)};
+  return {frame.write(kRadiance), frame.write(kRadianceSpecular), frame.write(kRays), sampled_pixels(frame)};
 }
 
 }  // namespace relume

@@ -36,20 +36,30 @@ std::vector<BufferDescription> reuse_descriptions(const ReuseBuffers<Sample>& bu
 /// Adds the surfaces that histories and neighbours need to the buffers that the pass reads.
 void read_surfaces(PassDeclaration& declaration);
 
-/// The history in this frame. `cap`: largest confidence, in frames.
+/// Whether reservoirs of the previous frame still hold for their receivers: the scene rests, and so do the widths of
+/// the ray cones that select levels of textures at the receivers. The camera may move.
+bool reservoirs_hold(const FrameContext& frame);
+
+/// The history in this frame. `cap`: largest confidence, in frames. There is none where a pilot ends: the samples that
+/// chose the probabilities of adaptive sampling must not return to the image.
 template <typename Sample>
 ReservoirHistory<Sample> reservoir_history(const FrameContext& frame, const ReuseBuffers<Sample>& buffers, int cap) {
   return {.reprojection = backward_reprojection(frame, kSurface),
           .reservoirs = frame.previous(buffers.history),
           .records = frame.previous(buffers.receivers),
-          .cap = static_cast<float>(cap),
-          .moved = includes(frame.changes, Change::geometry)};
+          .cap = frame.ends_pilot ? 0.0f : static_cast<float>(cap),
+          .moved = includes(frame.changes, Change::geometry),
+          .holds = reservoirs_hold(frame)};
 }
 
 /// The search for neighbours in this frame.
 NeighbourSearch neighbour_search(const FrameContext& frame, int neighbours, float radius);
 
-/// The planes to which reservoirs add light: the pass must write kRadiance and kRays, and kRadianceSpecular if any.
+/// The pixels that have a path. The pass must read kAllocation if any.
+SampledPixels sampled_pixels(const FrameContext& frame);
+
+/// The planes to which reservoirs add light: the pass must write kRadiance and kRays, and kRadianceSpecular if any, and
+/// read kAllocation if any.
 ReuseImage reuse_image(const FrameContext& frame);
 
 }  // namespace relume

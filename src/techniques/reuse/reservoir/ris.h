@@ -12,12 +12,11 @@ inline constexpr uint32_t kChoosesNeighbours = 0x52495302u;
 /// Adds the direct light of each pixel that has a path.
 struct RisKernel {
   CandidateStage stage;
-  View<const uint32_t> allocation;  ///< paths of the pixel, 0 or 1; empty: 1
   ReservoirImage image;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * stage.width + x;
-    if (!allocation.empty() && allocation[pixel] == 0) return;
+    if (!image.planes.sampled.has(pixel)) return;
     Sampler sampler = stage.index.sampler(x, y);
     ReceiverRecord record;
     Receiver r;

@@ -22,6 +22,7 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
 ReservoirImage reservoir_image(const FrameContext& frame) { return {reuse_image(frame), frame.write(kFirstVertices)}; }
 
 std::vector<BufferId> reservoir_reads() { return {kPrimaryHits, kFirstScatters}; }
+std::vector<BufferId> reservoir_reads_if_any() { return {kAllocation}; }
 std::vector<BufferId> reservoir_writes() { return {kRadiance, kRays}; }
 std::vector<BufferId> reservoir_writes_if_any() { return {kRadianceSpecular, kFirstVertices}; }
 
@@ -30,14 +31,13 @@ PassDeclaration RisPass::declaration() const {
           .stage = Stage::resolve,
           .reads = reservoir_reads(),
           .writes = reservoir_writes(),
-          .reads_if_any = {kAllocation},
+          .reads_if_any = reservoir_reads_if_any(),
           .writes_if_any = reservoir_writes_if_any(),
           .only_sampled_pixels = true};
 }
 
 bool RisPass::run(const FrameContext& frame) {
-  const RisKernel kernel{candidate_stage(settings_, source_, recording_, frame), frame.read(kAllocation),
-                         reservoir_image(frame)};
+  const RisKernel kernel{candidate_stage(settings_, source_, recording_, frame), reservoir_image(frame)};
   return frame.launch_or_stop("ris", kernel);
 }
 

@@ -13,12 +13,13 @@ struct ReservoirImage;
 /// The first stage of reservoirs in this frame. `recording`: destination of samples for learning; nullptr: none.
 CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const PathRecording* recording,
                                const FrameContext& frame);
-/// The planes to which reservoirs add light. The pass must write the buffers of reservoir_writes() and
-/// reservoir_writes_if_any().
+/// The planes to which reservoirs add light. The pass must access the buffers of reservoir_reads_if_any(),
+/// reservoir_writes() and reservoir_writes_if_any().
 ReservoirImage reservoir_image(const FrameContext& frame);
 
 /// Buffers of other passes that every pass of reservoirs accesses.
 std::vector<BufferId> reservoir_reads();
+std::vector<BufferId> reservoir_reads_if_any();
 std::vector<BufferId> reservoir_writes();
 std::vector<BufferId> reservoir_writes_if_any();
 

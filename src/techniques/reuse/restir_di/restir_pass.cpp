@@ -28,6 +28,7 @@ PassDeclaration RestirPass::declaration() const {
                               .owns = reuse_descriptions(kDirect, ends_reservoirs(settings_)),
                               .reads = reservoir_reads(),
                               .writes = reservoir_writes(),
+                              .reads_if_any = reservoir_reads_if_any(),
                               .writes_if_any = reservoir_writes_if_any()};
   read_surfaces(declaration);
   return declaration;

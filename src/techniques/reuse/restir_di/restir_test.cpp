@@ -11,6 +11,7 @@
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/testing/media.h"
+#include "techniques/reuse/reservoir/testing/fewer_paths.h"
 #include "techniques/reuse/restir_di/spatial_reuse.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
 #include "testing/chi2.h"
@@ -20,6 +21,7 @@ namespace {
 
 using testing::deviation;
 using testing::error_of;
+using testing::FewerPaths;
 using testing::mean_over_seeds;
 using testing::Measured;
 using testing::measured_over;
@@ -101,20 +103,25 @@ const Comparison& reference() {
   return truth;
 }
 
+/// `bias`: of the image, relative.
+void expect_mean_of_paths(const Comparison& measured, double bias = 0) {
+  const double image_error = error_of(measured.image, reference().image);
+  EXPECT_LT(image_error, 0.02 * reference().image.mean);
+  // With few degrees of freedom, standard errors are uncertain.
+  EXPECT_NEAR(deviation(measured.image, reference().image), 0, bias * reference().image.mean + 6 * image_error);
+  for (size_t b = 0; b < measured.blocks.size() && !(bias > 0); ++b) {
+    const double error = error_of(measured.blocks[b], reference().blocks[b]) + 1e-6;
+    EXPECT_NEAR(deviation(measured.blocks[b], reference().blocks[b]), 0, 7 * error) << "block " << b;
+  }
+}
+
 class RestirMode : public ::testing::TestWithParam<RestirSettings> {};
 
 TEST_P(RestirMode, HasTheMeanOfPathTracingInImageAndBlocks) {
   RenderSettings settings = settings_of(ReuseChoice::restir_di);
   settings.restir = GetParam();
   settings.restir.radius = 6;
-  const Comparison measured = over_seeds(cornell(), settings, kSeeds, kMoving, kKept);
-  EXPECT_LT(error_of(measured.image, reference().image), 0.02 * reference().image.mean);
-  // With few degrees of freedom, standard errors are uncertain.
-  EXPECT_NEAR(deviation(measured.image, reference().image), 0, 6 * error_of(measured.image, reference().image));
-  for (size_t b = 0; b < measured.blocks.size(); ++b) {
-    const double error = error_of(measured.blocks[b], reference().blocks[b]) + 1e-6;
-    EXPECT_NEAR(deviation(measured.blocks[b], reference().blocks[b]), 0, 7 * error) << "block " << b;
-  }
+  expect_mean_of_paths(over_seeds(cornell(), settings, kSeeds, kMoving, kKept));
 }
 
 std::string mode_name(const ::testing::TestParamInfo<RestirSettings>& info) {
@@ -130,6 +137,22 @@ INSTANTIATE_TEST_SUITE_P(Exact, RestirMode,
                                            RestirSettings{.feedback = ReuseFeedback::temporal, .cap = 8},
                                            RestirSettings{.cap = 8}),
                          mode_name);
+
+/// Pixels without a path pass their reservoirs to neighbours and later frames.
+class RestirFewerPaths : public ::testing::TestWithParam<FewerPaths> {};
+
+TEST_P(RestirFewerPaths, HasTheMeanOfPathTracingInImageAndBlocks) {
+  RenderSettings settings = settings_of(ReuseChoice::restir_di);
+  settings.restir.cap = 8;
+  settings.restir.radius = 6;
+  testing::apply(GetParam(), settings);
+  expect_mean_of_paths(over_seeds(cornell(), settings, 48, kMoving, 24), testing::bias_of(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Exact, RestirFewerPaths,
+                         ::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
+                                           FewerPaths::adaptive_after_pilot),
+                         [](const auto& info) { return testing::name_of(info.param); });
 
 /// Mean of the lower half of the image. The error is an upper bound: that of blocks that depend on each other.
 Measured lower_half(const Comparison& comparison) {

@@ -23,7 +23,7 @@ struct SpatialReuseKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * search.width + x;
     const LightReservoir own = reservoirs[pixel];
-    if (!(own.confidence > 0.0f)) {
+    if (!(own.confidence > 0.0f) || !image.planes.sampled.has(pixel)) {
       history[pixel] = own;
       return;
     }

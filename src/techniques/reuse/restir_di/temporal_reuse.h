@@ -1,5 +1,5 @@
 // First kernel of ReSTIR DI: each pixel's own candidates, combined with the reservoir of its surface in the previous
-// frame ([Bitterli20] alg. 5, with the weights of [Lin22]).
+// frame ([Bitterli20] alg. 5, with the weights of [Lin22]). Pixels without a path keep that reservoir.
 #pragma once
 
 #include "techniques/reuse/reservoir/history_source.h"
@@ -19,6 +19,7 @@ struct TemporalReuseKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * stage.width + x;
+    if (!image.planes.sampled.has(pixel)) return keep(x, y);
     LightReservoir result;
     ReceiverRecord record;
     Receiver r;
@@ -39,6 +40,12 @@ struct TemporalReuseKernel {
   }
 
  private:
+  RELUME_HD void keep(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * stage.width + x;
+    ChoiceNumbers numbers(stage.index.seed, stage.index.frame, pixel, kChoosesCandidates);
+    history.keep(stage.context.scene, x, y, numbers.next(), reservoirs[pixel], records[pixel]);
+  }
+
   /// Combines `own` with the history of the receiver, if it has one.
   RELUME_HD void reuse(uint32_t x, uint32_t y, const Receiver& r, ChoiceNumbers& numbers, LightReservoir& own) const {
     const uint32_t pixel = y * stage.width + x;

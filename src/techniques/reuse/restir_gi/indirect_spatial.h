@@ -23,7 +23,7 @@ struct IndirectSpatialKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * search.width + x;
     const IndirectReservoir own = reservoirs[pixel];
-    if (!(own.confidence > 0.0f)) {
+    if (!(own.confidence > 0.0f) || !image.sampled.has(pixel)) {
       history[pixel] = own;
       return;
     }

@@ -1,5 +1,5 @@
 // First kernel of ReSTIR GI: the sample of each pixel's path, combined with the reservoir of its surface in the
-// previous frame ([Ouyang21], with the weights of [Lin22]).
+// previous frame ([Ouyang21], with the weights of [Lin22]). Pixels without a path keep that reservoir.
 #pragma once
 
 #include "techniques/reuse/reservoir/history_source.h"
@@ -24,6 +24,7 @@ struct IndirectTemporalKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
+    if (!image.sampled.has(pixel)) return keep(x, y);
     IndirectReservoir result;
     ReceiverRecord record;
     Receiver r;
@@ -40,6 +41,19 @@ struct IndirectTemporalKernel {
   }
 
  private:
+  RELUME_HD void keep(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesIndirectHistory);
+    IndirectReservoir& kept = reservoirs[pixel];
+    const uint32_t source = history.keep(scene, x, y, numbers.next(), kept, records[pixel]);
+    if (!(kept.weight > 0.0f)) return;
+    if (!exists(scene, kept.sample.hit())) {
+      kept = {};
+    } else if (!validated.empty()) {
+      follow_light(validated[source], kept);
+    }
+  }
+
   /// Fills the receiver of pixel (x, y). Returns false if the pixel does not reuse samples. Its own is then added to
   /// the image.
   RELUME_HD bool receive(uint32_t x, uint32_t y, const Sampler& sampler, ReceiverRecord& record, Receiver& r) const {

@@ -8,12 +8,14 @@
 #include "builtin_scenes/builtin.h"
 #include "frame/pipeline.h"
 #include "render/build_pipeline.h"
+#include "techniques/reuse/reservoir/testing/fewer_paths.h"
 #include "techniques/reuse/restir_gi/testing/image_means.h"
 
 namespace relume {
 namespace {
 
 using testing::error_of;
+using testing::FewerPaths;
 using testing::Measured;
 
 constexpr int kMoving = 6;
@@ -36,9 +38,9 @@ const std::vector<Measured>& reference() {
   return truth;
 }
 
-/// Compares the mean of the image, then those of its blocks.
-void expect_mean_of_paths(const RenderSettings& settings) {
-  const std::vector<Measured> reused = testing::after_moves(box_scene(), settings, 20, kMoving, kKept);
+/// Compares the mean of the image over `seeds` runs of `kept` frames, then those of its blocks.
+void expect_mean_of_paths(const RenderSettings& settings, int seeds = 20, int kept = kKept) {
+  const std::vector<Measured> reused = testing::after_moves(box_scene(), settings, seeds, kMoving, kept);
   EXPECT_LT(error_of(reused[0], reference()[0]), 0.02 * reference()[0].mean);
   for (size_t k = 0; k < reference().size(); ++k) {
     // With few degrees of freedom, standard errors are uncertain.
@@ -67,6 +69,15 @@ TEST(RestirDiGi, HasTheMeanWithFewerIndirectPaths) {
   RenderSettings settings = settings_of(ReuseChoice::restir_di_gi);
   settings.path.indirect_rate = 0.5f;
   expect_mean_of_paths(settings);
+}
+
+TEST(RestirDiGi, HasTheMeanWithFewerPaths) {
+  for (const FewerPaths fewer : {FewerPaths::upscaled, FewerPaths::adaptive_after_pilot}) {
+    SCOPED_TRACE(testing::name_of(fewer));
+    RenderSettings settings = settings_of(ReuseChoice::restir_di_gi);
+    testing::apply(fewer, settings);
+    expect_mean_of_paths(settings, 48, 24);
+  }
 }
 
 /// Luminance of the pixels of the third frame.

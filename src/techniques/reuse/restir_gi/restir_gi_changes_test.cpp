@@ -1,10 +1,13 @@
 // Tests what becomes of reservoirs when lights change, and the repetition of their paths.
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "techniques/reuse/reservoir/testing/fewer_paths.h"
 #include "techniques/reuse/restir_gi/testing/image_means.h"
 #include "techniques/reuse/restir_gi/testing/posts.h"
+#include "techniques/transport/path/indirect_sample.h"
 
 namespace relume {
 namespace {
@@ -54,6 +57,36 @@ TEST(RestirGiLightChange, LagsWithoutValidation) {
   const Measured truth = dim_truth();
   const Measured late = after_dimming(settings_of(ReuseCorrection::lagging, 0), 3);
   EXPECT_GT(late.mean, 2 * truth.mean);
+}
+
+/// Largest luminance among the samples of the reservoirs that the next frame reuses. Samples that do not move are left
+/// out: no other pixel or frame uses them.
+float brightest_sample(const Session& session) {
+  float most = 0;
+  for (const auto& reservoir : testing::StoredReservoirs<IndirectVertex>(session, "restir-gi").reservoirs) {
+    const bool moves = reservoir.weight > 0.0f && !reservoir.sample.has(IndirectVertex::kBound);
+    if (moves) most = std::max(most, luminance(reservoir.sample.radiance));
+  }
+  return most;
+}
+
+/// All copies of a sample follow in the same frame, also those that pixels without a path keep.
+TEST(RestirGiLightChange, IsFollowedByKeptReservoirs) {
+  const auto brightest_after = [](float before, int validate) {
+    RenderSettings settings = settings_of(ReuseCorrection::lagging, validate);
+    settings.history = HistoryChoice::accumulate;
+    settings.upscaling.factor = 2;
+    Session session(testing::posts(), settings);
+    session.set_light(0, testing::ceiling_lamp(Rgb(before)));
+    for (int i = 0; i < 8; ++i) session.render_frame();
+    session.set_light(0, testing::ceiling_lamp(Rgb(kDim)));
+    for (int i = 0; i < 3; ++i) session.render_frame();
+    return brightest_sample(session);
+  };
+  const float dim = brightest_after(kDim, 3);
+  EXPECT_GT(dim, 0);
+  EXPECT_LT(brightest_after(kBright, 3), 1.5f * dim);
+  EXPECT_GT(brightest_after(kBright, 0), 1.5f * dim);
 }
 
 TEST(RestirGiLightChange, IsFollowedWithinOneIntervalOfValidation) {

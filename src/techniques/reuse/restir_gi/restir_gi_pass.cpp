@@ -39,6 +39,7 @@ PassDeclaration RestirGiPass::declaration() const {
                               .owns = reuse_descriptions(kIndirect, ends_reservoirs(settings_)),
                               .reads = {kPrimaryHits, kIndirectSamples},
                               .writes = {kRadiance, kRays},
+                              .reads_if_any = {kAllocation},
                               .writes_if_any = {kRadianceSpecular}};
   read_surfaces(declaration);
   if (validates()) {

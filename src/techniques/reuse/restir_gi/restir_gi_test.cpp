@@ -7,13 +7,16 @@
 #include "builtin_scenes/builtin.h"
 #include "frame/pipeline.h"
 #include "render/build_pipeline.h"
+#include "techniques/reuse/reservoir/testing/fewer_paths.h"
 #include "techniques/reuse/restir_gi/testing/image_means.h"
 #include "techniques/reuse/restir_gi/testing/posts.h"
+#include "techniques/transport/path/indirect_sample.h"
 
 namespace relume {
 namespace {
 
 using testing::error_of;
+using testing::FewerPaths;
 using testing::Measured;
 using testing::reuse_settings;
 
@@ -32,12 +35,12 @@ const std::vector<Measured>& posts_reference() {
   return truth;
 }
 
-/// Compares the mean of the image, then those of its blocks, which show darkening at edges.
-void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth) {
+/// Compares the mean of the image, then those of its blocks, which show darkening at edges. `bias`: relative.
+void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth, double bias = 0) {
   EXPECT_LT(error_of(reused[0], truth[0]), 0.02 * truth[0].mean);
-  for (size_t k = 0; k < truth.size(); ++k) {
+  for (size_t k = 0; k < (bias > 0 ? size_t{1} : truth.size()); ++k) {
     // With few degrees of freedom, standard errors are uncertain.
-    const double tolerance = (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
+    const double tolerance = bias * truth[k].mean + (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
     EXPECT_NEAR(reused[k].mean, truth[k].mean, tolerance) << (k == 0 ? "image" : "block ") << k;
   }
 }
@@ -66,6 +69,29 @@ INSTANTIATE_TEST_SUITE_P(Unbiased, RestirGiMode,
                                            RestirGiSettings{
                                                .correction = ReuseCorrection::lagging, .cap = 8, .validate = 2}),
                          mode_name);
+
+/// Pixels without a path pass their reservoirs to neighbours and later frames.
+class RestirGiFewerPaths : public ::testing::TestWithParam<FewerPaths> {};
+
+TEST_P(RestirGiFewerPaths, HasTheMeanOfPathTracingInImageAndBlocks) {
+  RenderSettings settings = reuse_settings(ReuseChoice::restir_gi);
+  settings.restir_gi.cap = 8;
+  testing::apply(GetParam(), settings);
+  expect_equal(testing::after_moves(testing::posts(), settings, 48, kMoving, 24), posts_reference(),
+               testing::bias_of(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Exact, RestirGiFewerPaths,
+                         ::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
+                                           FewerPaths::adaptive_after_pilot),
+                         [](const auto& info) { return testing::name_of(info.param); });
+
+TEST(RestirGiSparse, PixelsWithoutAPathKeepReservoirsWhileTheSceneRests) {
+  RenderSettings settings = reuse_settings(ReuseChoice::restir_gi);
+  settings.upscaling.factor = 2;
+  Session session(testing::posts(), settings);
+  testing::expect_reservoirs_to_be_kept<IndirectVertex>(session, "restir-gi", testing::ceiling_lamp(Rgb(5)));
+}
 
 /// Sheets with stochastic alpha are occluders and vertices.
 TEST(RestirGiAlpha, HasTheMeanOfPathTracing) {

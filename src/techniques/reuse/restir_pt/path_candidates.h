@@ -249,7 +249,7 @@ struct PathCandidateKernel {
     const uint32_t pixel = y * width + x;
     reservoirs[pixel] = {};
     records[pixel] = {};
-    if (!hits[pixel].valid() || context.max_bounces == 0) return;
+    if (!image.sampled.has(pixel) || !hits[pixel].valid() || context.max_bounces == 0) return;
     Sampler sampler = index.sampler(x, y);
     records[pixel] = record_of(context.scene, x, y, sampler, hits[pixel]);
     PathWalk walk;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/neighbours.h"
+#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/reuse/restir_pt/path_shift.h"
 
 namespace relume {
@@ -55,7 +56,7 @@ struct PairedPath {
   Vec3 first{0};  ///< as StoredPath::first
 };
 
-/// Shifts the paths of each pixel's neighbours to this pixel.
+/// Shifts the paths of each pixel's neighbours to this pixel. Pairs in which no pixel has a path need no shift.
 struct PathPairKernel {
   PathShifter shifter;
   PairSearch pairs;
@@ -63,6 +64,7 @@ struct PathPairKernel {
   View<const ReceiverRecord> records;
   View<PairedPath> paths[kMostReuseNeighbours];  ///< by number of the pair
   View<uint32_t> rays;
+  SampledPixels sampled;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * shifter.width + x;
@@ -73,6 +75,7 @@ struct PathPairKernel {
       if (!has_reservoir(pixel)) continue;
       const uint32_t other = pairs.find(x, y, i, has_reservoir);
       if (other == kNoSurface || !(reservoirs[other].weight > 0.0f)) continue;
+      if (!sampled.has(pixel) && !sampled.has(other)) continue;
       const SceneView& scene = shifter.context.scene;
       const ReceiverRecord& record = records[pixel];
       const Instance& instance = scene.instances[record.hit.instance];

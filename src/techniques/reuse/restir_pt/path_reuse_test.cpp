@@ -76,8 +76,9 @@ void run(const Kernel& kernel) {
   }
 }
 
-/// `shared`: whether both pixels of a pair share their shifts.
-Combined combined(const TracedPaths& traced, PathCorrection correction, bool shared) {
+/// `shared`: whether both pixels of a pair share their shifts. `allocation`: paths of each pixel, as in SampledPixels.
+Combined combined(const TracedPaths& traced, PathCorrection correction, bool shared,
+                  const std::vector<uint32_t>& allocation = {}) {
   Combined result;
   const std::vector<Vec3> normal(TracedPaths::kPixels, Vec3(0, 0, 1));
   const std::vector<float> depth(TracedPaths::kPixels, 1.0f);
@@ -91,7 +92,7 @@ Combined combined(const TracedPaths& traced, PathCorrection correction, bool sha
   kernel.reservoirs = view_of(traced.reservoirs);
   kernel.records = view_of(traced.records);
   kernel.history = mutable_view_of(result.reservoirs);
-  kernel.image = {mutable_view_of(result.radiance), {}, mutable_view_of(rays)};
+  kernel.image = {mutable_view_of(result.radiance), {}, mutable_view_of(rays), {view_of(allocation)}};
   kernel.correction = correction;
   kernel.reciprocal = true;
   if (shared) {
@@ -101,6 +102,7 @@ Combined combined(const TracedPaths& traced, PathCorrection correction, bool sha
     pairs.reservoirs = kernel.reservoirs;
     pairs.records = kernel.records;
     pairs.rays = mutable_view_of(rays);
+    pairs.sampled = kernel.image.sampled;
     for (int i = 0; i < 3; ++i) {
       shifted[i].resize(TracedPaths::kPixels);
       pairs.paths[i] = mutable_view_of(shifted[i]);
@@ -135,6 +137,30 @@ TEST(PathPairs, HalveTheShifts) {
   expect_equal_bits(once, twice);
   EXPECT_GT(once.rays, TracedPaths::kPixels / 2);
   EXPECT_EQ(2 * once.rays, twice.rays);
+}
+
+TEST(PathPairs, ServeEveryPixelWithAPath) {
+  const TracedPaths traced(find_builtin_scene("cornell-mirror")->build(), rule_of(PathShiftKind::hybrid), 6);
+  std::vector<uint32_t> allocation(TracedPaths::kPixels);
+  for (uint32_t p = 0; p < TracedPaths::kPixels; p += 3) allocation[p] = 1;
+  const Combined once = combined(traced, PathCorrection::exact, true, allocation);
+  const Combined twice = combined(traced, PathCorrection::exact, false, allocation);
+  int from_pixels_without = 0;
+  for (uint32_t p = 0; p < TracedPaths::kPixels; ++p) {
+    EXPECT_EQ(once.radiance[p], twice.radiance[p]) << p;
+    EXPECT_EQ(once.reservoirs[p].weight, twice.reservoirs[p].weight) << p;
+    EXPECT_EQ(once.reservoirs[p].confidence, twice.reservoirs[p].confidence) << p;
+    if (allocation[p] == 0) {
+      EXPECT_EQ(once.radiance[p], Rgb(0)) << p;
+      EXPECT_EQ(once.reservoirs[p].weight, traced.reservoirs[p].weight) << p;
+      EXPECT_EQ(once.reservoirs[p].confidence, traced.reservoirs[p].confidence) << p;
+    } else if (once.reservoirs[p].weight > 0.0f) {
+      from_pixels_without += allocation[once.reservoirs[p].sample.pixel] == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(from_pixels_without, 5);
+  EXPECT_LT(once.rays, twice.rays);
+  EXPECT_LT(once.rays, combined(traced, PathCorrection::exact, true).rays) << "some pairs have no path";
 }
 
 /// Their inverse shifts are of the chosen path, which the pair does not know.

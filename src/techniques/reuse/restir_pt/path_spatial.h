@@ -29,7 +29,7 @@ struct PathSpatialKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * shifter.width + x;
     const PathReservoir own = reservoirs[pixel];
-    if (!(own.confidence > 0.0f)) {
+    if (!(own.confidence > 0.0f) || !image.sampled.has(pixel)) {
       history[pixel] = own;
       return;
     }

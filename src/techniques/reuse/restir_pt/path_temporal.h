@@ -1,8 +1,9 @@
 // Second kernel of ReSTIR PT: combines the path of each pixel with the reservoir of its surface in the previous frame,
-// by the generalised balance heuristic of [Lin22].
+// by the generalised balance heuristic of [Lin22]. Pixels without a path keep that reservoir.
 #pragma once
 
 #include "techniques/reuse/reservoir/history_source.h"
+#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/reuse/restir_pt/path_duplicates.h"
 #include "techniques/reuse/restir_pt/path_shift.h"
 
@@ -20,14 +21,16 @@ struct PathTemporalKernel {
   PathShifter shifter;
   ReservoirHistory<StoredPath> history;
   View<const uint32_t> duplicates;  ///< in the history, by PathDuplicatesKernel; empty: not counted
-  View<const ReceiverRecord> records;
+  View<ReceiverRecord> records;
   View<PathReservoir> reservoirs;
   View<uint32_t> rays;
+  SampledPixels sampled;
   PathCorrection correction = PathCorrection::exact;
   DuplicateLimit limit;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * shifter.width + x;
+    if (!sampled.has(pixel)) return keep(x, y);
     const PathReservoir own = reservoirs[pixel];
     if (!(own.confidence > 0.0f)) return;
     const SampleIndex& index = shifter.index;
@@ -45,6 +48,16 @@ struct PathTemporalKernel {
   }
 
  private:
+  RELUME_HD void keep(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * shifter.width + x;
+    const SceneView& scene = shifter.context.scene;
+    ChoiceNumbers numbers(shifter.index.seed, shifter.index.frame, pixel, kChoosesPathHistory);
+    PathReservoir& kept = reservoirs[pixel];
+    history.keep(scene, x, y, numbers.next(), kept, records[pixel]);
+    const bool refers = !(kept.weight > 0.0f) || exists(scene, kept.sample, shifter.context.max_bounces);
+    if (!refers || !is_finite(kept.weight)) kept = {};
+  }
+
   RELUME_HD PathReservoir combine(uint32_t pixel, const PathReservoir& own, PathReservoir& before, uint32_t source,
                                   float u) const {
     const SceneView& scene = shifter.context.scene;

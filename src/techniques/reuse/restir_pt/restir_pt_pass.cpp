@@ -43,6 +43,7 @@ PassDeclaration RestirPtPass::declaration() const {
                               .owns = reuse_descriptions(kPaths, ends_reservoirs(settings_)),
                               .reads = {kPrimaryHits},
                               .writes = {kRadiance, kRays},
+                              .reads_if_any = {kAllocation},
                               .writes_if_any = {kRadianceSpecular}};
   read_surfaces(declaration);
   if (finds_duplicates()) {
@@ -96,9 +97,10 @@ bool RestirPtPass::reuse_history(const FrameContext& frame) const {
   PathTemporalKernel kernel;
   kernel.shifter = shifter(frame);
   kernel.history = reservoir_history(frame, kPaths, settings_.cap);
-  kernel.records = frame.read(kPaths.receivers);
+  kernel.records = frame.write(kPaths.receivers);
   kernel.reservoirs = frame.write(kPaths.reservoirs);
   kernel.rays = frame.write(kRays);
+  kernel.sampled = sampled_pixels(frame);
   kernel.correction = settings_.correction;
   if (finds_duplicates()) kernel.duplicates = frame.read(kPathDuplicates);
   kernel.limit = DuplicateLimit::of(settings_.duplication);
@@ -121,6 +123,7 @@ bool RestirPtPass::shift_pairs(const FrameContext& frame) const {
   kernel.records = frame.read(kPaths.receivers);
   for (uint32_t i = 0; i < kernel.pairs.search.count; ++i) kernel.paths[i] = frame.write(kPairedPaths[i]);
   kernel.rays = frame.write(kRays);
+  kernel.sampled = sampled_pixels(frame);
   return frame.launch_or_stop("restir-pt-pairs", kernel);
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -8,14 +9,18 @@
 #include "builtin_scenes/builtin.h"
 #include "frame/pipeline.h"
 #include "render/build_pipeline.h"
+#include "techniques/reuse/reservoir/testing/fewer_paths.h"
+#include "techniques/reuse/restir_di/testing/lamps_over_plate.h"
 #include "techniques/reuse/restir_gi/testing/image_means.h"
 #include "techniques/reuse/restir_gi/testing/posts.h"
+#include "techniques/reuse/restir_pt/stored_path.h"
 #include "techniques/reuse/restir_pt/testing/patch_beside_floors.h"
 
 namespace relume {
 namespace {
 
 using testing::error_of;
+using testing::FewerPaths;
 using testing::Measured;
 
 constexpr int kMoving = 6;
@@ -37,25 +42,31 @@ std::vector<Measured> reference_of(const Scene& scene, int seeds = 8, int bounce
 }
 
 /// Compares the mean of the image, then those of its blocks, which show darkening at edges. `most_error`: of the image,
-/// relative.
-void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth, double most_error = 0.02) {
+/// relative. `bias`: of the image, relative.
+void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth, double most_error = 0.02,
+                  double bias = 0) {
   EXPECT_LT(error_of(reused[0], truth[0]), most_error * truth[0].mean);
-  for (size_t k = 0; k < truth.size(); ++k) {
+  for (size_t k = 0; k < (bias > 0 ? size_t{1} : truth.size()); ++k) {
     // With few degrees of freedom, standard errors are uncertain.
-    const double tolerance = (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
+    const double tolerance = bias * truth[k].mean + (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
     EXPECT_NEAR(reused[k].mean, truth[k].mean, tolerance) << (k == 0 ? "image" : "block ") << k;
   }
+}
+
+Scene box_scene() { return find_builtin_scene("cornell")->build(); }
+
+const std::vector<Measured>& box_reference() {
+  static const std::vector<Measured> truth = reference_of(box_scene());
+  return truth;
 }
 
 class RestirPtMode : public ::testing::TestWithParam<RestirPtSettings> {};
 
 TEST_P(RestirPtMode, HasTheMeanOfPathTracingInImageAndBlocks) {
-  static const Scene scene = find_builtin_scene("cornell")->build();
-  static const std::vector<Measured> truth = reference_of(scene);
   RenderSettings settings = settings_of(ReuseChoice::restir_pt);
   settings.restir_pt = GetParam();
   settings.restir_pt.radius = 6;
-  expect_equal(testing::after_moves(scene, settings, 20, kMoving, kKept), truth);
+  expect_equal(testing::after_moves(box_scene(), settings, 20, kMoving, kKept), box_reference());
 }
 
 std::string mode_name(const ::testing::TestParamInfo<RestirPtSettings>& info) {
@@ -79,6 +90,38 @@ INSTANTIATE_TEST_SUITE_P(Unbiased, RestirPtMode,
                                            RestirPtSettings{.cap = 0, .reciprocal = true},
                                            RestirPtSettings{.cap = 8, .reciprocal = true}),
                          mode_name);
+
+/// Pixels without a path pass their reservoirs to neighbours, by pairs or not, and to later frames.
+class RestirPtFewerPaths : public ::testing::TestWithParam<std::tuple<FewerPaths, bool>> {};
+
+TEST_P(RestirPtFewerPaths, HasTheMeanOfPathTracingInImageAndBlocks) {
+  const auto [fewer, reciprocal] = GetParam();
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.restir_pt.cap = 8;
+  settings.restir_pt.reciprocal = reciprocal;
+  testing::apply(fewer, settings);
+  expect_equal(testing::after_moves(box_scene(), settings, 48, kMoving, 24), box_reference(), 0.02,
+               testing::bias_of(fewer));
+}
+
+INSTANTIATE_TEST_SUITE_P(Exact, RestirPtFewerPaths,
+                         ::testing::Combine(::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
+                                                              FewerPaths::adaptive_after_pilot),
+                                            ::testing::Bool()),
+                         [](const auto& info) {
+                           return testing::name_of(std::get<0>(info.param)) +
+                                  (std::get<1>(info.param) ? "_reciprocal" : "");
+                         });
+
+TEST(RestirPtSparse, PixelsWithoutAPathKeepReservoirsWhileTheSceneRests) {
+  RenderSettings settings = settings_of(ReuseChoice::restir_pt);
+  settings.upscaling.factor = 2;
+  Session session(testing::half_hidden_lamps(), settings);
+  PunctualLight brighter;
+  brighter.type = PunctualType::point;
+  brighter.intensity = Rgb(2);
+  testing::expect_reservoirs_to_be_kept<StoredPath>(session, "restir-pt", brighter);
+}
 
 struct SceneCase {
   const char* scene;
