@@ -87,14 +87,6 @@ void check_upscaling(const RenderSettings& s) {
   }
 }
 
-/// Throws if the spatially hashed radiance cache does not combine with the other choices.
-void check_sharc(const RenderSettings& s) {
-  if (s.cache != CacheChoice::sharc || !learns(s)) return;
-  throw Error(
-      "cache 'sharc' does not combine with lights 'neeat', lights 'vlc' or guide 'cdq': learning from its paths is not "
-      "implemented; use lights 'light-tree' and guide 'bsdf', or cache 'none'");
-}
-
 /// Throws if forward reprojection does not combine with the estimator and the cache.
 void check_forward_history(const RenderSettings& s) {
   if (needs_first_vertices(s) && s.estimator != EstimatorChoice::path && s.cache != CacheChoice::none) {
@@ -226,7 +218,6 @@ void check_combination(const RenderSettings& settings) {
   check_reuse(settings);
   check_chains(settings);
   if (settings.shutter().is_open()) check_shutter(settings);
-  check_sharc(settings);
   if (settings.estimator == EstimatorChoice::light) check_light_tracing(settings);
 }
 

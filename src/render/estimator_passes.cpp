@@ -45,16 +45,17 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
 }
 
 /// Adds path tracing with the spatially hashed radiance cache. Its cells lie behind primary hits, whose direct light
-/// reservoirs can add.
-void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source) {
+/// reservoirs can add. `recording`, here and below: destination of path samples, or nullptr.
+void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+               const PathRecording* recording) {
   auto& cells =
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .first_scatters = resamples_direct_light(settings.reuse)};
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, records);
-  add_reuse(builder, settings, source, nullptr);
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, recording, records);
+  add_reuse(builder, settings, source, recording);
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
@@ -65,7 +66,7 @@ BdptRecords bdpt_records(const RenderSettings& settings) {
           .first_vertices = needs_first_vertices(settings)};
 }
 
-/// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
+/// Adds light paths, without a cache.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                      const PathRecording* recording) {
   const BdptRecords records = bdpt_records(settings);
@@ -125,7 +126,7 @@ void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settin
 /// Adds the estimator with a cache that replaces parts of its paths.
 void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                       const PathRecording* recording) {
-  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source);
+  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source, recording);
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   CellsPass& cells =

@@ -51,6 +51,7 @@ BOUNDS = (
     (r"PathKernel<CellsOutput<", 1550),
     (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2350),
     (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1650),
+    (r"PathKernel<CachedRecordingOutput, RadianceOutput, (FirstScatterOutput, )?(FirstVertexOutput, )?CellEnds", 1600),
     (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2250),  # and an evaluation for mirror reflection
     (r"PathKernel<VerifiedCellsOutput<", 1550),
     (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2400),

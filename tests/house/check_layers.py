@@ -68,7 +68,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "bdpt path path_space_filter vcm",
     "path_graphs": "adaptive_psf path path_space_filter",
-    "sharc": "path path_space_filter",
+    "sharc": "octree path path_space_filter",
     "reservoir": "octree path reprojection",
     "restir_di": "path reservoir",
     "restir_gi": "path reservoir",

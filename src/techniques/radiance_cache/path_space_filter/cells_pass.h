@@ -115,12 +115,12 @@ BufferDescription filtered_pixels_buffer();
 /// `cells` are verified, kFirstVertices and kCellsAtHit, too.
 PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
-/// Traces paths with `output` for each. `recording`: destination of samples for learning; nullptr: none.
-template <typename Output>
+/// Traces paths with `outputs` for each. `recording`: destination of samples for learning; nullptr: none.
+template <typename... Outputs>
 bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, const PathRecording* recording,
-                          const Output& output) {
-  if (!recording) return trace_paths(source, frame, nullptr, output);
-  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, output);
+                          const Outputs&... outputs) {
+  if (!recording) return trace_paths(source, frame, nullptr, outputs...);
+  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, outputs...);
 }
 
 /// Traces paths and fills `cells`; `cache` as for CellsOutput. `recording`: as for trace_recorded_paths().

@@ -5,6 +5,7 @@
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/path_kernel.h"
+#include "techniques/transport/path/recording_output.h"
 
 namespace relume {
 
@@ -13,6 +14,16 @@ RELUME_HD inline float lobe_spread(float alpha) {
   constexpr float kWidest = 1000;
   const float a2 = sqr(alpha);
   return a2 < 1.0f ? relume::min(std::sqrt(0.5f * a2 / (1.0f - a2)), kWidest) : kWidest;
+}
+
+/// α of the narrowest lobe with a density; diffuse: 1.
+RELUME_HD inline float narrowest_alpha(const Bsdf& bsdf) {
+  float alpha = 1;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe& lobe = bsdf.lobes[i];
+    if (is_glossy(lobe.kind)) alpha = relume::min(alpha, lobe.alpha);
+  }
+  return alpha;
 }
 
 /// Whether the blur of a cell of this edge is invisible: the segment that leads there is at least as long, and the cone
@@ -71,17 +82,23 @@ class CellEnd : public NoPolicy {
     return true;
   }
 
-  RELUME_HD bool goes_on(PathState& path) const {
+  /// The path itself receives the mean of the cell, so recorders need no ended_in_cell(): the mean is part of the light
+  /// that earlier vertices record. The current vertex samples nothing, and must not train.
+  template <typename Earlier>
+  RELUME_HD bool goes_on(PathState& path, Earlier& earlier) const {
     if (!has_cell_) return true;
     const CellMoments cell = grid().own_moments(grid().find(address_));
     if (!ends_->accepts(cell)) return true;
     path.radiance += path.throughput * albedo_ * cell.mean;
+    earlier.culled();
     return false;
   }
 
-  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample& s, const PathState&) {
+  /// The sample of a guided vertex names no lobe: any of them may reflect the direction.
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const PathState&) {
     if (s.delta) return;
-    spread_ = relume::max(spread_, lobe_spread(s.alpha));
+    const bool guided = s.bsdf_pdf_w > 0.0f;
+    spread_ = relume::max(spread_, lobe_spread(guided ? narrowest_alpha(sp.bsdf) : s.alpha));
     segment_ = 0;
   }
 
@@ -113,5 +130,12 @@ using RecordedCellEndsKernel = PathKernel<RadianceOutput, FirstVertexOutput, Cel
 /// The same two for reservoirs, which add the direct light of primary hits. No cell holds light of primary hits.
 using ReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, CellEnds>;
 using RecordedReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
+
+/// All four for paths from which regions learn.
+using LearningCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, CellEnds>;
+using LearningRecordedCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, FirstVertexOutput, CellEnds>;
+using LearningReservoirCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, FirstScatterOutput, CellEnds>;
+using LearningRecordedReservoirCellEndsKernel =
+    PathKernel<CachedRecordingOutput, RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
 
 }  // namespace relume

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "techniques/radiance_cache/sharc/cell_update.h"
+#include "techniques/spatial/hash_grid/hash_grid_table.h"
+#include "techniques/spatial/hash_grid/testing/grid_camera.h"
 
 namespace relume {
 namespace {
@@ -57,6 +61,112 @@ TEST(CellEnds, LargeVarianceKeepsPathsAlive) {
   EXPECT_FALSE(ends.accepts(black)) << "bright samples may be rare";
 }
 
+constexpr float kAlbedo = 0.8f;
+
+/// Eight leaves over the cube from −4 to 4.
+OctreeView eight_leaves() {
+  static constexpr uint32_t kNodes[1] = {0xffu};
+  return {{kNodes, 1}, Vec3(-4), static_cast<float>(1u << kMaxOctreeDepth) / 8};
+}
+
+HashGridSettings grid_settings() {
+  HashGridSettings settings;
+  settings.jitter = false;
+  settings.min_count = 1;
+  return settings;
+}
+
+/// A point that faces the camera of grid_camera().
+SurfacePoint point_at(const Vec3& position) {
+  SurfacePoint sp{};
+  sp.position = sp.previous_position = position;
+  sp.ng = sp.wo = Vec3(0, 0, 1);
+  sp.frame = make_frame(sp.ng);
+  sp.wo_local = Vec3(0, 0, 1);
+  sp.bsdf.lobe_count = 1;
+  sp.bsdf.lobes[0].kind = LobeKind::lambert;
+  sp.bsdf.lobes[0].color = Rgb(kAlbedo);
+  sp.bsdf.lobes[0].weight = 1;
+  return sp;
+}
+
+/// A path with two vertices, of which the second has a known cell, and the records of both.
+class EndingPath : public ::testing::Test {
+ protected:
+  using Policies = PathPolicies<CachedPathRecorder, CellEnd>;
+
+  EndingPath() : grid_(grid_settings(), 64), records_(2) {
+    Backend backend(1);
+    const SharcCells cells{grid_.view(grid_camera())};
+    cells.grid.insert(cells.point(second_, Vec2(0.5f)), Rgb(3), 1.0f, 0.0f, kNoCell, true);
+    grid_.end_frame(backend);
+    recording_.octree = recording_.sampled = eight_leaves();
+    recording_.samples = mutable_view_of(records_);
+    recording_.vertices = 2;
+    recording_.pixels = 1;
+  }
+
+  /// Traces the path, which leaves the first vertex by `s` and then finds emission 2. Returns whether it continues at
+  /// the second vertex.
+  bool trace(const SurfacePoint& first, BsdfSample s) {
+    CellEnds ends;
+    ends.cells.grid = grid_.view(grid_camera());
+    const SampleIndex index;
+    const CachedRecordingOutput recording{recording_};
+    Policies policies{recording.policy(index, 0, 0, 0), {ends.policy(index, 0, 0, 0), {}}};
+    path_ = {};
+    SurfacePoint sp = first;
+    EXPECT_TRUE(policies.arrived(sp, path_));
+    EXPECT_TRUE(policies.goes_on(path_)) << "paths do not end at the first surface";
+    s.wi = glm::normalize(second_.position - first.position);
+    path_.ray = {first.position, s.wi};
+    path_.pdf_w = s.pdf_w = 0.5f;
+    path_.throughput *= 0.25f;
+    path_.delta = false;
+    ++path_.bounce;
+    policies.scattered(sp, s, path_);
+    path_.radiance += path_.throughput * 2.0f;
+    sp = second_;
+    EXPECT_TRUE(policies.arrived(sp, path_));
+    const bool continues = policies.goes_on(path_);
+    policies.finished(path_);
+    return continues;
+  }
+
+  const SurfacePoint first_ = point_at({-1, 0, -3});
+  const SurfacePoint second_ = point_at({1, 0, -2});
+  HashGrid grid_;
+  std::vector<VertexSample> records_;
+  PathRecording recording_;
+  PathState path_;
+};
+
+TEST_F(EndingPath, RecordsTheMeanOfTheCell) {
+  EXPECT_FALSE(trace(first_, {}));
+  const float arriving = 2 + kAlbedo * 3;
+  EXPECT_NEAR(path_.radiance.g, 0.25f * arriving, 1e-4f);
+  EXPECT_EQ(records_[0].weight, 1.0f);
+  EXPECT_NEAR(records_[0].value, arriving * shading_cosine(first_, path_.ray.direction) / 0.5f, 1e-4f);
+  EXPECT_NE(records_[1].region, kNoRegion);
+  EXPECT_EQ(records_[1].weight, 0.0f) << "no direction was sampled there";
+}
+
+TEST_F(EndingPath, GuidedDirectionsHaveTheConeOfTheNarrowestLobe) {
+  SurfacePoint polished = first_;
+  polished.bsdf.lobe_count = 2;
+  polished.bsdf.lobes[1] = polished.bsdf.lobes[0];
+  polished.bsdf.lobes[1].kind = LobeKind::reflection;
+  polished.bsdf.lobes[1].alpha = 1e-3f;
+  EXPECT_EQ(narrowest_alpha(first_.bsdf), 1.0f);
+  EXPECT_EQ(narrowest_alpha(polished.bsdf), 1e-3f);
+  EXPECT_FALSE(trace(polished, {})) << "a sample of the diffuse lobe";
+  BsdfSample guided;
+  guided.bsdf_pdf_w = guided.guide_pdf_w = 0.5f;
+  EXPECT_FALSE(trace(first_, guided));
+  EXPECT_TRUE(trace(polished, guided));
+  EXPECT_EQ(records_[1].weight, 1.0f);
+}
+
 TEST(SharcClamp, LimitsRiseWithConfidence) {
   EXPECT_EQ(clamped_share(10, cell_of(0, 2), 1000), 1.0f);
   EXPECT_NEAR(clamped_share(10, cell_of(0, 2.001f), 20), 0.25f, 1e-3f);  // 5 · mean
@@ -66,6 +176,20 @@ TEST(SharcClamp, LimitsRiseWithConfidence) {
   CellMoments black;
   black.count = 100;
   EXPECT_EQ(clamped_share(10, black, 20), 1.0f) << "a black cell must be able to recover";
+}
+
+/// A vertex without a cell, too, chooses lights and directions.
+TEST(CellUpdates, TakeEstimatesFromTheRegionOfTheVertex) {
+  CellUpdateContext context;
+  const SampleIndex index;
+  PathState path;
+  path.dispersed = true;  // no cell
+  SurfacePoint sp = point_at({1, 1, -2});
+  CellUpdate(context, index, 0, 0).arrived(sp, path);
+  EXPECT_EQ(sp.region, kNoRegion);
+  context.regions.sampled = eight_leaves();
+  CellUpdate(context, index, 0, 0).arrived(sp, path);
+  EXPECT_EQ(sp.region, 3u);
 }
 
 TEST(CellUpdates, BlocksCoverTheImage) {

@@ -87,24 +87,33 @@ SeedMean over_seeds(const Scene& scene, const RenderSettings& settings, int seed
   return {mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
 }
 
-/// `skipped`: frames in which the cells learn. `frames`: those that are compared. `most_error`: of the comparison's
-/// standard error.
-void expect_mean_of_paths(const char* name, RenderSettings settings, int skipped, int frames, double bias,
-                          double most_error) {
+/// `variants`: settings of one image size, with the cache. `skipped`: frames in which the cells learn. `frames`: those
+/// that are compared. `most_error`: of the comparison's standard error.
+void expect_mean_of_paths(const char* name, const std::vector<RenderSettings>& variants, int skipped, int frames,
+                          double bias, double most_error) {
   constexpr int kSeeds = 6;
   const Scene scene = find_builtin_scene(name)->build();
-  settings.path.max_bounces = 32;
-  const SeedMean cached = over_seeds(scene, settings, kSeeds, skipped, frames);
-  settings.cache = CacheChoice::none;
-  settings.estimator = EstimatorChoice::bdpt;  // the same mean, with less noise
-  const SeedMean paths = over_seeds(scene, settings, kSeeds, 0, frames + frames / 2);
-  const double error = std::hypot(cached.error, paths.error) / paths.value;
-  ASSERT_LT(error, most_error) << "too much noise for a comparison";
-  EXPECT_NEAR(cached.value / paths.value, 1.0, bias + 4.5 * error) << name;
+  RenderSettings reference = sharc_settings(variants.front().width, variants.front().height);
+  reference.path.max_bounces = 32;
+  reference.cache = CacheChoice::none;
+  reference.estimator = EstimatorChoice::bdpt;  // the same mean, with less noise
+  const SeedMean paths = over_seeds(scene, reference, kSeeds, 0, frames + frames / 2);
+  for (size_t i = 0; i < variants.size(); ++i) {
+    RenderSettings settings = variants[i];
+    settings.path.max_bounces = reference.path.max_bounces;
+    const SeedMean cached = over_seeds(scene, settings, kSeeds, skipped, frames);
+    const double error = std::hypot(cached.error, paths.error) / paths.value;
+    ASSERT_LT(error, most_error) << name << ", variant " << i << ": too much noise for a comparison";
+    EXPECT_NEAR(cached.value / paths.value, 1.0, bias + 4.5 * error) << name << ", variant " << i;
+  }
 }
 
+/// Also if paths learn which lights and directions to choose.
 TEST(SharcEnergy, CornellHasTheMeanOfPaths) {
-  expect_mean_of_paths("cornell", sharc_settings(32, 32), 48, 64, 0.03, 0.01);
+  const RenderSettings plain = sharc_settings(32, 32);
+  RenderSettings tiles = plain;
+  tiles.lights = LightSelectionChoice::neeat;
+  expect_mean_of_paths("cornell", {plain, testing::with_learned_regions(plain), tiles}, 48, 64, 0.03, 0.015);
 }
 
 /// Light takes many bounces, and a few bright samples decide the mean. The test fails if 60 % of the light are lost:
@@ -114,7 +123,7 @@ TEST(SharcEnergy, TheCorridorHasTheMeanOfPaths) {
   settings.sharc.update = SharcUpdate::all;
   settings.sharc.cell_size = 1;
   settings.sharc.frames = 8;
-  expect_mean_of_paths("corridor", settings, 96, 48, 0.06, 0.12);
+  expect_mean_of_paths("corridor", {settings}, 96, 48, 0.06, 0.12);
 }
 
 TEST(SharcEnergy, ALightSwitchedOffDecays) {

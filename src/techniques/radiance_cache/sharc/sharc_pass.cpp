@@ -47,8 +47,9 @@ bool SharcPass::trace(const FrameContext& frame) const {
                       .variance = settings_.variance,
                       .termination = frame.write(kCellTermination)};
   const auto trace_with = [&](const auto&... outputs) {
-    if (!records_.first_vertices) return trace_paths(source_, frame, nullptr, outputs..., ends);
-    return trace_paths(source_, frame, nullptr, outputs..., FirstVertexOutput{frame.write(kFirstVertices)}, ends);
+    if (!records_.first_vertices) return trace_recorded_paths(source_, frame, recording_, outputs..., ends);
+    const FirstVertexOutput vertices{frame.write(kFirstVertices)};
+    return trace_recorded_paths(source_, frame, recording_, outputs..., vertices, ends);
   };
   const RadianceOutput radiance{frame.write(kRadiance)};
   if (!records_.first_scatters) return trace_with(radiance);
@@ -67,6 +68,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
                    .feedback = settings_.feedback,
                    .clamp = settings_.clamp,
                    .inherits = includes(frame.changes, Change::camera)};
+  if (recording_) kernel.update.regions = *recording_;
   kernel.index = frame.index;
   kernel.paths = frame.index;
   kernel.paths.seed = hash(frame.index.seed, kSalt);

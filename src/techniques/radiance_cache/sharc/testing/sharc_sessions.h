@@ -19,6 +19,14 @@ inline RenderSettings sharc_settings(int width, int height) {
   return settings;
 }
 
+/// The same with light selection and path guiding that learn in many regions.
+inline RenderSettings with_learned_regions(RenderSettings settings) {
+  settings.lights = LightSelectionChoice::vlc;
+  settings.guide = GuideChoice::cdq;
+  settings.octree = {.collapse = 32, .split = 64, .scale = false};
+  return settings;
+}
+
 inline void skip_frames(Session& session, int count) {
   for (int i = 0; i < count; ++i) session.render_frame();
 }
