@@ -101,7 +101,7 @@ template <typename P, auto... members, typename... Arguments>
 void add_filling(PipelineBuilder& builder, Arguments&&... arguments) {
   P& pass = builder.add_tracing<P, members...>(std::forward<Arguments>(arguments)...);
   builder.add_follower(pass, [](const RenderSettings& s) {
-    return LightCandidates{s.reuse == ReuseChoice::ris ? static_cast<uint32_t>(s.ris.candidates) : 1u};
+    return PrimaryLightCandidates{s.reuse == ReuseChoice::ris ? static_cast<uint32_t>(s.ris.candidates) : 1u};
   });
 }
 

@@ -17,7 +17,7 @@ class AdaptivePsfPass final : public Pass {
 
   void configure(const AdaptivePsfSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
-  void configure(const LightCandidates& candidates) { source_.light_candidates = candidates.count; }
+  void configure(const PrimaryLightCandidates& candidates) { source_.light_candidates = candidates.count; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 

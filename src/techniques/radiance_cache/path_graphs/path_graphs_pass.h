@@ -28,7 +28,7 @@ class PathGraphPass final : public Pass {
 
   void configure(const PathGraphSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
-  void configure(const LightCandidates& candidates) { source_.light_candidates = candidates.count; }
+  void configure(const PrimaryLightCandidates& candidates) { source_.light_candidates = candidates.count; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 

@@ -14,7 +14,7 @@ class PathSpaceFilterPass final : public Pass {
       : source_(source), cells_(cells), recording_(recording) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
-  void configure(const LightCandidates& candidates) { source_.light_candidates = candidates.count; }
+  void configure(const PrimaryLightCandidates& candidates) { source_.light_candidates = candidates.count; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 

@@ -152,7 +152,7 @@ TEST_P(RestirFewerPaths, HasTheMeanOfPathTracingInImageAndBlocks) {
 INSTANTIATE_TEST_SUITE_P(Exact, RestirFewerPaths,
                          ::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
                                            FewerPaths::adaptive_after_pilot),
-                         [](const auto& info) { return testing::name_of(info.param); });
+                         [](const auto& test) { return testing::name_of(test.param); });
 
 /// Mean of the lower half of the image. The error is an upper bound: that of blocks that depend on each other.
 Measured lower_half(const Comparison& comparison) {

@@ -84,7 +84,7 @@ TEST_P(RestirGiFewerPaths, HasTheMeanOfPathTracingInImageAndBlocks) {
 INSTANTIATE_TEST_SUITE_P(Exact, RestirGiFewerPaths,
                          ::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
                                            FewerPaths::adaptive_after_pilot),
-                         [](const auto& info) { return testing::name_of(info.param); });
+                         [](const auto& test) { return testing::name_of(test.param); });
 
 TEST(RestirGiSparse, PixelsWithoutAPathKeepReservoirsWhileTheSceneRests) {
   RenderSettings settings = reuse_settings(ReuseChoice::restir_gi);

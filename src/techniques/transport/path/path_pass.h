@@ -26,7 +26,7 @@ struct PathSource {
 };
 
 /// Number of lights that paths sample at a primary hit (PathContext::light_candidates).
-struct LightCandidates {
+struct PrimaryLightCandidates {
   uint32_t count = 1;
 };
 
