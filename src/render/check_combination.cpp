@@ -52,12 +52,6 @@ void check_chains(const RenderSettings& s) {
         "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: chains that learn from the light of "
         "cells are not implemented; use cache 'none', or lights 'vlc' and guide 'cdq'");
   }
-  if (learns_regions(s) || s.lights == LightSelectionChoice::neeat) {
-    throw Error(
-        "lights 'mcls' does not combine with guide 'cdq', nor lights 'vlc' and 'neeat' with guide 'mcpg': paths that "
-        "record both samples and states for chains are not implemented; use lights 'mcls' with guide 'mcpg', or lights "
-        "'vlc' or 'neeat' with guide 'cdq'");
-  }
   const bool resamples_lights = resamples_direct_light(s.reuse);
   if (resamples_lights && s.lights == LightSelectionChoice::mcls) {
     throw Error(

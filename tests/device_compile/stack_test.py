@@ -42,6 +42,8 @@ BOUNDS = (
     (r"PathPairKernel", 1600),
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1350),
+    # Recorders of both kinds of chains and of samples, and the policies of all other outputs.
+    (r"PathKernel<RadianceOutput, (Cached)?RecordingOutput, ChainOutput", 1900),
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),

@@ -153,7 +153,10 @@ TEST(MarkovChainSession, LearnedTablesKeepTheMeanOfPathTracing) {
   for (const Case& c : {Case{GuideChoice::mcpg, LightSelectionChoice::power, true},
                         Case{GuideChoice::mcpg, LightSelectionChoice::power, false},
                         Case{GuideChoice::bsdf, LightSelectionChoice::mcls, true},
-                        Case{GuideChoice::mcpg, LightSelectionChoice::mcls, true}}) {
+                        Case{GuideChoice::mcpg, LightSelectionChoice::mcls, true},
+                        Case{GuideChoice::mcpg, LightSelectionChoice::vlc, true},
+                        Case{GuideChoice::mcpg, LightSelectionChoice::neeat, false},
+                        Case{GuideChoice::cdq, LightSelectionChoice::mcls, true}}) {
     const Measured found = frames_of(scene, settings_of(c.guide, c.lights, c.nee), 10, 8, 24).mean;
     EXPECT_NEAR(found.mean, expected.mean, 6 * testing::error_of(found, expected))
         << static_cast<int>(c.guide) << ' ' << static_cast<int>(c.lights) << ' ' << c.nee;

@@ -4,6 +4,7 @@
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/indirect_sample.h"
+#include "techniques/transport/path/optional_output.h"
 #include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/specular_part.h"
 #include "techniques/transport/path/trace_paths.h"
@@ -61,8 +62,8 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing. Indirect samples do not combine with
-// first vertices.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing; run_both() is the exception. Indirect
+// samples do not combine with first vertices.
 
 struct Tracing {
   const PathSource& source;
@@ -89,6 +90,25 @@ struct Tracing {
     return run_with_specular(outputs..., FirstScatterOutput{frame.write(kFirstScatters)}, samples);
   }
 
+  /// Records samples and states of chains on the same paths. Two kernels serve all combinations of the other outputs.
+  bool run_both(const RadianceOutput& radiance, const PathRecording& recording, const ChainOutput& chains) const {
+    const auto scatters = optional<FirstScatterOutput>(records.first_scatters, kFirstScatters);
+    const auto specular = optional<SpecularOutput>(records.specular, kRadianceSpecular);
+    if (records.indirect_samples) {
+      return trace_paths(source, frame, surfaces, radiance, CachedRecordingOutput{recording}, chains, scatters,
+                         IndirectSampleOutput{frame.write(kIndirectSamples)}, specular);
+    }
+    const auto vertices = optional<FirstVertexOutput>(records.first_vertices, kFirstVertices);
+    return trace_paths(source, frame, surfaces, radiance, RecordingOutput{recording}, chains, scatters, vertices,
+                       specular);
+  }
+
+  template <typename Output, typename T>
+  OptionalOutput<Output> optional(bool active, const BufferKey<T>& key) const {
+    if (!active) return {};
+    return {{frame.write(key)}, true};
+  }
+
   template <typename... Outputs>
   bool run_with_specular(const Outputs&... outputs) const {
     if (!records.specular) return trace_paths(source, frame, surfaces, outputs...);
@@ -110,6 +130,7 @@ bool PathPass::run(const FrameContext& frame) {
   const RadianceOutput radiance{frame.write(kRadiance)};
   if (chains_.any()) {
     const ChainOutput chains = chain_output(chains_);
+    if (recording_) return tracing.run_both(radiance, *recording_, chains);
     return records_.indirect_samples ? tracing.run_indirect(radiance, chains) : tracing.run(radiance, chains);
   }
   if (records_.indirect_samples) {

@@ -53,7 +53,7 @@ struct PathRecords {
 /// Traces one path for each pixel that receives a sample.
 class PathPass final : public Pass {
  public:
-  /// `recording`: destination of samples for learning; nullptr: none. Paths record either these or states of chains.
+  /// `recording`: destination of samples for learning; nullptr: none.
   PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr,
            const ChainRecordings& chains = {})
       : source_(source), records_(records), recording_(recording), chains_(chains) {
