@@ -52,13 +52,7 @@ void check_chains(const RenderSettings& s) {
         "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: chains that learn from the light of "
         "cells are not implemented; use cache 'none', or lights 'vlc' and guide 'cdq'");
   }
-  const bool resamples_lights = resamples_direct_light(s.reuse);
-  if (resamples_lights && s.lights == LightSelectionChoice::mcls) {
-    throw Error(
-        "lights 'mcls' does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi': learning from their light "
-        "candidates is not implemented; use lights 'light-tree' or 'vlc', or reuse 'none'");
-  }
-  if (resamples_lights && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
+  if (resamples_direct_light(s.reuse) && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
         "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', which are "
         "next event estimation; use mcpg.nee on, or reuse 'none'");

@@ -24,16 +24,16 @@ bool can_split(const RenderSettings& settings) {
 
 /// Adds the reservoirs at primary hits.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-               const PathRecording* recording) {
+               const CandidateRecords& records) {
   const auto add_direct = [&] {
-    builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, recording);
+    builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records);
   };
   const auto add_indirect = [&] {
     builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
   };
   switch (settings.reuse) {
     case ReuseChoice::none: break;
-    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, recording); break;
+    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, records); break;
     case ReuseChoice::restir_di: add_direct(); break;
     case ReuseChoice::restir_gi: add_indirect(); break;
     case ReuseChoice::restir_di_gi:
@@ -55,7 +55,7 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .first_scatters = resamples_direct_light(settings.reuse)};
   builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, recording, records);
-  add_reuse(builder, settings, source, recording);
+  add_reuse(builder, settings, source, {.samples = recording});
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
@@ -177,7 +177,7 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
                             .indirect_samples = resamples_indirect_light(settings.reuse),
                             .only_specular = settings.reuse == ReuseChoice::restir_pt};
   auto& paths = builder.add_tracing<PathPass>(source, records, recording, chains);
-  add_reuse(builder, settings, source, recording);
+  add_reuse(builder, settings, source, {recording, chains.lights});
   return &paths;
 }
 

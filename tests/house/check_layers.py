@@ -69,7 +69,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "adaptive_psf": "bdpt path path_space_filter vcm",
     "path_graphs": "adaptive_psf path path_space_filter",
     "sharc": "octree path path_space_filter",
-    "reservoir": "octree path reprojection",
+    "reservoir": "markov_chain_lights octree path reprojection",
     "restir_di": "path reservoir",
     "restir_gi": "path reservoir",
     "restir_pt": "path reservoir",

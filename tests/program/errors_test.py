@@ -187,7 +187,6 @@ class Combinations(RefusalTest):
             (FAILED, "--cache sharc --reuse restir-gi", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'ris', or cache 'none'"),
             (FAILED, "--reuse restir-gi --history reproject", "reuse 'restir-gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-di+gi --history reproject", "'restir-di.gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
-            (FAILED, "--reuse restir-di+gi --lights mcls", "lights 'mcls' .* reuse 'ris', 'restir-di' and 'restir-di.gi'.*; use lights 'light-tree'"),
             (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--reuse restir-pt --history reproject", "reuse 'restir-pt' .* reproject.method 'forward'.*; use reproject.method 'backward'"),

@@ -15,9 +15,9 @@ struct LightChainRecording {
   uint32_t most_count = 64;   ///< largest count of a state
 };
 
-/// Hooks along one path, as those of a path policy (techniques/transport/path/path_policy.h). The score of a light is
-/// the luminance of its contribution at the vertex: radiance times f cos θ, MIS weight and visibility over pmf and
-/// density.
+/// Hooks along one path, as those of a path policy (techniques/transport/path/path_policy.h), and their steps for light
+/// samples without a path. The score of a light is the luminance of its contribution at the vertex: radiance times
+/// f cos θ, MIS weight and visibility over pmf and density.
 struct LightChainRecorder {
   static constexpr uint32_t kSalt = 0x510e527fu;
 
@@ -31,8 +31,29 @@ struct LightChainRecorder {
   /// Scores a picked light 0, unless connected() follows.
   template <typename Path>
   RELUME_HD void light_picked(const SurfacePoint& sp, const Path& path, LightId light) {
-    const uint32_t v = path.bounce;
-    if (v >= recording->out.vertices) return;
+    if (path.bounce < recording->out.vertices) pick(sp, path.bounce, light);
+  }
+
+  /// Accepts a light with probability score / mean weight of the drawn states, as a Markov chain does.
+  template <typename Path, typename Connection>
+  RELUME_HD void connected(const SurfacePoint& sp, const Path& path, const Connection& connection, bool visible) {
+    if (path.bounce >= recording->out.vertices || !visible) return;
+    Rgb contribution(0);
+    for (int c = 0; c < 3; ++c) {
+      if (path.throughput[c] > 0.0f) contribution[c] = connection.contribution[c] / path.throughput[c];
+    }
+    offer(sp, path.bounce, connection.light, luminance(contribution));
+  }
+
+  template <typename Path>
+  RELUME_HD void finished(const Path&) {
+    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
+      if ((recorded >> v & 1u) == 0) recording->out.clear(v, pixel);
+    }
+  }
+
+  /// Step of light_picked() at vertex `v`, which must have a record.
+  RELUME_HD void pick(const SurfacePoint& sp, uint32_t v, LightId light) {
     recorded |= 1u << v;
     const MarkovChainLights& chains = recording->chains;
     const uint32_t seed = chains.grid.seed_at(sp);
@@ -50,32 +71,17 @@ struct LightChainRecorder {
     set_record(v, scored(0.0f), source, {});
   }
 
-  /// Accepts a light with probability score / mean weight of the drawn states, as a Markov chain does.
-  template <typename Path, typename Connection>
-  RELUME_HD void connected(const SurfacePoint& sp, const Path& path, const Connection& connection, bool visible) {
-    const uint32_t v = path.bounce;
-    if (v >= recording->out.vertices || !visible) return;
-    Rgb contribution(0);
-    for (int c = 0; c < 3; ++c) {
-      if (path.throughput[c] > 0.0f) contribution[c] = connection.contribution[c] / path.throughput[c];
-    }
-    const float score = luminance(contribution);
+  /// Step of connected() at the vertex of the last pick(), for the picked light.
+  RELUME_HD void offer(const SurfacePoint& sp, uint32_t v, LightId light, float score) const {
     if (!(score >= 0.0f && score <= kMostLightWeight)) return;
     LightState next = scored(score);
-    next.light = connection.light;
+    next.light = light;
     const MarkovGrid& grid = recording->chains.grid;
     const uint32_t numbers = hash(grid.seed ^ kSalt, pixel, v);
     if (!(to_unit_float(hash(numbers, 0u)) * sum < score * static_cast<float>(grid.drawn_cells)))
       return set_record(v, next, source, {});
     set_record(v, next, grid.adaptive_cell(sp.position, sp.ng, hash(numbers, 1u)),
                grid.static_cell(sp.position, hash(numbers, 2u)));
-  }
-
-  template <typename Path>
-  RELUME_HD void finished(const Path&) {
-    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
-      if ((recorded >> v & 1u) == 0) recording->out.clear(v, pixel);
-    }
   }
 
  private:

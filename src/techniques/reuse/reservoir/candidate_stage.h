@@ -1,6 +1,7 @@
 // First stage of all reservoirs for direct light: the receiver of a pixel and its own reservoir.
 #pragma once
 
+#include "techniques/light_sampling/markov_chain_lights/light_chain_recorder.h"
 #include "techniques/reuse/reservoir/choose_light.h"
 #include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/spatial/octree/path_recording.h"
@@ -22,13 +23,26 @@ RELUME_HD inline void record_candidate(const SceneView& scene, const Receiver& r
   vertex.light_value = luminance(light.radiance * factor);
 }
 
+/// Records a reservoir's sample in the chains of light selection, as paths record a light sample of their first vertex.
+/// Its score is its estimate of the direct light. Not inlined, to bound the stack of kernels.
+RELUME_HD_NOINLINE inline void record_in_chains(const LightChainRecording& chains, const Receiver& r,
+                                                const LightReservoir& reservoir, bool visible, uint32_t pixel) {
+  LightChainRecorder recorder;
+  recorder.recording = &chains;
+  recorder.pixel = pixel;
+  recorder.pick(r.sp, 0, reservoir.sample.light);
+  if (visible) recorder.offer(r.sp, 0, reservoir.sample.light, reservoir.target * reservoir.weight);
+}
+
 struct CandidateStage {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
   View<const FirstScatter> scatters;
   View<FirstVertex> first_vertices;  ///< receives the chosen light samples; may be empty
-  PathRecording recording;           ///< receives the chosen lights, from which light selection learns; may be empty
+  // Each receives the chosen lights, from which light selection learns, and may be empty.
+  PathRecording recording;
+  LightChainRecording chains;
   uint32_t light_candidates = 1;
   uint32_t width = 0;
 
@@ -53,6 +67,7 @@ struct CandidateStage {
     if (!recording.samples.empty() && recording.vertices > 0)
       recording.sample(0, pixel).light = own.sample.light | (visible ? kVisibleLight : 0u);
     if (visible) recording.offer(0, pixel, own.sample.light, own.target * own.weight);
+    if (chains.out.vertices > 0) record_in_chains(chains, r, own, visible, pixel);
     if (!first_vertices.empty()) record_candidate(context.scene, r, own, visible, first_vertices[pixel]);
     if (!visible) own.weight = 0;
     return own;

@@ -5,7 +5,7 @@
 
 namespace relume {
 
-CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const PathRecording* recording,
+CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const CandidateRecords& records,
                                const FrameContext& frame) {
   CandidateStage stage;
   stage.context = make_path_context(source, frame);
@@ -13,7 +13,8 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
   stage.hits = frame.read(kPrimaryHits);
   stage.scatters = frame.read(kFirstScatters);
   stage.first_vertices = frame.write(kFirstVertices);
-  if (recording) stage.recording = *recording;
+  if (records.samples) stage.recording = *records.samples;
+  if (records.chains) stage.chains = *records.chains;
   stage.light_candidates = static_cast<uint32_t>(settings.candidates);
   stage.width = frame.width();
   return stage;
@@ -37,7 +38,7 @@ PassDeclaration RisPass::declaration() const {
 }
 
 bool RisPass::run(const FrameContext& frame) {
-  const RisKernel kernel{candidate_stage(settings_, source_, recording_, frame), reservoir_image(frame)};
+  const RisKernel kernel{candidate_stage(settings_, source_, records_, frame), reservoir_image(frame)};
   return frame.launch_or_stop("ris", kernel);
 }
 

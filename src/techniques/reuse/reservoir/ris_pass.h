@@ -10,8 +10,14 @@ namespace relume {
 struct CandidateStage;
 struct ReservoirImage;
 
-/// The first stage of reservoirs in this frame. `recording`: destination of samples for learning; nullptr: none.
-CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const PathRecording* recording,
+/// Destinations of the chosen lights, from which light selection learns; nullptr: none. They are those of the paths.
+struct CandidateRecords {
+  const PathRecording* samples = nullptr;
+  const LightChainRecording* chains = nullptr;
+};
+
+/// The first stage of reservoirs in this frame.
+CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const CandidateRecords& records,
                                const FrameContext& frame);
 /// The planes to which reservoirs add light. The pass must access the buffers of reservoir_reads_if_any(),
 /// reservoir_writes() and reservoir_writes_if_any().
@@ -26,8 +32,8 @@ std::vector<BufferId> reservoir_writes_if_any();
 /// Adds direct light at primary hits to the radiance of paths that leave it out (PathRecords::first_scatters).
 class RisPass final : public Pass {
  public:
-  RisPass(const RisSettings& settings, const PathSource& source, const PathRecording* recording)
-      : settings_(settings), source_(source), recording_(recording) {}
+  RisPass(const RisSettings& settings, const PathSource& source, const CandidateRecords& records)
+      : settings_(settings), source_(source), records_(records) {}
 
   void configure(const RisSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -37,7 +43,7 @@ class RisPass final : public Pass {
  private:
   RisSettings settings_;
   PathSource source_;
-  const PathRecording* recording_;
+  CandidateRecords records_;
 };
 
 }  // namespace relume

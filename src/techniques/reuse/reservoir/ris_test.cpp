@@ -126,6 +126,23 @@ TEST(Ris, HasLessNoiseWithMoreCandidates) {
   EXPECT_LT(noise_of(settings), 0.8 * of_one);
 }
 
+/// With one bounce, only primary hits choose lights, among candidates. The share of the light tree in their choice
+/// changes it once cells have states.
+TEST(Ris, TeachesChainsOfLights) {
+  const auto pixels_of = [](int frames, float base_fraction) {
+    RenderSettings settings = settings_of(ReuseChoice::ris);
+    settings.history = HistoryChoice::none;
+    settings.path.max_bounces = 1;
+    settings.lights = LightSelectionChoice::mcls;
+    settings.mcls.base_fraction = base_fraction;
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    for (int i = 0; i < frames; ++i) session.render_frame();
+    return session.image().pixels;
+  };
+  EXPECT_EQ(pixels_of(1, 0.5f), pixels_of(1, 1.0f));
+  EXPECT_NE(pixels_of(3, 0.5f), pixels_of(3, 1.0f));
+}
+
 TEST(Ris, AddsNothingWithoutScattering) {
   RenderSettings settings = settings_of(ReuseChoice::none);
   settings.path.max_bounces = 0;

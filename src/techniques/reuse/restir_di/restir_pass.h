@@ -2,6 +2,7 @@
 #pragma once
 
 #include "frame/pass.h"
+#include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/reservoir/settings.h"
 #include "techniques/reuse/restir_di/settings.h"
 #include "techniques/transport/path/path_pass.h"
@@ -12,8 +13,8 @@ namespace relume {
 class RestirPass final : public Pass {
  public:
   RestirPass(const RisSettings& candidates, const RestirSettings& settings, const PathSource& source,
-             const PathRecording* recording)
-      : candidates_(candidates), settings_(settings), source_(source), recording_(recording) {}
+             const CandidateRecords& records)
+      : candidates_(candidates), settings_(settings), source_(source), records_(records) {}
 
   void configure(const RisSettings& candidates) { candidates_ = candidates; }
   void configure(const RestirSettings& settings) { settings_ = settings; }
@@ -27,7 +28,7 @@ class RestirPass final : public Pass {
   RisSettings candidates_;
   RestirSettings settings_;
   PathSource source_;
-  const PathRecording* recording_;
+  CandidateRecords records_;
 };
 
 }  // namespace relume
