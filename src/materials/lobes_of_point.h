@@ -79,6 +79,15 @@ RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   return false;
 }
 
+/// α of the narrowest glossy lobe; 1 without any.
+RELUME_HD inline float narrowest_alpha(const Bsdf& bsdf) {
+  float alpha = 1.0f;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (is_glossy(bsdf.lobes[i].kind)) alpha = relume::min(alpha, bsdf.lobes[i].alpha);
+  }
+  return alpha;
+}
+
 /// Whether any lobe is glossy.
 RELUME_HD inline bool has_glossy(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {

@@ -16,16 +16,6 @@ RELUME_HD inline float lobe_spread(float alpha) {
   return a2 < 1.0f ? relume::min(std::sqrt(0.5f * a2 / (1.0f - a2)), kWidest) : kWidest;
 }
 
-/// α of the narrowest lobe with a density; diffuse: 1.
-RELUME_HD inline float narrowest_alpha(const Bsdf& bsdf) {
-  float alpha = 1;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Lobe& lobe = bsdf.lobes[i];
-    if (is_glossy(lobe.kind)) alpha = relume::min(alpha, lobe.alpha);
-  }
-  return alpha;
-}
-
 /// Whether the blur of a cell of this edge is invisible: the segment that leads there is at least as long, and the cone
 /// of the path at least as wide. All in metres.
 RELUME_HD inline bool hides(float segment, float cone, float edge) { return segment >= edge && cone >= edge; }

@@ -45,15 +45,6 @@ inline constexpr BufferKey<IndirectSample> kIndirectSamples{"indirect-samples"};
 /// kMinShadingCosine by the error of packed normals.
 inline constexpr float kLeastVertexCosine = 2.0f * kMinShadingCosine;
 
-/// α of the narrowest glossy lobe; 1 without any.
-RELUME_HD inline float narrowest_alpha(const Bsdf& bsdf) {
-  float alpha = 1.0f;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    if (is_glossy(bsdf.lobes[i].kind)) alpha = relume::min(alpha, bsdf.lobes[i].alpha);
-  }
-  return alpha;
-}
-
 /// Records the sample of a path, and removes its light. From the second vertex on, the path has throughput 1 and no ray
 /// cone, so its light depends on the vertex alone, not on the pixel.
 struct IndirectSamplePolicy : NoPolicy {
