@@ -108,9 +108,9 @@ INSTANTIATE_TEST_SUITE_P(Exact, RestirPtFewerPaths,
                          ::testing::Combine(::testing::Values(FewerPaths::upscaled, FewerPaths::adaptive,
                                                               FewerPaths::adaptive_after_pilot),
                                             ::testing::Bool()),
-                         [](const auto& info) {
-                           return testing::name_of(std::get<0>(info.param)) +
-                                  (std::get<1>(info.param) ? "_reciprocal" : "");
+                         [](const auto& test) {
+                           return testing::name_of(std::get<0>(test.param)) +
+                                  (std::get<1>(test.param) ? "_reciprocal" : "");
                          });
 
 TEST(RestirPtSparse, PixelsWithoutAPathKeepReservoirsWhileTheSceneRests) {
