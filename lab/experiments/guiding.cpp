@@ -287,7 +287,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   for (const GuidedContender& guided : kGuided) {
     claim_mine(paper_result, sampled_result, guided, result.claims);
     claim_elsewhere(others, guided, result.claims);
-    claim_parallax(few.all(), guided, result.claims);
+    claim_parallax(few.small, guided, result.claims);
   }
   claim_suns(departures, suns, result.claims);
   claim_few_directions(few.all(), result.claims);
@@ -308,7 +308,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
         "Larger images",
         fmt::format("mine and skylight {0}×{0} times as many pixels, except for departures and images called small: "
                     "references of 192 samples, two sessions of 48 frames to adapt and 16 measured. mine-sun-5 and "
-                    "mine-sun-1 {1}×{1} times as many: 64 samples, two sessions of 24 frames and 8",
+                    "mine-sun-1 {1}×{1} times as many: 64 samples, two sessions of 24 frames and 4",
                     kMineScale, kLargeScale));
   }
   result.setup.emplace_back("Regions",

@@ -145,7 +145,7 @@ ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError
 }
 
 AdaptedOptions adapted_options(const ExperimentContext& context, int scale) {
-  if (!context.quick && scale >= 5) return {.warm_up = 24, .frames = 8, .sessions = 2, .block = 4};
+  if (!context.quick && scale >= 5) return {.warm_up = 24, .frames = 4, .sessions = 2, .block = 2};
   if (!context.quick && scale > 1) return {.warm_up = 48, .frames = 16, .sessions = 2, .block = 8};
   return {.warm_up = context.choose(128, 8),
           .frames = context.choose(64, 4),

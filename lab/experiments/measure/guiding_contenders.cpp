@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "experiments/measure/learning_modes.h"
+#include "experiments/setup/guiding_scenes.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
 
@@ -56,8 +57,10 @@ std::vector<NamedSettings> guiding_contenders(const ExperimentContext& context, 
   };
   list.push_back({kGuided[0].name, paper});
   list.push_back({kGuided[1].name, lasting});
-  if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
-  add_chains(settings, list);
+  if (scene.scale < kLargeScale) {
+    if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
+    add_chains(settings, list);
+  }
   if (extent == GuidingExtent::all_modes) add_modes(guiding_modes().last(1), paper, lasting, list);
   if (extent == GuidingExtent::each_mode) add_modes(modes_to_measure(context, guiding_modes()), paper, lasting, list);
   if (extent != GuidingExtent::departures || context.quick) return list;

@@ -34,8 +34,8 @@ enum class GuidingExtent {
   each_mode,   ///< both with all modes, and the paper's with each; as `all_modes` in a quick run
 };
 
-/// Contenders: the BSDF, the paper's settings and lasting quadtrees. Next event estimation of the environment is added
-/// if the scene disables it. Markov chains and the `extent` follow.
+/// Contenders: the BSDF, the paper's settings and lasting quadtrees. Except in images of kLargeScale, next event
+/// estimation of the environment, if the scene disables it, and Markov chains follow. The `extent` is last.
 std::vector<NamedSettings> guiding_contenders(const ExperimentContext& context, const ExperimentScene& scene,
                                               GuidingExtent extent);
 
