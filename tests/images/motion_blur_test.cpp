@@ -173,8 +173,8 @@ TEST_P(MotionBlur, IsTheMeanOfSharpImages) {
   ImageTestOptions options{.detectable = c.blocks, .detectable_mean = c.mean};
   options.pixels = c.estimator != EstimatorChoice::light;
   if (c.estimator == EstimatorChoice::vcm) options.tolerance = 0.03;  // merging blurs
-  expect_same_image("motion-blur-" + test_name(c.name), measure(scene_of(c), open, c.spp, kSeeds, 1),
-                    sharp_images(c), options);
+  expect_same_image("motion-blur-" + test_name(c.name), measure(scene_of(c), open, c.spp, kSeeds, 1), sharp_images(c),
+                    options);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MotionBlur, ::testing::ValuesIn(kQuick), case_name);
