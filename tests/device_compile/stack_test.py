@@ -43,21 +43,20 @@ BOUNDS = (
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1350),
     # Recorders of both kinds of chains and of samples, and the policies of all other outputs.
-    (r"PathKernel<RadianceOutput, (Cached)?RecordingOutput, ChainOutput", 1900),
+    (r"PathKernel<RadianceOutput, (Cached)?RecordingOutput, ChainOutput", 1850),
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),
     (r"CellUpdateKernel", 2100),  # vertices of the path
-    # These also choose among several lights: 0.1 KB.
-    (r"PathKernel<CellsOutput<PathGraphContext>", 2200),
-    (r"PathKernel<CellsOutput<", 1550),
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2350),
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1650),
-    (r"PathKernel<CachedRecordingOutput, RadianceOutput, (FirstScatterOutput, )?(FirstVertexOutput, )?CellEnds", 1600),
-    (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2250),  # and an evaluation for mirror reflection
-    (r"PathKernel<VerifiedCellsOutput<", 1550),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2400),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 1700),
+    (r"PathKernel<CellsOutput<PathGraphContext>", 2100),
+    (r"PathKernel<CellsOutput<", 1450),
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2250),
+    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1550),
+    (r"PathKernel<CachedRecordingOutput, RadianceOutput, (FirstScatterOutput, )?(FirstVertexOutput, )?CellEnds", 1500),
+    (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2150),  # and an evaluation for mirror reflection
+    (r"PathKernel<VerifiedCellsOutput<", 1450),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2350),
+    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 1600),
     (r"PathKernel<RadianceOutput> ", 1229),  # the limit of the design
     (r"PathKernel<", 1450),
     (r"DepthVoteKernel|FirstLightKernel", 1550),
