@@ -229,7 +229,7 @@ TEST(Sharc, RefusesChainsAndLightPaths) {
   EXPECT_NE(reason([](RenderSettings& s) { s.lights = LightSelectionChoice::mcls; }), "");
   EXPECT_NE(reason([](RenderSettings& s) { s.guide = GuideChoice::mcpg; }), "");
   EXPECT_NE(reason([](RenderSettings& s) { s.estimator = EstimatorChoice::vcm; }), "");
-  EXPECT_NE(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_di; }), "");
+  EXPECT_NE(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_gi; }), "");
 }
 
 }  // namespace
