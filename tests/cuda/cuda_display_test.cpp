@@ -57,7 +57,11 @@ class CudaDisplayTest : public ::testing::TestWithParam<const char*> {
     StubDriver::make_texture(kTexture, kRowBytes, kHeight);
     pixels_.assign(kWidth * kHeight, 0);
   }
-  ~CudaDisplayTest() override { StubDriver::make_texture(kTexture, 0, 0); }
+  ~CudaDisplayTest() override {
+    pixels_ = Array<uint32_t>();
+    device_.reset();  // waits for copies to the texture
+    StubDriver::make_texture(kTexture, 0, 0);
+  }
 
   /// A frame that adds 1 to all pixels.
   void render() { queue_waiting(*device_, AddKernel{1, pixels_.mutable_view()}, {0, 0, kWidth * kHeight, 1}); }
