@@ -45,7 +45,7 @@ void check_chains(const RenderSettings& s) {
   if (s.estimator != EstimatorChoice::path) {
     throw Error(
         "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm': MIS weights with "
-        "their densities are not implemented; use estimator 'path', or lights 'vlc' and guide 'cdq'");
+        "their densities are not implemented; use estimator 'path', or lights 'light-tree' and guide 'bsdf'");
   }
   if (s.cache != CacheChoice::none) {
     throw Error(
@@ -100,7 +100,7 @@ void check_restir_pt(const RenderSettings& s) {
     throw Error(
         "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': "
         "repeating a path with the choices that these had learned at its time is not implemented; use lights "
-        "'light-tree' and guide 'bsdf', or reuse 'restir-gi'");
+        "'light-tree' and guide 'bsdf'");
   }
   if (needs_first_vertices(s)) {
     throw Error(
@@ -143,8 +143,7 @@ void check_shutter(const RenderSettings& s) {
   if (s.reuse != ReuseChoice::none) {
     throw Error(
         "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with an open shutter: "
-        "reservoirs "
-        "describe lights and surfaces at one time; use reuse 'none' or shutter 0");
+        "reservoirs describe lights and surfaces at one time; use reuse 'none' or shutter 0");
   }
   if (needs_first_vertices(s)) {
     throw Error(

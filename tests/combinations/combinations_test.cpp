@@ -84,8 +84,8 @@ TEST_P(OtherCombinations, HaveTheCorrectMean) { check(kMostError); }
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
-/// Whether a cell has paths that no single choice has. They fill cells and choose among lights themselves, or they
-/// record both samples for regions and states for chains.
+/// Whether a cell stands for paths that no single choice has: those that fill cells and choose among lights themselves,
+/// or those that record both samples for regions and states for chains.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   return (s.reuse == ReuseChoice::ris && s.cache == CacheChoice::psf) ||

@@ -19,11 +19,12 @@ struct GuidedContender {
 inline constexpr GuidedContender kGuided[] = {{1, "cdq, as in the paper", "", "[Dittebrandt20 §7.1]"},
                                               {2, "cdq, lasting quadtrees", "-lasting", "[relume]"}};
 
-/// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
+/// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes
+/// below kLargeScale that disable it.
 inline constexpr size_t kEnvironmentSampled = 3;
 
-/// Markov chains, which account for parallax, because their targets are points [Alber25]. They cannot be combined with
-/// the visibility light cache. In scenes that use the cache, the light tree replaces it, also for BSDF sampling.
+/// Markov chains, which account for parallax, because their targets are points [Alber25]. In scenes
+/// with the visibility light cache, the light tree replaces it, also for BSDF sampling: then only chains learn.
 inline constexpr const char* kChains = "mcpg";
 
 /// Settings measured besides BSDF sampling, the paper's and lasting quadtrees, and Markov chains.
