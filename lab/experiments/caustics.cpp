@@ -24,7 +24,7 @@ constexpr int kBounces = 8;
 constexpr int kSide = 96;
 constexpr int kReferenceSpp = 384;
 constexpr double kEqualTime_s = 4;
-constexpr double kQuickTime_s = 1;  ///< in place of it; study() divides the time of quick runs by 40
+constexpr double kQuickTime_s = 1;  ///< replaces it in quick runs, where study() divides times by 40
 constexpr double kLeastGain = 5;    ///< of bidirectional over unidirectional path tracing in a caustic
 constexpr double kMostMerging = 2;  ///< MSE of merging over that of bidirectional path tracing in a caustic
 

@@ -231,8 +231,8 @@ TEST_P(Scattering, AlphaBlendMixes) {
   add(scene, quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), veil);
   set_constant_environment(scene, {1, 2, 3});
   add_spot_meter(scene, Vec3(0), {0, 0, -1}, 1);
-  // The veil hides the environment or not: 1.6 million samples leave 0.06 % of red's mean, where 0.07 % is required,
-  // and a sixteenth of them 0.24 %, where wide tolerances require 0.53 %.
+  // Each sample meets either the veil or the environment. With 1.6 million samples, the error of red's mean is 0.06 %,
+  // where 0.07 % is required. With a sixteenth of them it is 0.24 %, where wide tolerances require 0.53 %.
   const int spp = is_wide() ? 96 : 1536;
   expect_near(estimated(scene, settings(4, 32), spp), 0.25f * Rgb(4, 0.5f, 0) + 0.75f * Rgb(1, 2, 3), 0.002);
 }

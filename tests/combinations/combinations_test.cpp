@@ -92,8 +92,8 @@ bool has_paths_of_its_own(const Cell& cell) {
          (s.lights == LightSelectionChoice::mcls && s.guide == GuideChoice::cdq);
 }
 
-/// Indices of the quick cells, or of the others. Quick are all cells with at most one choice that is no default, those
-/// with paths of their own, and a fifth of the others.
+/// Indices of the quick cells, or of the others. The quick cells are those with at most one choice that is not a
+/// default, those with paths of their own, and a fifth of the rest.
 std::vector<size_t> indices(bool quick) {
   constexpr size_t kStride = 5;
   std::vector<size_t> list;
@@ -243,7 +243,7 @@ TEST(CombinationTable, EveryCellIsComparedOnceOrRefused) {
 
 std::string text_of(RenderSettings settings) { return settings_to_json(describe(settings)); }
 
-/// Compares presets that are no cells of the table, which Combinations renders.
+/// Compares presets outside the table. Combinations renders those that are cells of it.
 void check_presets(double most_error, double most_error_without_next_events, int least_seeds) {
   std::set<std::string> compared;
   for (const Cell& cell : cells()) compared.insert(text_of(cell.settings));

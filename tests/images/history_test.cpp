@@ -117,8 +117,8 @@ TEST(SlowHistory, PooledDeviationsWithPilotSamplesHaveNoBias) {
                     kPilotOptions);
 }
 
-/// A pixel's own values are excluded from its estimate. Half of the images: the least detectable errors, of which the
-/// reference has a part, grow by the square root of 1.5.
+/// A pixel's own values are excluded from its estimate. With half of the images, the least detectable errors grow by
+/// the square root of 1.5, because the reference contributes a part of them.
 TEST(SharedHistory, PooledDeviationsLeaveNoBiasThatShows) {
   expect_same_image("adaptive-pooled", pilot_images(AdaptiveMethod::pooled, false, kPilotImages / 2),
                     reference_of_the_open_box(), {.detectable = 0.025, .detectable_mean = 0.019});

@@ -72,7 +72,7 @@ def bad_message(rng):
 class Hostile(unittest.TestCase):
     """700 malformed requests, handshakes, frames and messages, with fixed seeds; and other offences."""
 
-    TIMES = 1  # as many malformed ones
+    TIMES = 1  # factor of the number of malformed ones
 
     @classmethod
     def setUpClass(cls):
@@ -251,7 +251,7 @@ class Hostile(unittest.TestCase):
 
 
 class ManyHostile(Hostile):
-    """2,100 malformed ones: the same and more."""
+    """2,100 malformed requests, handshakes, frames and messages, including those of Hostile."""
 
     TIMES = 3
 

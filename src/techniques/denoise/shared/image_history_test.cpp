@@ -251,7 +251,7 @@ struct Facade : Images {
   static bool is_window(uint32_t x, uint32_t y) { return x % 3 == 1 && y % 3 == 1; }
 };
 
-/// A dark object has moved away. Its image would darken every pixel to the window next to it.
+/// A dark object has moved away. Its image, clamped, would make every pixel as dark as the window next to it.
 TEST(ImageHistory, WindowsThatComeIntoViewAreNoDots) {
   Facade p;
   p.before.assign(kPixels, Rgb(0));

@@ -87,8 +87,8 @@ SeedMean over_seeds(const Scene& scene, const RenderSettings& settings, int seed
   return {mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
 }
 
-/// `variants`: settings of one image size, with the cache. `skipped`: frames in which the cells learn. `frames`: those
-/// that are compared. `most_error`: of the comparison's standard error.
+/// `variants`: settings of one image size, with the cache. `skipped`: frames in which the cells learn. `frames`:
+/// number of frames compared. `most_error`: limit of the comparison's standard error.
 void expect_mean_of_paths(const char* name, const std::vector<RenderSettings>& variants, int skipped, int frames,
                           double bias, double most_error) {
   constexpr int kSeeds = 6;
@@ -108,7 +108,7 @@ void expect_mean_of_paths(const char* name, const std::vector<RenderSettings>& v
   }
 }
 
-/// Also if paths learn which lights and directions to choose.
+/// The mean stays the same if paths learn which lights and directions to choose.
 TEST(SharcEnergy, CornellHasTheMeanOfPaths) {
   const RenderSettings plain = sharc_settings(32, 32);
   RenderSettings tiles = plain;

@@ -136,7 +136,8 @@ TEST(Sharc, LargeVarianceKeepsPathsAlive) {
   EXPECT_LE(rays_of(scene, settings), 1.01 * tolerant);
 }
 
-/// Settings of an image whose size is not a multiple of blocks. With all updates or learned choices, or neither.
+/// Settings with default choices, with all updates and with learned choices, for an image whose size is not a multiple
+/// of blocks.
 std::vector<RenderSettings> variants() {
   RenderSettings plain = sharc_settings(47, 38);
   plain.sharc.min_samples = 1;

@@ -122,7 +122,7 @@ bool VcmPass::sort_vertices(const FrameContext& frame, LightVertexGrid& grid) {
   const size_t slots = keys_.size();
   groups_.order.reset(slots, kUninitialized);  // so that group_by_key() never has to grow it
   if (!group_by_key(at, keys, keys.values.size, grid.near.grid.buckets, groups_, frame.stop)) return false;
-  // The number of vertices varies from frame to frame. A quarter to spare makes larger blocks rare.
+  // The number of vertices varies from frame to frame. With room for a quarter more, larger blocks are rare.
   const size_t count = groups_.order.size();
   if (count > sorted_.capacity()) reset_without_copy(sorted_, std::min(count + count / 4, slots));
   sorted_.reset(count, kUninitialized);
