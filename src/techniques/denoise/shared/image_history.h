@@ -277,17 +277,23 @@ struct ImageHistoryKernel {
   }
 
   /// This frame's light, smoothed by a triangle over 3 × 3 pixels. Their samples lie at different places in a pixel.
+  /// Unfiltered pixels, such as lamps and sky, keep their light and do not count for others.
   template <typename T>
   RELUME_HD_INLINE Triple<T> smoothed(uint32_t x, uint32_t y, const MovingLight& now) const {
     Triple<T> sum = triple_of<T>(Vec3(0));
+    T weights(0.0f);
     for (int j = -1; j <= 1; ++j) {
       const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
       for (int i = -1; i <= 1; ++i) {
-        const float weight = (i == 0 ? 0.5f : 0.25f) * (j == 0 ? 0.5f : 0.25f);
-        sum = sum + now.at<T>(row + inside(static_cast<int>(x) + i, width)) * T(weight);
+        const uint32_t other = row + inside(static_cast<int>(x) + i, width);
+        const T triangle((i == 0 ? 0.5f : 0.25f) * (j == 0 ? 0.5f : 0.25f));
+        const T weight = select(is_filtered(vector_at<T>(albedo, other)), triangle, T(0.0f));
+        sum = sum + now.at<T>(other) * weight;
+        weights = weights + weight;
       }
     }
-    return sum;
+    const uint32_t pixel = y * width + x;
+    return select<T>(is_filtered(vector_at<T>(albedo, pixel)), sum / weights, now.at<T>(pixel));
   }
 
   RELUME_HD static uint32_t inside(int i, uint32_t size) {

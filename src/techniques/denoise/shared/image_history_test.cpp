@@ -277,6 +277,18 @@ TEST(ImageHistory, WhatComesIntoTheImageIsSmoothed) {
   EXPECT_NEAR(p.image[13 * kWidth + 13].r, 0.8f, 1e-6f) << "the history, clamped to the wall";
 }
 
+TEST(ImageHistory, LampsDoNotSpreadOverWhatComesIntoView) {
+  Images p;
+  p.samples.assign(kPixels, 1);
+  const uint32_t lamp = 10 * kWidth + 10;
+  p.albedo[lamp] = Rgb(0);
+  p.shown[lamp] = Rgb(1000);
+  p.average(false, 0.2f);
+  EXPECT_NEAR(p.image[lamp].r, 1000, 1e-3);
+  EXPECT_NEAR(p.image[lamp + 1].r, p.image[lamp + 5].r, 1e-6f);
+  EXPECT_NEAR(p.image[lamp + kWidth - 1].r, p.image[lamp + 5].r, 1e-6f);
+}
+
 TEST(ImageHistory, LoneNewSurfacesKeepTheHistoryOfTheImage) {
   Facade p;
   p.before.assign(kPixels, Rgb(0.5f));
