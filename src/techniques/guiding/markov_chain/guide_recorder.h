@@ -78,19 +78,26 @@ struct GuideRecorder {
   template <typename Path>
   RELUME_HD void finished(const Path& path) {
     const Rgb all = before + unit * path.radiance;
-    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
-      if (records(v)) {
-        finish(v, all - radiance[v]);
-      } else {
-        recording->out.clear(v, pixel);
-      }
-    }
+    finish_all([&](uint32_t v) { return all - radiance[v]; });
   }
 
   /// As NoPolicy::rebased().
   RELUME_HD void rebased(const Rgb& found, const Rgb& next_unit) {
     before += unit * found;
     unit = next_unit;
+  }
+
+ protected:
+  /// Completes the records. `found_by(v)`: light in the image that the path found along the direction of vertex v.
+  template <typename FoundBy>
+  RELUME_HD void finish_all(const FoundBy& found_by) const {
+    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
+      if (records(v)) {
+        finish(v, found_by(v));
+      } else {
+        recording->out.clear(v, pixel);
+      }
+    }
   }
 
  private:

@@ -1,7 +1,7 @@
 // Output of new states for the Markov chains of path guiding and light selection.
 #pragma once
 
-#include "techniques/guiding/markov_chain/guide_recorder.h"
+#include "techniques/guiding/markov_chain/cached_guide_recorder.h"
 #include "techniques/light_sampling/markov_chain_lights/light_chain_recorder.h"
 #include "techniques/transport/path/path_kernel.h"
 
@@ -9,8 +9,9 @@ namespace relume {
 
 /// Records the first vertices of a path, for either kind of chains or for both. Directions or lights without chains
 /// record no vertices.
-struct ChainPolicy : NoPolicy {
-  GuideRecorder guide;
+template <typename Guide>
+struct ChainPolicyWith : NoPolicy {
+  Guide guide;
   LightChainRecorder lights;
 
   RELUME_HD void hit_surface(const SurfacePoint& sp, const PathState& path) { guide.hit_surface(sp, path); }
@@ -31,6 +32,14 @@ struct ChainPolicy : NoPolicy {
   RELUME_HD void rebased(const Rgb& found, const Rgb& unit) { guide.rebased(found, unit); }
 };
 
+using ChainPolicy = ChainPolicyWith<GuideRecorder>;
+
+/// The same for paths of which a cache replaces parts. Scores of lights are those of single vertices, which no cell
+/// changes.
+struct CachedChainPolicy : ChainPolicyWith<CachedGuideRecorder> {
+  RELUME_HD void ended_in_cell(const Rgb& radiance) { guide.ended_in_cell(radiance); }
+};
+
 /// Output of the states of each path.
 struct ChainOutput {
   using Policy = ChainPolicy;
@@ -39,18 +48,37 @@ struct ChainOutput {
   LightChainRecording lights;
 
   RELUME_HD ChainPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
-    ChainPolicy policy;
-    policy.guide.recording = &guide;
-    policy.guide.pixel = pixel;
-    policy.lights.recording = &lights;
-    policy.lights.pixel = pixel;
-    return policy;
+    return policy_of<ChainPolicy>(pixel);
   }
   RELUME_HD void finish(uint32_t, const ChainPolicy&, const PathState&) const {}
   RELUME_HD void leave_out(uint32_t pixel) const {
     guide.out.skip(pixel);
     lights.out.skip(pixel);
   }
+
+  /// The policy of a pixel, of either type.
+  template <typename Recorders>
+  RELUME_HD Recorders policy_of(uint32_t pixel) const {
+    Recorders policy;
+    policy.guide.recording = &guide;
+    policy.guide.pixel = pixel;
+    policy.lights.recording = &lights;
+    policy.lights.pixel = pixel;
+    return policy;
+  }
+};
+
+/// The same for paths of which a later output, that of a cache, replaces parts.
+struct CachedChainOutput {
+  using Policy = CachedChainPolicy;
+
+  ChainOutput chains;
+
+  RELUME_HD CachedChainPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
+    return chains.policy_of<CachedChainPolicy>(pixel);
+  }
+  RELUME_HD void finish(uint32_t, const CachedChainPolicy&, const PathState&) const {}
+  RELUME_HD void leave_out(uint32_t pixel) const { chains.leave_out(pixel); }
 };
 
 }  // namespace relume

@@ -32,6 +32,13 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
   return context;
 }
 
+ChainOutput chain_output(const ChainRecordings& chains) {
+  ChainOutput output;
+  if (chains.guide) output.guide = *chains.guide;
+  if (chains.lights) output.lights = *chains.lights;
+  return output;
+}
+
 PassDeclaration PathPass::declaration() const {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
@@ -115,13 +122,6 @@ struct Tracing {
     return trace_paths(source, frame, surfaces, outputs..., SpecularOutput{frame.write(kRadianceSpecular)});
   }
 };
-
-ChainOutput chain_output(const ChainRecordings& chains) {
-  ChainOutput output;
-  if (chains.guide) output.guide = *chains.guide;
-  if (chains.lights) output.lights = *chains.lights;
-  return output;
-}
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 namespace relume {
 
 class FirstSurfaces;
+struct ChainOutput;
 struct GuideRecording;
 struct LightChainRecording;
 struct PathContext;
@@ -40,6 +41,9 @@ struct ChainRecordings {
 
   bool any() const { return guide || lights; }
 };
+
+/// Output of these states; its parts without a destination record nothing.
+ChainOutput chain_output(const ChainRecordings& chains);
 
 /// Outputs of paths for later passes, besides estimator_buffers().
 struct PathRecords {
