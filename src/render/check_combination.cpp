@@ -47,11 +47,6 @@ void check_chains(const RenderSettings& s) {
         "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm': MIS weights with "
         "their densities are not implemented; use estimator 'path', or lights 'light-tree' and guide 'bsdf'");
   }
-  if (s.cache != CacheChoice::none) {
-    throw Error(
-        "lights 'mcls' and guide 'mcpg' do not combine with a radiance cache: chains that learn from the light of "
-        "cells are not implemented; use cache 'none', or lights 'vlc' and guide 'cdq'");
-  }
   if (resamples_direct_light(s.reuse) && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
         "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', which are "

@@ -45,17 +45,17 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
 }
 
 /// Adds path tracing with the spatially hashed radiance cache. Its cells lie behind primary hits, whose direct light
-/// reservoirs can add. `recording`, here and below: destination of path samples, or nullptr.
+/// reservoirs can add.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-               const PathRecording* recording) {
+               const LearningRecords& learning) {
   auto& cells =
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
                             .first_scatters = resamples_direct_light(settings.reuse)};
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, recording, records);
-  add_reuse(builder, settings, source, {.samples = recording});
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, learning, records);
+  add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
@@ -66,7 +66,7 @@ BdptRecords bdpt_records(const RenderSettings& settings) {
           .first_vertices = needs_first_vertices(settings)};
 }
 
-/// Adds light paths, without a cache.
+/// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                      const PathRecording* recording) {
   const BdptRecords records = bdpt_records(settings);
@@ -107,34 +107,34 @@ void add_filling(PipelineBuilder& builder, Arguments&&... arguments) {
 
 /// Adds camera paths that fill cells.
 void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                          const PathRecording* recording, const CellsPass& cells) {
+                          const LearningRecords& learning, const CellsPass& cells) {
   switch (settings.cache) {
     case CacheChoice::none:
     case CacheChoice::sharc: break;
-    case CacheChoice::psf: add_filling<PathSpaceFilterPass>(builder, source, cells, recording); break;
+    case CacheChoice::psf: add_filling<PathSpaceFilterPass>(builder, source, cells, learning); break;
     case CacheChoice::apsf:
-      add_filling<AdaptivePsfPass, &RenderSettings::apsf>(builder, source, cells, recording);
+      add_filling<AdaptivePsfPass, &RenderSettings::apsf>(builder, source, cells, learning);
       break;
     case CacheChoice::apg:
     case CacheChoice::apsf_apg:
       add_filling<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
-          builder, settings.cache == CacheChoice::apsf_apg, source, cells, recording);
+          builder, settings.cache == CacheChoice::apsf_apg, source, cells, learning);
       break;
   }
 }
 
-/// Adds the estimator with a cache that replaces parts of its paths.
+/// Adds the estimator with a cache that replaces parts of its paths. Light paths leave no states for chains.
 void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                      const PathRecording* recording) {
-  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source, recording);
+                      const LearningRecords& learning) {
+  if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source, learning);
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   CellsPass& cells =
       builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, needs_first_vertices(settings));
   if (has_splats) {
-    add_light_paths_with_cells(builder, settings, source, recording, cells);
+    add_light_paths_with_cells(builder, settings, source, learning.samples, cells);
   } else {
-    add_paths_with_cells(builder, settings, source, recording, cells);
+    add_paths_with_cells(builder, settings, source, learning, cells);
   }
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none, has_splats);
 }
@@ -164,7 +164,7 @@ bool splits_light(const RenderSettings& settings) { return denoiser_splits(setti
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                     const PathRecording* recording, const ChainRecordings& chains) {
   if (settings.cache != CacheChoice::none) {
-    add_cached_paths(builder, settings, source, recording);
+    add_cached_paths(builder, settings, source, {recording, chains});
     return nullptr;
   }
   if (settings.estimator != EstimatorChoice::path) {

@@ -265,7 +265,8 @@ constexpr const char* kWhatRemembers[] = {
     R"({"reuse": "restir-gi", "restir-gi.correction": "lagging", "denoise": "svgf"})",
     R"({"reuse": "restir-di+gi", "restir.correction": "lagging", "restir-gi.correction": "lagging"})",
     R"({"reuse": "restir-pt", "restir-pt.correction": "lagging", "denoise": "svgf"})",
-    R"({"lights": "mcls", "guide": "mcpg", "denoise": "svgf"})"};
+    R"({"lights": "mcls", "guide": "mcpg", "denoise": "svgf"})",
+    R"({"lights": "mcls", "guide": "mcpg", "cache": "apsf+apg"})"};
 
 /// Restores the scene and resets all state.
 void put_back(Session& session, const Stage& stage, const RenderSettings& settings) {

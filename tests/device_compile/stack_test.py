@@ -26,7 +26,7 @@ LIMIT = 4096
 # Upper bounds of kernels with large stacks, in bytes, in the PTX of clang 14. The first pattern that fits a type
 # counts; others need at most OTHERS. The design plans at most 1.2 KB for a path: 0.5 KB for a surface point with eight
 # lobes, 0.2 KB for the path's state and random numbers, the rest along the calls that sample and evaluate the point.
-# Path graphs need 0.9 KB more, with their vertices. Learning from paths with a cache adds the recorder, 0.2 KB.
+# Path graphs need 0.9 KB more, with their vertices. Learning from paths with a cache adds the recorders, 0.4 KB.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 2800),  # surface points of the pixel, its mirror image and its reflection
     # A filtered vertex beside both subpaths, and 0.3 KB for records of the path.
@@ -50,13 +50,14 @@ BOUNDS = (
     (r"CellUpdateKernel", 2100),  # vertices of the path
     (r"PathKernel<CellsOutput<PathGraphContext>", 2100),
     (r"PathKernel<CellsOutput<", 1450),
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<PathGraphContext>", 2250),
-    (r"PathKernel<CachedRecordingOutput, CellsOutput<", 1550),
-    (r"PathKernel<CachedRecordingOutput, RadianceOutput, (FirstScatterOutput, )?(FirstVertexOutput, )?CellEnds", 1500),
+    # Recorders of samples and of both kinds of chains, here and below: 0.4 KB.
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<PathGraphContext>", 2650),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<", 1950),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, .*CellEnds", 1950),
     (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2150),  # and an evaluation for mirror reflection
     (r"PathKernel<VerifiedCellsOutput<", 1450),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<PathGraphContext>", 2350),
-    (r"PathKernel<CachedRecordingOutput, VerifiedCellsOutput<", 1600),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<PathGraphContext>", 2750),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<", 2000),
     (r"PathKernel<RadianceOutput> ", 1229),  # the limit of the design
     (r"PathKernel<", 1450),
     (r"DepthVoteKernel|FirstLightKernel", 1550),

@@ -8,7 +8,7 @@ PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declara
 
 bool AdaptivePsfPass::run(const FrameContext& frame) {
   const AdaptiveFilterContext filter{cells_.filter(), make_adaptive_psf(settings_)};
-  return trace_into_cells(source_, frame, cells_, filter, recording_);
+  return trace_into_cells(source_, frame, cells_, filter, records_);
 }
 
 }  // namespace relume

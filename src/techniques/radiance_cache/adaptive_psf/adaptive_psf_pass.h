@@ -10,10 +10,10 @@ namespace relume {
 /// Traces the surviving paths of the pixels that receive a sample, and adds their radiance to the cells.
 class AdaptivePsfPass final : public Pass {
  public:
-  /// `recording`: as for trace_into_cells().
+  /// `records`: as for trace_into_cells().
   AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells,
-                  const PathRecording* recording)
-      : settings_(settings), source_(source), cells_(cells), recording_(recording) {}
+                  const LearningRecords& records)
+      : settings_(settings), source_(source), cells_(cells), records_(records) {}
 
   void configure(const AdaptivePsfSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -25,7 +25,7 @@ class AdaptivePsfPass final : public Pass {
   AdaptivePsfSettings settings_;
   PathSource source_;
   const CellsPass& cells_;
-  const PathRecording* recording_;
+  LearningRecords records_;
 };
 
 }  // namespace relume

@@ -16,7 +16,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   graph.feed = settings_.feed;
   graph.guards = settings_.guards;
   graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
-  return trace_into_cells(source_, frame, cells_, graph, recording_);
+  return trace_into_cells(source_, frame, cells_, graph, records_);
 }
 
 }  // namespace relume

@@ -15,15 +15,15 @@ inline constexpr uint32_t kGraphDepths = 8;
 /// Traces one path graph for each pixel that receives a sample, and fills the cells.
 class PathGraphPass final : public Pass {
  public:
-  /// `primary`: survival and blend at the first vertex, if `adapts_primary`. `recording`: as for trace_into_cells().
+  /// `primary`: survival and blend at the first vertex, if `adapts_primary`. `records`: as for trace_into_cells().
   PathGraphPass(const PathGraphSettings& settings, const AdaptivePsfSettings& primary, bool adapts_primary,
-                const PathSource& source, const CellsPass& cells, const PathRecording* recording)
+                const PathSource& source, const CellsPass& cells, const LearningRecords& records)
       : settings_(settings),
         primary_(primary),
         adapts_primary_(adapts_primary),
         source_(source),
         cells_(cells),
-        recording_(recording) {}
+        records_(records) {}
   void configure(const AdaptivePsfSettings& primary) { primary_ = primary; }
 
   void configure(const PathGraphSettings& settings) { settings_ = settings; }
@@ -38,7 +38,7 @@ class PathGraphPass final : public Pass {
   bool adapts_primary_;
   PathSource source_;
   const CellsPass& cells_;
-  const PathRecording* recording_;
+  LearningRecords records_;
 };
 
 }  // namespace relume

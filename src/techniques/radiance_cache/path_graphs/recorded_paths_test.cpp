@@ -101,6 +101,12 @@ double furnace_value(uint32_t v) {
   return static_cast<double>(kPi) * (testing::closed_furnace_radiance(0.5, kBounces - 1 - static_cast<int>(v)) - 1);
 }
 
+/// Score of a chain's new state; 0 without one.
+template <typename ChainState>
+float score_of(const MarkovRecord<ChainState>& record) {
+  return record.cells[0].slot == kNoSlot ? 0.0f : record.state.weight;
+}
+
 class RecordedPaths : public ::testing::TestWithParam<CacheKind> {};
 
 /// Without cells, caches only change the units of paths.
@@ -117,6 +123,7 @@ TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) {
     plain.trace();
     ASSERT_EQ(cached.records().size(), plain.records().size());
     size_t compared = 0;
+    size_t lit = 0;
     for (size_t i = 0; i < plain.records().size(); ++i) {
       const VertexSample& a = cached.records()[i];
       const VertexSample& b = plain.records()[i];
@@ -126,8 +133,14 @@ TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) {
       ASSERT_EQ(a.densities, b.densities) << i;
       ASSERT_EQ(a.weight, 1.0f) << i;
       ASSERT_NEAR(a.value, b.value, 3e-3f * (1 + b.value)) << i;
-      compared += b.value > 0.01f ? 1 : 0;
+      const float towards = score_of(plain.directions()[i]);
+      ASSERT_NEAR(score_of(cached.directions()[i]), towards, 3e-3f * (1 + towards)) << i;
+      const float light = score_of(plain.lights()[i]);
+      ASSERT_NEAR(score_of(cached.lights()[i]), light, 3e-3f * (1 + light)) << i;
+      compared += b.value > 0.01f && towards > 0.0f ? 1 : 0;
+      lit += light > 0.0f ? 1 : 0;
     }
+    EXPECT_GT(lit, plain.records().size() / 20);
     EXPECT_GT(compared, plain.records().size() / 20);
   }
 }
@@ -151,6 +164,28 @@ TEST_P(RecordedPaths, HaveTheAnalyticMeanInAFurnace) {
       EXPECT_EQ(records[0].culled, 0u) << constant;
     }
     if (!graph) break;
+  }
+}
+
+/// Chains score directions by the light that regions record: means of cells, too. In a furnace of albedo ρ whose
+/// directions follow the cosine, a score is ρ/π times the value. Vertices at which paths end have neither.
+TEST_P(RecordedPaths, TeachChainsTheSameLight) {
+  constexpr float kAlbedo = 0.5f;
+  CachedFrames cached(testing::closed_furnace(kAlbedo), recorded(GetParam(), 24));
+  size_t ended = 0;
+  for (int frame = 0; frame < 24; ++frame) {
+    cached.render();
+    for (size_t i = 0; i < cached.records().size(); ++i) {
+      const VertexSample& sample = cached.records()[i];
+      ASSERT_NEAR(score_of(cached.directions()[i]), kAlbedo / kPi * sample.value, 1e-3f) << i;
+      if (sample.weight > 0.0f) continue;
+      ASSERT_EQ(score_of(cached.directions()[i]), 0.0f) << i;
+      ASSERT_EQ(score_of(cached.lights()[i]), 0.0f) << i;
+      ++ended;
+    }
+  }
+  if (GetParam() == CacheKind::apsf || GetParam() == CacheKind::apsf_apg) {
+    EXPECT_GT(ended, 100u) << "no path ended in a cell";
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
+#include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/path_kernel.h"
 #include "techniques/transport/path/recording_output.h"
 
@@ -39,8 +40,9 @@ struct CellsOutput {
 template <typename Cache>
 using CellPathsKernel = PathKernel<CellsOutput<Cache>>;
 
-/// The same for paths from which regions learn.
+/// The same for paths from which regions or chains learn. Either kind of records may have no vertices. One kernel
+/// serves both, because each is compiled for hosts and devices.
 template <typename Cache>
-using RecordedCellPathsKernel = PathKernel<CachedRecordingOutput, CellsOutput<Cache>>;
+using RecordedCellPathsKernel = PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<Cache>>;
 
 }  // namespace relume

@@ -115,22 +115,35 @@ BufferDescription filtered_pixels_buffer();
 /// `cells` are verified, kFirstVertices and kCellsAtHit, too.
 PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
-/// Traces paths with `outputs` for each. `recording`: destination of samples for learning; nullptr: none.
+/// Destinations of what paths record for learning: samples for regions, and states for chains; nullptr: none.
+struct LearningRecords {
+  const PathRecording* samples = nullptr;
+  ChainRecordings chains;
+
+  bool any() const { return samples || chains.any(); }
+};
+
+/// Traces paths with `outputs` for each. They record samples and states; without a destination, of no vertices.
 template <typename... Outputs>
-bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, const PathRecording* recording,
+bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, const LearningRecords& records,
                           const Outputs&... outputs) {
-  if (!recording) return trace_paths(source, frame, nullptr, outputs...);
-  return trace_paths(source, frame, nullptr, CachedRecordingOutput{*recording}, outputs...);
+  CachedRecordingOutput samples;
+  if (records.samples) samples.recording = *records.samples;
+  const CachedChainOutput chains{chain_output(records.chains)};
+  return trace_paths(source, frame, nullptr, samples, chains, outputs...);
 }
 
-/// Traces paths and fills `cells`; `cache` as for CellsOutput. `recording`: as for trace_recorded_paths().
+/// Traces paths and fills `cells`; `cache` as for CellsOutput.
 template <typename Cache>
 bool trace_into_cells(const PathSource& source, const FrameContext& frame, const CellsPass& cells, const Cache& cache,
-                      const PathRecording* recording) {
+                      const LearningRecords& records) {
+  const auto trace = [&](const auto& output) {
+    if (records.any()) return trace_recorded_paths(source, frame, records, output);
+    return trace_paths(source, frame, nullptr, output);
+  };
   const CellsOutput<Cache> output{cache, frame.write(kFilteredPixels)};
-  if (!cells.verified()) return trace_recorded_paths(source, frame, recording, output);
-  const VerifiedCellsOutput<Cache> verified{output, frame.write(kFirstVertices), frame.write(kCellsAtHit)};
-  return trace_recorded_paths(source, frame, recording, verified);
+  if (!cells.verified()) return trace(output);
+  return trace(VerifiedCellsOutput<Cache>{output, frame.write(kFirstVertices), frame.write(kCellsAtHit)});
 }
 
 }  // namespace relume

@@ -5,7 +5,7 @@ namespace relume {
 PassDeclaration PathSpaceFilterPass::declaration() const { return cell_paths_declaration(cells_); }
 
 bool PathSpaceFilterPass::run(const FrameContext& frame) {
-  return trace_into_cells(source_, frame, cells_, cells_.filter(), recording_);
+  return trace_into_cells(source_, frame, cells_, cells_.filter(), records_);
 }
 
 }  // namespace relume

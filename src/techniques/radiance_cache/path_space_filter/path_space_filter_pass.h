@@ -9,9 +9,9 @@ namespace relume {
 /// Traces one path for each pixel that receives a sample, and adds its radiance to the cells.
 class PathSpaceFilterPass final : public Pass {
  public:
-  /// `recording`: as for trace_into_cells().
-  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells, const PathRecording* recording)
-      : source_(source), cells_(cells), recording_(recording) {}
+  /// `records`: as for trace_into_cells().
+  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells, const LearningRecords& records)
+      : source_(source), cells_(cells), records_(records) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
   void configure(const PrimaryLightCandidates& candidates) { source_.light_candidates = candidates.count; }
@@ -21,7 +21,7 @@ class PathSpaceFilterPass final : public Pass {
  private:
   PathSource source_;
   const CellsPass& cells_;
-  const PathRecording* recording_;
+  LearningRecords records_;
 };
 
 }  // namespace relume

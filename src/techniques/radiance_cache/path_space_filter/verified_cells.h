@@ -82,8 +82,9 @@ struct VerifiedCellsOutput {
 template <typename Cache>
 using VerifiedCellPathsKernel = PathKernel<VerifiedCellsOutput<Cache>>;
 
-/// The same for paths from which regions learn.
+/// The same for paths from which regions or chains learn.
 template <typename Cache>
-using RecordedVerifiedCellPathsKernel = PathKernel<CachedRecordingOutput, VerifiedCellsOutput<Cache>>;
+using RecordedVerifiedCellPathsKernel =
+    PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<Cache>>;
 
 }  // namespace relume

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "techniques/radiance_cache/sharc/sharc_cells.h"
+#include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
+#include "techniques/transport/path/optional_output.h"
 #include "techniques/transport/path/path_kernel.h"
 #include "techniques/transport/path/recording_output.h"
 
@@ -121,11 +123,9 @@ using RecordedCellEndsKernel = PathKernel<RadianceOutput, FirstVertexOutput, Cel
 using ReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, CellEnds>;
 using RecordedReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
 
-/// All four for paths from which regions learn.
-using LearningCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, CellEnds>;
-using LearningRecordedCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, FirstVertexOutput, CellEnds>;
-using LearningReservoirCellEndsKernel = PathKernel<CachedRecordingOutput, RadianceOutput, FirstScatterOutput, CellEnds>;
-using LearningRecordedReservoirCellEndsKernel =
-    PathKernel<CachedRecordingOutput, RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
+/// All four for paths from which regions or chains learn.
+using LearningCellEndsKernel =
+    PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, OptionalOutput<FirstScatterOutput>,
+               OptionalOutput<FirstVertexOutput>, CellEnds>;
 
 }  // namespace relume

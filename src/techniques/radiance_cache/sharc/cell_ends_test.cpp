@@ -8,6 +8,7 @@
 #include "techniques/radiance_cache/sharc/cell_update.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/spatial/hash_grid/testing/grid_camera.h"
+#include "techniques/spatial/markov_grid/testing/filled_table.h"
 
 namespace relume {
 namespace {
@@ -90,12 +91,12 @@ SurfacePoint point_at(const Vec3& position) {
   return sp;
 }
 
-/// A path with two vertices, of which the second has a known cell, and the records of both.
+/// A path with two vertices, of which the second has a known cell, and the records of both for regions and chains.
 class EndingPath : public ::testing::Test {
  protected:
-  using Policies = PathPolicies<CachedPathRecorder, CellEnd>;
+  using Policies = PathPolicies<CachedPathRecorder, CachedChainPolicy, CellEnd>;
 
-  EndingPath() : grid_(grid_settings(), 64), records_(2) {
+  EndingPath() : grid_(grid_settings(), 64), records_(2), directions_(2) {
     Backend backend(1);
     const SharcCells cells{grid_.view(grid_camera())};
     cells.grid.insert(cells.point(second_, Vec2(0.5f)), Rgb(3), 1.0f, 0.0f, kNoCell, true);
@@ -104,6 +105,8 @@ class EndingPath : public ::testing::Test {
     recording_.samples = mutable_view_of(records_);
     recording_.vertices = 2;
     recording_.pixels = 1;
+    chains_.guide.guide.grid = testing::FilledTable<GuideState>().grid;  // of an empty table
+    chains_.guide.out = {mutable_view_of(directions_), 2, 1};
   }
 
   /// Traces the path, which leaves the first vertex by `s` and then finds emission 2. Returns whether it continues at
@@ -113,7 +116,9 @@ class EndingPath : public ::testing::Test {
     ends.cells.grid = grid_.view(grid_camera());
     const SampleIndex index;
     const CachedRecordingOutput recording{recording_};
-    Policies policies{recording.policy(index, 0, 0, 0), {ends.policy(index, 0, 0, 0), {}}};
+    const CachedChainOutput chains{chains_};
+    Policies policies{recording.policy(index, 0, 0, 0),
+                      {chains.policy(index, 0, 0, 0), {ends.policy(index, 0, 0, 0), {}}}};
     path_ = {};
     SurfacePoint sp = first;
     EXPECT_TRUE(policies.arrived(sp, path_));
@@ -121,12 +126,14 @@ class EndingPath : public ::testing::Test {
     s.wi = glm::normalize(second_.position - first.position);
     path_.ray = {first.position, s.wi};
     path_.pdf_w = s.pdf_w = 0.5f;
-    path_.throughput *= 0.25f;
+    s.weight = Rgb(0.25f);
+    path_.throughput *= s.weight;
     path_.delta = false;
     ++path_.bounce;
     policies.scattered(sp, s, path_);
-    path_.radiance += path_.throughput * 2.0f;
     sp = second_;
+    policies.hit_surface(sp, path_);
+    path_.radiance += path_.throughput * 2.0f;
     EXPECT_TRUE(policies.arrived(sp, path_));
     const bool continues = policies.goes_on(path_);
     policies.finished(path_);
@@ -138,6 +145,8 @@ class EndingPath : public ::testing::Test {
   HashGrid grid_;
   std::vector<VertexSample> records_;
   PathRecording recording_;
+  std::vector<MarkovRecord<GuideState>> directions_;
+  ChainOutput chains_;
   PathState path_;
 };
 
@@ -149,6 +158,14 @@ TEST_F(EndingPath, RecordsTheMeanOfTheCell) {
   EXPECT_NEAR(records_[0].value, arriving * shading_cosine(first_, path_.ray.direction) / 0.5f, 1e-4f);
   EXPECT_NE(records_[1].region, kNoRegion);
   EXPECT_EQ(records_[1].weight, 0.0f) << "no direction was sampled there";
+}
+
+TEST_F(EndingPath, TeachesChainsTheMeanOfTheCell) {
+  EXPECT_FALSE(trace(first_, {}));
+  EXPECT_NE(directions_[0].cells[0].slot, kNoSlot);
+  EXPECT_NEAR(directions_[0].state.weight, 0.25f * (2 + kAlbedo * 3), 1e-4f);
+  EXPECT_NEAR(glm::distance(mean_target(directions_[0].state), second_.position), 0, 1e-4f);
+  EXPECT_EQ(directions_[1].cells[0].slot, kNoSlot) << "no direction was sampled there";
 }
 
 TEST_F(EndingPath, GuidedDirectionsHaveTheConeOfTheNarrowestLobe) {

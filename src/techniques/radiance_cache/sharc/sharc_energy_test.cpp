@@ -113,7 +113,8 @@ TEST(SharcEnergy, CornellHasTheMeanOfPaths) {
   const RenderSettings plain = sharc_settings(32, 32);
   RenderSettings tiles = plain;
   tiles.lights = LightSelectionChoice::neeat;
-  expect_mean_of_paths("cornell", {plain, testing::with_learned_regions(plain), tiles}, 48, 64, 0.03, 0.015);
+  expect_mean_of_paths("cornell", {plain, testing::with_learned_regions(plain), tiles, testing::with_chains(plain)}, 48,
+                       64, 0.03, 0.015);
 }
 
 /// Light takes many bounces, and a few bright samples decide the mean. The test fails if 60 % of the light are lost:

@@ -46,14 +46,17 @@ bool SharcPass::trace(const FrameContext& frame) const {
                       .by_variance = settings_.end == SharcEnd::variance,
                       .variance = settings_.variance,
                       .termination = frame.write(kCellTermination)};
-  const auto trace_with = [&](const auto&... outputs) {
-    if (!records_.first_vertices) return trace_recorded_paths(source_, frame, recording_, outputs..., ends);
-    const FirstVertexOutput vertices{frame.write(kFirstVertices)};
-    return trace_recorded_paths(source_, frame, recording_, outputs..., vertices, ends);
-  };
   const RadianceOutput radiance{frame.write(kRadiance)};
-  if (!records_.first_scatters) return trace_with(radiance);
-  return trace_with(radiance, FirstScatterOutput{frame.write(kFirstScatters)});
+  OptionalOutput<FirstScatterOutput> scatters;
+  if (records_.first_scatters) scatters = {{frame.write(kFirstScatters)}, true};
+  OptionalOutput<FirstVertexOutput> vertices;
+  if (records_.first_vertices) vertices = {{frame.write(kFirstVertices)}, true};
+  if (learning_.any()) return trace_recorded_paths(source_, frame, learning_, radiance, scatters, vertices, ends);
+  const auto trace_with = [&](const auto&... outputs) {
+    if (!vertices.active) return trace_paths(source_, frame, nullptr, outputs..., ends);
+    return trace_paths(source_, frame, nullptr, outputs..., vertices.output, ends);
+  };
+  return scatters.active ? trace_with(radiance, scatters.output) : trace_with(radiance);
 }
 
 bool SharcPass::update_cells(const FrameContext& frame) const {
@@ -68,7 +71,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
                    .feedback = settings_.feedback,
                    .clamp = settings_.clamp,
                    .inherits = includes(frame.changes, Change::camera)};
-  if (recording_) kernel.update.regions = *recording_;
+  if (learning_.samples) kernel.update.regions = *learning_.samples;
   kernel.index = frame.index;
   kernel.paths = frame.index;
   kernel.paths.seed = hash(frame.index.seed, kSalt);

@@ -14,11 +14,11 @@ CellDepths cell_depths(const SharcSettings& settings);
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  /// `recording`: destination of samples of camera paths for learning; nullptr: none. `records`: first vertices for a
-  /// history, first scattering events for reservoirs; no others.
+  /// `learning`: destinations of what camera paths record. `records`: first vertices for a history, first scattering
+  /// events for reservoirs; no others.
   SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells,
-            const PathRecording* recording, const PathRecords& records)
-      : settings_(settings), source_(source), cells_(cells), recording_(recording), records_(records) {
+            const LearningRecords& learning, const PathRecords& records)
+      : settings_(settings), source_(source), cells_(cells), learning_(learning), records_(records) {
     if (records.first_scatters) source_.first_nee_bounce = 1;
   }
 
@@ -35,7 +35,7 @@ class SharcPass final : public Pass {
   SharcSettings settings_;
   PathSource source_;
   const CellsPass& cells_;
-  const PathRecording* recording_;
+  LearningRecords learning_;
   PathRecords records_;
 };
 

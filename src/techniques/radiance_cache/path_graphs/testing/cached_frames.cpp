@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "scene/world_triangles.h"
+#include "techniques/spatial/markov_grid/testing/filled_table.h"
 #include "techniques/transport/path/recording_output.h"
 
 namespace relume::testing {
@@ -26,7 +27,11 @@ CachedFrames::CachedFrames(Scene scene, const CachedFrameSettings& settings)
   hits_.resize(pixels);
   pixels_.resize(pixels);
   if (settings.psf.split || settings.psf.refine > 0.0f) others_.resize(pixels);
-  if (settings.recorded) records_.resize(kRecordedVertices * pixels);
+  if (settings.recorded) {
+    records_.resize(kRecordedVertices * pixels);
+    directions_.resize(records_.size());
+    lights_.resize(records_.size());
+  }
   rays_.resize(pixels);
   radiance_.resize(pixels);
 }
@@ -39,10 +44,20 @@ PathRecording CachedFrames::recording() {
           .pixels = static_cast<uint32_t>(pixels_.size())};
 }
 
+ChainOutput CachedFrames::chains() {
+  const auto pixels = static_cast<uint32_t>(pixels_.size());
+  ChainOutput output;
+  output.guide.guide.grid = output.lights.chains.grid = FilledTable<GuideState>().grid;
+  output.guide.out = {mutable_view_of(directions_), kRecordedVertices, pixels};
+  output.lights.out = {mutable_view_of(lights_), kRecordedVertices, pixels};
+  return output;
+}
+
 template <typename Cache>
 void CachedFrames::trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache) {
   const CellsOutput<Cache> cells{cache, mutable_view_of(pixels_)};
-  if (settings_.recorded) return trace(context, index, CachedRecordingOutput{recording()}, cells);
+  if (settings_.recorded)
+    return trace(context, index, CachedRecordingOutput{recording()}, CachedChainOutput{chains()}, cells);
   if (!settings_.watched) return trace(context, index, cells);
   first_vertices_.resize(pixels_.size());
   specular_.resize(pixels_.size());
@@ -87,7 +102,7 @@ void CachedFrames::trace() {
     case CacheKind::none: {
       const RadianceOutput radiance{mutable_view_of(radiance_)};
       if (settings_.recorded) {
-        trace(context, index, radiance, RecordingOutput{recording()});
+        trace(context, index, radiance, RecordingOutput{recording()}, chains());
       } else {
         trace(context, index, radiance);
       }

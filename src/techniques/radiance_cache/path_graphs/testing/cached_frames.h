@@ -12,6 +12,7 @@
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/spatial/octree/octree_tree.h"
 #include "techniques/spatial/octree/path_recording.h"
+#include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
 
@@ -34,7 +35,7 @@ struct CachedFrameSettings {
   uint32_t seed = 0;
   bool russian_roulette = true;
   bool watched = false;   ///< whether two policies observe the paths that the cache modifies
-  bool recorded = false;  ///< whether paths leave records for learning; excludes `watched`
+  bool recorded = false;  ///< whether paths leave records for regions and chains; excludes `watched`
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
@@ -57,6 +58,9 @@ class CachedFrames {
   CellLayers& layers() { return layers_; }
   /// Record of vertex v at pixel p: element v · pixels + p. Only with `recorded`.
   const std::vector<VertexSample>& records() const { return records_; }
+  /// The same for chains, of which none has a state: each score above 0 starts one.
+  const std::vector<MarkovRecord<GuideState>>& directions() const { return directions_; }
+  const std::vector<MarkovRecord<LightState>>& lights() const { return lights_; }
   uint64_t rays() const {
     uint64_t sum = 0;
     for (const uint32_t r : rays_) sum += r;
@@ -74,6 +78,7 @@ class CachedFrames {
   uint32_t width() const { return static_cast<uint32_t>(settings_.width); }
 
   PathRecording recording();
+  ChainOutput chains();
   template <typename Cache>
   void trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache);
   template <typename... Outputs>
@@ -93,6 +98,8 @@ class CachedFrames {
   std::vector<Rgb> radiance_;
   OctreeTree tree_;  ///< of regions for records
   std::vector<VertexSample> records_;
+  std::vector<MarkovRecord<GuideState>> directions_;
+  std::vector<MarkovRecord<LightState>> lights_;
   std::vector<FirstVertex> first_vertices_;
   std::vector<Rgb> specular_;
   CellLayers layers_;

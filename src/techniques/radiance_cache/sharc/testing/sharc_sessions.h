@@ -27,6 +27,13 @@ inline RenderSettings with_learned_regions(RenderSettings settings) {
   return settings;
 }
 
+/// The same with light selection and path guiding that learn in chains.
+inline RenderSettings with_chains(RenderSettings settings) {
+  settings.lights = LightSelectionChoice::mcls;
+  settings.guide = GuideChoice::mcpg;
+  return settings;
+}
+
 inline void skip_frames(Session& session, int count) {
   for (int i = 0; i < count; ++i) session.render_frame();
 }
