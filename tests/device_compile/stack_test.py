@@ -43,7 +43,10 @@ BOUNDS = (
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1350),
     # Recorders of both kinds of chains and of samples, and the policies of all other outputs.
-    (r"PathKernel<RadianceOutput, (Cached)?RecordingOutput, ChainOutput", 1850),
+    (r"PathKernel<RadianceOutput, (Cached)?RecordingOutput, ChainOutput", 1900),
+    # Indirect samples beside first vertices, and optional outputs.
+    (r"PathKernel<RadianceOutput, CachedRecordingOutput, OptionalOutput", 1600),
+    (r"PathKernel<RadianceOutput, ChainOutput, OptionalOutput", 1750),
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),

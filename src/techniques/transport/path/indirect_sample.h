@@ -123,7 +123,7 @@ struct IndirectSamplePolicy : NoPolicy {
 };
 
 /// Output of the sample of each path. Must follow outputs whose policies need whole paths; these learn of the change of
-/// units by PathEvents::rebased().
+/// units by PathEvents::rebased(). Later outputs see the complete path without the sample.
 struct IndirectSampleOutput {
   using Policy = IndirectSamplePolicy;
 

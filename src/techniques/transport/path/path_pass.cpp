@@ -69,8 +69,8 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs has its own kernel, so unread outputs cost nothing; run_both() is the exception. Indirect
-// samples do not combine with first vertices.
+// Each combination of outputs has its own kernel, so unread outputs cost nothing. Exceptions: run_both(), and first
+// vertices with indirect samples.
 
 struct Tracing {
   const PathSource& source;
@@ -93,21 +93,32 @@ struct Tracing {
   template <typename... Outputs>
   bool run_indirect(const Outputs&... outputs) const {
     const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
+    if (records.first_vertices) {
+      // After the samples: the record has the light that they leave to the path.
+      return trace_paths(source, frame, surfaces, outputs..., optional_scatters(), samples,
+                         FirstVertexOutput{frame.write(kFirstVertices)}, optional_specular());
+    }
     if (!records.first_scatters) return run_with_specular(outputs..., samples);
     return run_with_specular(outputs..., FirstScatterOutput{frame.write(kFirstScatters)}, samples);
   }
 
   /// Records samples and states of chains on the same paths. Two kernels serve all combinations of the other outputs.
   bool run_both(const RadianceOutput& radiance, const PathRecording& recording, const ChainOutput& chains) const {
-    const auto scatters = optional<FirstScatterOutput>(records.first_scatters, kFirstScatters);
-    const auto specular = optional<SpecularOutput>(records.specular, kRadianceSpecular);
-    if (records.indirect_samples) {
-      return trace_paths(source, frame, surfaces, radiance, CachedRecordingOutput{recording}, chains, scatters,
-                         IndirectSampleOutput{frame.write(kIndirectSamples)}, specular);
-    }
     const auto vertices = optional<FirstVertexOutput>(records.first_vertices, kFirstVertices);
-    return trace_paths(source, frame, surfaces, radiance, RecordingOutput{recording}, chains, scatters, vertices,
-                       specular);
+    if (records.indirect_samples) {
+      return trace_paths(source, frame, surfaces, radiance, CachedRecordingOutput{recording}, chains,
+                         optional_scatters(), IndirectSampleOutput{frame.write(kIndirectSamples)}, vertices,
+                         optional_specular());
+    }
+    return trace_paths(source, frame, surfaces, radiance, RecordingOutput{recording}, chains, optional_scatters(),
+                       vertices, optional_specular());
+  }
+
+  OptionalOutput<FirstScatterOutput> optional_scatters() const {
+    return optional<FirstScatterOutput>(records.first_scatters, kFirstScatters);
+  }
+  OptionalOutput<SpecularOutput> optional_specular() const {
+    return optional<SpecularOutput>(records.specular, kRadianceSpecular);
   }
 
   template <typename Output, typename T>

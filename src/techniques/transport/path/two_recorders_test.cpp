@@ -137,16 +137,23 @@ TEST_P(TwoRecorders, LackInactiveOutputs) {
 TEST_P(TwoRecorders, RecordWhatEachRecordsAloneBesideIndirectSamples) {
   Records both;
   trace(both.radiance_output(), CachedRecordingOutput{both.recording()}, both.chain_output(grid_),
-        OptionalOutput<FirstScatterOutput>{}, both.indirect_output(), active(both.specular_output()));
+        OptionalOutput<FirstScatterOutput>{}, both.indirect_output(), active(both.vertex_output()),
+        active(both.specular_output()));
   Records samples;
   trace(samples.radiance_output(), CachedRecordingOutput{samples.recording()}, samples.indirect_output(),
         samples.specular_output());
   Records chains;
   trace(chains.radiance_output(), chains.chain_output(grid_), chains.indirect_output());
+  Records vertices;
+  trace(vertices.radiance_output(), OptionalOutput<FirstScatterOutput>{}, vertices.indirect_output(),
+        vertices.vertex_output(), OptionalOutput<SpecularOutput>{});
   EXPECT_EQ(both.radiance, samples.radiance);
   EXPECT_EQ(both.radiance, chains.radiance);
   EXPECT_EQ(both.specular, samples.specular);
+  EXPECT_EQ(both.radiance, vertices.radiance);
   EXPECT_EQ(words_of(both.indirect), words_of(samples.indirect));
+  EXPECT_EQ(words_of(both.indirect), words_of(vertices.indirect));
+  EXPECT_EQ(words_of(both.vertices), words_of(vertices.vertices));
   EXPECT_EQ(words_of(both.samples), words_of(samples.samples));
   EXPECT_EQ(words_of(both.directions), words_of(chains.directions));
   EXPECT_EQ(words_of(both.lights), words_of(chains.lights));
