@@ -143,9 +143,10 @@ bool looks_up_cells(const RenderSettings& settings) {
   return needs_first_vertices(settings) && settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
 }
 
-/// Whether first vertices record points of reservoirs on lights. Paths that fill cells record random numbers instead.
+/// Whether first vertices record points of reservoirs on lights. Paths that fill cells, or sample direct light
+/// themselves, record random numbers instead.
 bool records_light_points(const RenderSettings& settings) {
-  return settings.reuse != ReuseChoice::none && !looks_up_cells(settings);
+  return resamples_direct_light(settings.reuse) && !looks_up_cells(settings);
 }
 
 /// Changes that end the history.

@@ -80,29 +80,13 @@ void check_forward_history(const RenderSettings& s) {
   }
 }
 
-/// Throws if reservoirs for indirect light do not combine with the other choices.
-void check_restir_gi(const RenderSettings& s) {
-  if (!needs_first_vertices(s)) return;
-  throw Error(
-      "reuse 'restir-gi' and 'restir-di+gi' do not combine with history 'reproject' by reproject.method 'forward': "
-      "verifying the light of other pixels' paths is not implemented; use reproject.method 'backward', history "
-      "'accumulate' or reuse 'none'");
-}
-
 /// Throws if reservoirs of paths do not combine with the other choices.
 void check_restir_pt(const RenderSettings& s) {
-  if (learns(s)) {
-    throw Error(
-        "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': "
-        "repeating a path with the choices that these had learned at its time is not implemented; use lights "
-        "'light-tree' and guide 'bsdf'");
-  }
-  if (needs_first_vertices(s)) {
-    throw Error(
-        "reuse 'restir-pt' does not combine with history 'reproject' by reproject.method 'forward': verifying the "
-        "light of other pixels' paths is not implemented; use reproject.method 'backward', history 'accumulate' or "
-        "reuse 'none'");
-  }
+  if (!learns(s)) return;
+  throw Error(
+      "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': "
+      "repeating a path with the choices that these had learned at its time is not implemented; use lights "
+      "'light-tree' and guide 'bsdf'");
 }
 
 /// Throws if reservoirs do not combine with the radiance cache.
@@ -128,7 +112,6 @@ void check_reuse(const RenderSettings& s) {
         "'light' and 'vcm': MIS weights with reservoirs are not implemented; use estimator 'path' or reuse 'none'");
   }
   if (s.cache != CacheChoice::none) check_reuse_with_cache(s);
-  if (resamples_indirect_light(s.reuse)) check_restir_gi(s);
   if (s.reuse == ReuseChoice::restir_pt) check_restir_pt(s);
 }
 

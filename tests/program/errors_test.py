@@ -185,11 +185,8 @@ class Combinations(RefusalTest):
         self.refuse_each(self.render("-o", "out.exr"), [
             (FAILED, "--cache psf --reuse restir-di", "reuse 'restir-di' .* caches 'psf', 'apsf', 'apg' and 'apsf\\+apg'.*; use reuse 'ris', or cache 'sharc'"),
             (FAILED, "--cache sharc --reuse restir-gi", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'ris', or cache 'none'"),
-            (FAILED, "--reuse restir-gi --history reproject", "reuse 'restir-gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
-            (FAILED, "--reuse restir-di+gi --history reproject", "'restir-di.gi' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
-            (FAILED, "--reuse restir-pt --history reproject", "reuse 'restir-pt' .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--reuse restir-pt --lights neeat", "reuse 'restir-pt' .* lights 'vlc', 'neeat' and 'mcls'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--lights mcls --estimator bdpt", "lights 'mcls' and guide 'mcpg' .* estimators 'bdpt', 'light' and 'vcm'.*; use estimator 'path'"),
             (FAILED, "--guide mcpg --cache psf --estimator bdpt", "lights 'mcls' and guide 'mcpg' .* estimators 'bdpt', 'light' and 'vcm'.*; use estimator 'path'"),

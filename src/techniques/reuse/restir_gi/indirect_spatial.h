@@ -3,7 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/combine_neighbours.h"
-#include "techniques/reuse/restir_gi/reconnection.h"
+#include "techniques/reuse/restir_gi/indirect_image.h"
 
 namespace relume {
 
@@ -23,7 +23,7 @@ struct IndirectSpatialKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * search.width + x;
     const IndirectReservoir own = reservoirs[pixel];
-    if (!(own.confidence > 0.0f) || !image.sampled.has(pixel)) {
+    if (!(own.confidence > 0.0f) || !image.planes.sampled.has(pixel)) {
       history[pixel] = own;
       return;
     }
@@ -34,7 +34,7 @@ struct IndirectSpatialKernel {
     const auto has_reservoir = [&](uint32_t other) { return reservoirs[other].confidence > 0.0f; };
     search.find(x, y, has_reservoir, numbers, near);
     IndirectReservoir result = combine(pixel, own, r, near, numbers);
-    shade(pixel, r, result);
+    shade(pixel, r, result, numbers.next());
     if (!is_finite(result.weight)) result.weight = 0;  // must not spread
     history[pixel] = feeds_back ? result : own;
   }
@@ -50,7 +50,7 @@ struct IndirectSpatialKernel {
   RELUME_HD float target_here(uint32_t pixel, const Receiver& r, uint32_t from, const IndirectVertex& vertex) const {
     const SurfacePlace place = place_of(scene, vertex);
     if (!connects(vertex, place, pixel, from)) return 0.0f;
-    return moved_target(scene, r, vertex, place, traced, image.rays[pixel]);
+    return moved_target(scene, r, vertex, place, traced, image.planes.rays[pixel]);
   }
 
   /// p̂ at pixel `other` of a sample of `pixel`.
@@ -59,7 +59,7 @@ struct IndirectSpatialKernel {
     if (!connects(vertex, place, pixel, other)) return 0.0f;
     Receiver r;
     make_receiver(scene, records[other], r);
-    return moved_target(scene, r, vertex, place, traced, image.rays[pixel]);
+    return moved_target(scene, r, vertex, place, traced, image.planes.rays[pixel]);
   }
 
   RELUME_HD IndirectReservoir combine(uint32_t pixel, const IndirectReservoir& own, const Receiver& r,
@@ -77,16 +77,17 @@ struct IndirectSpatialKernel {
         [&](uint32_t i) { return there(i, own.sample); }, numbers);
   }
 
-  /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives.
-  RELUME_HD void shade(uint32_t pixel, const Receiver& r, const IndirectReservoir& result) const {
-    if (!image.takes(result.weight, pixel)) return;
+  /// Adds the light of the result. Without occlusion in the targets, a ray decides whether it arrives. `u`: as for
+  /// IndirectImage::add().
+  RELUME_HD void shade(uint32_t pixel, const Receiver& r, const IndirectReservoir& result, float u) const {
+    if (!image.planes.takes(result.weight, pixel)) return;
     const SurfacePlace place = place_of(scene, result.sample);
     const Reconnection c = reconnect(r.sp.position, place);
     if (!traced) {
-      ++image.rays[pixel];
+      ++image.planes.rays[pixel];
       if (!sees(scene, r, c, place.error)) return;
     }
-    image.add(scene, r, c, result.sample.radiance, result.weight, pixel);
+    image.add(scene, r, c, result.sample.radiance, result.weight, pixel, u);
   }
 };
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/history_source.h"
-#include "techniques/reuse/restir_gi/reconnection.h"
+#include "techniques/reuse/restir_gi/indirect_image.h"
 
 namespace relume {
 
@@ -24,7 +24,7 @@ struct IndirectTemporalKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    if (!image.sampled.has(pixel)) return keep(x, y);
+    if (!image.planes.sampled.has(pixel)) return keep(x, y);
     IndirectReservoir result;
     ReceiverRecord record;
     Receiver r;
@@ -66,7 +66,9 @@ struct IndirectTemporalKernel {
     const IndirectSample& sample = samples[pixel];
     if (!(sample.weight > 0.0f)) return false;
     const Reconnection c = reconnect(r.sp.position, place_of(scene, sample.vertex));
-    if (c.geometry() > 0.0f) image.add(scene, r, c, sample.vertex.radiance, sample.weight / c.geometry(), pixel);
+    if (!(c.geometry() > 0.0f)) return false;
+    ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesIndirectRecord);
+    image.add(scene, r, c, sample.vertex.radiance, sample.weight / c.geometry(), pixel, numbers.next());
     return false;
   }
 
@@ -84,7 +86,7 @@ struct IndirectTemporalKernel {
     own.target = target_from(scene, r, c, own.sample.radiance);
     if (own.target > 0.0f) own.weight = sample.weight / c.geometry();
     if (is_finite(own.weight) && is_finite(own.target)) return own;
-    image.radiance[pixel] += Rgb(own.weight * own.target);  // is counted there, and must not spread
+    image.planes.radiance[pixel] += Rgb(own.weight * own.target);  // is counted there, and must not spread
     own.weight = 0;
     own.target = 0;
     return own;
@@ -102,7 +104,7 @@ struct IndirectTemporalKernel {
     if (!validated.empty()) follow_light(validated[source], before);
     if (history.moved && before.weight > 0.0f)
       turn_normal(previous_to_current(scene, before.sample.hit()), before.sample);
-    uint32_t& rays = image.rays[y * width + x];
+    uint32_t& rays = image.planes.rays[y * width + x];
     const Vec3 here = position_of(record);
     const Vec3 there = position_of(history.records[source]);
     const auto now_target = [&](const IndirectVertex& vertex) {

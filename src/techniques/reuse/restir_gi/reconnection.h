@@ -6,9 +6,7 @@
 #include "scene/surface_place.h"
 #include "techniques/reuse/reservoir/receiver.h"
 #include "techniques/reuse/reservoir/reservoir.h"
-#include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/transport/path/indirect_sample.h"
-#include "techniques/transport/path/specular_part.h"
 
 namespace relume {
 
@@ -17,6 +15,7 @@ using IndirectReservoir = Reservoir<IndirectVertex>;
 /// Purposes of ChoiceNumbers.
 inline constexpr uint32_t kChoosesIndirectHistory = 0x47490001u;
 inline constexpr uint32_t kChoosesIndirectNeighbours = 0x47490002u;
+inline constexpr uint32_t kChoosesIndirectRecord = 0x47490003u;
 
 /// Place of an existing vertex; `front` is the normal on its lit side.
 RELUME_HD inline SurfacePlace place_of(const SceneView& scene, const Instance& instance, const IndirectVertex& vertex) {
@@ -128,16 +127,5 @@ RELUME_HD inline float moved_target(const SceneView& scene, const Receiver& r, c
   ++rays;
   return sees(scene, r, c, place.error) ? target : 0.0f;
 }
-
-/// Planes to which reservoirs add their light.
-struct IndirectImage : ReuseImage {
-  /// Adds the light of a vertex. `weight`: per area.
-  RELUME_HD void add(const SceneView& scene, const Receiver& r, const Reconnection& c, const Rgb& light, float weight,
-                     uint32_t pixel) const {
-    const Rgb value = r.path.throughput * reflected_from(scene, r, c, light) * weight;
-    radiance[pixel] += value;
-    if (!specular.empty()) specular[pixel] += value * specular_share(r.sp, c.wi);
-  }
-};
 
 }  // namespace relume

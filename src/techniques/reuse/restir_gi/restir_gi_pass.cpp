@@ -21,6 +21,8 @@ Change ends_reservoirs(const RestirGiSettings& settings) {
 
 bool is_traced(const RestirGiSettings& settings) { return settings.correction != ReuseCorrection::basic; }
 
+IndirectImage indirect_image(const FrameContext& frame) { return {reuse_image(frame), frame.write(kFirstVertices)}; }
+
 ReconnectionRule rule_of(const RestirGiSettings& settings) {
   return {.least_alpha = sqr(settings.roughness),
           .reuses_glossy = settings.reuse_glossy,
@@ -40,7 +42,7 @@ PassDeclaration RestirGiPass::declaration() const {
                               .reads = {kPrimaryHits, kIndirectSamples},
                               .writes = {kRadiance, kRays},
                               .reads_if_any = {kAllocation},
-                              .writes_if_any = {kRadianceSpecular}};
+                              .writes_if_any = {kRadianceSpecular, kFirstVertices}};
   read_surfaces(declaration);
   if (validates()) {
     declaration.owns.push_back(
@@ -78,7 +80,7 @@ bool RestirGiPass::reuse_history(const FrameContext& frame) const {
   if (validates()) kernel.validated = frame.read(kValidatedRadiance);
   kernel.reservoirs = frame.write(kIndirect.reservoirs);
   kernel.records = frame.write(kIndirect.receivers);
-  kernel.image = {reuse_image(frame)};
+  kernel.image = indirect_image(frame);
   kernel.max_bounces = static_cast<uint32_t>(source_.settings.max_bounces);
   kernel.traced = is_traced(settings_);
   kernel.width = frame.width();
@@ -93,7 +95,7 @@ bool RestirGiPass::reuse_neighbours(const FrameContext& frame) const {
   kernel.reservoirs = frame.read(kIndirect.reservoirs);
   kernel.records = frame.read(kIndirect.receivers);
   kernel.history = frame.write(kIndirect.history);
-  kernel.image = {reuse_image(frame)};
+  kernel.image = indirect_image(frame);
   kernel.seed = frame.index.seed;
   kernel.frame = frame.index.frame;
   kernel.traced = is_traced(settings_);

@@ -4,6 +4,7 @@
 
 #include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/reuse/restir_pt/path_walk.h"
+#include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
 
 namespace relume {
@@ -34,6 +35,7 @@ struct CandidateTracer {
   Vec3 first{0};    ///< StoredPath::first
   float scale = 1;  ///< one over the probability with which the walk has survived
   uint32_t rays = 0;
+  FirstVertex* first_vertex = nullptr;  ///< record of the primary hit, empty at the start; nullptr: none
 
   RELUME_HD void trace() {
     const SceneView& scene = context.scene;
@@ -105,11 +107,23 @@ struct CandidateTracer {
     const Rgb value = walk.path.throughput * reflected * weight;
     if (is_black(value)) return;
     ++rays;
-    if (occluded(scene, shadow_ray(sp, light), sampler.ray_id())) return;
+    const bool visible = !occluded(scene, shadow_ray(sp, light), sampler.ray_id());
     if (walk.path.bounce == 0) {
       first = light.wi;
+      if (first_vertex) record_light(pick, light, mis / pick.pmf, visible);
     }
+    if (!visible) return;
     if (offer(value)) store_connection(pick, light, bsdf, value, joint.suffix * reflected, scatters_by_wavelength);
+  }
+
+  /// Records the light sample of the primary hit, without light: the chosen path has all of it.
+  RELUME_HD void record_light(const LightPick& pick, const LightSample& light, float light_scale, bool visible) const {
+    first_vertex->to_light = light.wi;
+    first_vertex->light = pick.id;
+    first_vertex->light_u = pick.u;
+    first_vertex->light_scale = light_scale;
+    const float factor = visible ? shading_cosine(walk.sp, light.wi) / light.pdf_w : 0.0f;
+    first_vertex->light_value = luminance(light.radiance * factor);
   }
 
   RELUME_HD void store_connection(const LightPick& pick, const LightSample& light, const BsdfEval& bsdf,
@@ -140,6 +154,7 @@ struct CandidateTracer {
     if (!s.valid) return false;
     const SceneView& scene = context.scene;
     const uint32_t vertex = walk.path.bounce;
+    if (vertex == 0 && first_vertex && !s.delta) first_vertex->scatter = s.wi;
     if (!s.delta && !walk.path.indirect) {
       if (indirect_weight == 0.0f) return false;
       scale *= indirect_weight;
@@ -241,6 +256,7 @@ struct PathCandidateKernel {
   View<const Hit> hits;
   View<PathReservoir> reservoirs;
   View<ReceiverRecord> records;
+  View<FirstVertex> first_vertices;  ///< receives the directions sampled at the primary hit; may be empty
   ReuseImage image;
   uint32_t width = 0;
   bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
@@ -266,7 +282,8 @@ struct PathCandidateKernel {
         .numbers = numbers,
         .indirect_weight = context.indirect.weight(x, y),
         .chosen = {.pixel = pixel, .seed = index.seed, .sequence = index.sequence, .element = index.sample_of(x, y)},
-        .hit = record.hit};
+        .hit = record.hit,
+        .first_vertex = first_vertices.empty() ? nullptr : &first_vertices[pixel]};
     tracer.trace();
     image.rays[pixel] += tracer.rays;
     finish(pixel, tracer);

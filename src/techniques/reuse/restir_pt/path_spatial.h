@@ -19,6 +19,7 @@ struct PathSpatialKernel {
   View<const PathReservoir> reservoirs;  ///< before this kernel
   View<const ReceiverRecord> records;
   View<PathReservoir> history;  ///< for the next frame
+  View<FirstVertex> first_vertices;  ///< receives the direction and light of the result; may be empty
   ReuseImage image;
   PathCorrection correction = PathCorrection::exact;
   bool reciprocal = false;  ///< whether neighbours come in pairs
@@ -125,19 +126,29 @@ struct PathSpatialKernel {
     if (!image.takes(result.weight, pixel)) return;
     const Rgb value = result.sample.value * result.weight;
     image.radiance[pixel] += value;
-    if (!image.specular.empty()) image.specular[pixel] += value * share_of_specular(pixel, result.sample);
+    if (!image.specular.empty() || !first_vertices.empty()) add_parts(pixel, result.sample, value);
   }
 
-  /// Share of specular lobes of the primary hit in the light of a path.
-  RELUME_HD Rgb share_of_specular(uint32_t pixel, const StoredPath& path) const {
-    if (path.first == Vec3(0)) return Rgb(1);
+  /// Adds the part of a path's light that specular lobes of the primary hit scatter, and records the light that arrives
+  /// there. `value`: light of the path in the image.
+  RELUME_HD void add_parts(uint32_t pixel, const StoredPath& path, const Rgb& value) const {
+    const Vec3& wi = path.first;
+    if (wi == Vec3(0)) {
+      if (!image.specular.empty()) image.specular[pixel] += value;
+      return;
+    }
     const SceneView& scene = shifter.context.scene;
     const ReceiverRecord& record = records[pixel];
     const float wavelength_nm = path_wavelength(scene, sampler_of(shifter.index, shifter.width, path));
     PathWalk walk;
-    if (!start_walk(scene, scene.camera, scene.instances[record.hit.instance], record, wavelength_nm, walk))
-      return Rgb(0);
-    return specular_share(walk.sp, path.first);
+    if (!start_walk(scene, scene.camera, scene.instances[record.hit.instance], record, wavelength_nm, walk)) return;
+    if (!image.specular.empty()) image.specular[pixel] += value * specular_share(walk.sp, wi);
+    if (first_vertices.empty()) return;
+    // The wavelength weight is not part of the BSDF, so the recorded light includes it.
+    const Rgb divisor = walk.path.throughput * eval_pdf(walk.sp, wi).f;
+    FirstVertex& vertex = first_vertices[pixel];
+    vertex.scatter = wi;
+    for (int c = 0; c < 3; ++c) vertex.indirect[c] = divisor[c] > 0.0f ? value[c] / divisor[c] : 0.0f;
   }
 };
 

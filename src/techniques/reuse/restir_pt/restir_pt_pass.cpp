@@ -44,7 +44,7 @@ PassDeclaration RestirPtPass::declaration() const {
                               .reads = {kPrimaryHits},
                               .writes = {kRadiance, kRays},
                               .reads_if_any = {kAllocation},
-                              .writes_if_any = {kRadianceSpecular}};
+                              .writes_if_any = {kRadianceSpecular, kFirstVertices}};
   read_surfaces(declaration);
   if (finds_duplicates()) {
     declaration.owns.push_back(
@@ -76,6 +76,7 @@ bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
   kernel.hits = frame.read(kPrimaryHits);
   kernel.reservoirs = frame.write(kPaths.reservoirs);
   kernel.records = frame.write(kPaths.receivers);
+  kernel.first_vertices = frame.write(kFirstVertices);
   kernel.image = reuse_image(frame);
   kernel.width = frame.width();
   kernel.has_cones = has_cones(settings_);
@@ -138,6 +139,7 @@ bool RestirPtPass::reuse_neighbours(const FrameContext& frame) const {
   kernel.reservoirs = frame.read(kPaths.reservoirs);
   kernel.records = frame.read(kPaths.receivers);
   kernel.history = frame.write(kPaths.history);
+  kernel.first_vertices = frame.write(kFirstVertices);
   kernel.image = reuse_image(frame);
   kernel.correction = settings_.correction;
   kernel.feeds_back = settings_.feedback == ReuseFeedback::spatial;

@@ -11,7 +11,9 @@
 #include "builtin_scenes/builtin.h"
 #include "framebuffer/shared_buffers.h"
 #include "render/session.h"
+#include "scene/compiled_scene.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/reuse/reservoir/receiver.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 #include "techniques/transport/path/first_vertex.h"
 
@@ -44,6 +46,9 @@ const std::vector<Choices>& all_choices() {
       {.name = "sharc", .cache = CacheChoice::sharc},
       {.name = "ris", .reuse = ReuseChoice::ris},
       {.name = "restir_di", .reuse = ReuseChoice::restir_di},
+      {.name = "restir_gi", .reuse = ReuseChoice::restir_gi},
+      {.name = "restir_di_gi", .reuse = ReuseChoice::restir_di_gi},
+      {.name = "restir_pt", .reuse = ReuseChoice::restir_pt},
       {.name = "psf_ris", .cache = CacheChoice::psf, .reuse = ReuseChoice::ris},
   };
   return list;
@@ -133,6 +138,18 @@ INSTANTIATE_TEST_SUITE_P(All, ForwardOfPaths, ::testing::ValuesIn(indices_of([](
                          })),
                          name_of);
 
+class ForwardOfReservoirs : public ForwardOfChoice {};
+INSTANTIATE_TEST_SUITE_P(All, ForwardOfReservoirs, ::testing::ValuesIn(indices_of([](const Choices& c) {
+                           return c.reuse != ReuseChoice::none && !c.has_cells();
+                         })),
+                         name_of);
+
+class ForwardOfPathReservoirs : public ForwardOfChoice {};
+INSTANTIATE_TEST_SUITE_P(All, ForwardOfPathReservoirs, ::testing::ValuesIn(indices_of([](const Choices& c) {
+                           return resamples_indirect_light(c.reuse) || c.reuse == ReuseChoice::restir_pt;
+                         })),
+                         name_of);
+
 class ForwardWithCells : public ForwardOfChoice {};
 INSTANTIATE_TEST_SUITE_P(All, ForwardWithCells,
                          ::testing::ValuesIn(indices_of([](const Choices& c) { return c.has_cells(); })), name_of);
@@ -194,24 +211,30 @@ TEST_P(Forward, ShadowsThatMoveEndHistories) {
 }
 
 /// Expects E of the first vertices to be the light of this frame's samples. The surfaces are Lambertian, so the
-/// directions do not matter. Returns the number of pixels with direct light.
-int expect_light_of_samples(const Session& session, bool has_cells) {
+/// directions do not matter. Returns the number of pixels with direct light, or with any light if paths of reservoirs
+/// contain both.
+int expect_light_of_samples(const Session& session, const Choices& choices) {
   const std::vector<FirstVertex> vertices = copy_of(session, kFirstVertices);
   const std::vector<Rgb> albedo = copy_of(session, kSurfaceAlbedo);
   std::vector<Rgb> reflected = copy_of(session, kRadiance);
   std::vector<FilteredPixel> pixels(vertices.size());
-  if (has_cells) pixels = copy_of(session, kFilteredPixels);
+  if (choices.has_cells()) pixels = copy_of(session, kFilteredPixels);
   int lit = 0;
   for (size_t i = 0; i < vertices.size(); ++i) {
     const FirstVertex& v = vertices[i];
     if (max_component(albedo[i]) > 0.99f || is_black(albedo[i])) continue;  // the lamp, or the background
-    if (has_cells) {
+    if (choices.has_cells()) {
       if (length_squared(v.scatter) + length_squared(v.to_light) == 0.0f) continue;  // a cell ended the path here
       reflected[i] = pixels[i].traced / pixels[i].survival;
     }
     const Rgb recorded = albedo[i] * kInvPi * (v.indirect + v.direct);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(recorded[c], reflected[i][c], 2e-3f * (1.0f + reflected[i][c])) << i;
-    lit += is_black(v.direct) ? 0 : 1;
+    if (choices.reuse == ReuseChoice::restir_gi) {  // one direction has the luminance of two
+      const float y = luminance(reflected[i]);
+      EXPECT_NEAR(luminance(recorded), y, 2e-3f * (1.0f + y)) << i;
+    } else {
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(recorded[c], reflected[i][c], 2e-3f * (1.0f + reflected[i][c])) << i;
+    }
+    lit += is_black(choices.reuse == ReuseChoice::restir_pt ? v.indirect : v.direct) ? 0 : 1;
   }
   return lit;
 }
@@ -221,9 +244,51 @@ TEST_P(ForwardOfPaths, RecordTheLightOfSamples) {
   int lit = 0;
   for (int i = 0; i < 4; ++i) {
     session.render_frame();
-    lit += expect_light_of_samples(session, choices().has_cells());
+    lit += expect_light_of_samples(session, choices());
   }
   EXPECT_GT(lit, kPixels / 10);
+}
+
+/// The BSDF for the recorded directions, at the primary hits of the reservoirs, gives the light of the samples.
+TEST_P(ForwardOfPathReservoirs, RecordDirectionsOfGloss) {
+  const bool has_whole_paths = choices().reuse == ReuseChoice::restir_pt;
+  const BufferKey<ReceiverRecord> receivers{has_whole_paths ? "restir-pt-receivers" : "restir-gi-receivers"};
+  RenderSettings settings = settings_of(choices());
+  settings.restir_gi.reuse_glossy = true;
+  Session session(varnished_cornell(), settings);
+  const CompiledScene scene(varnished_cornell(), CompileOptions{.camera = {}, .width = kSize, .height = kSize});
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  const std::vector<ReceiverRecord> records = copy_of(session, receivers);
+  const std::vector<FirstVertex> vertices = copy_of(session, kFirstVertices);
+  const std::vector<Rgb> radiance = copy_of(session, kRadiance);
+  int lit = 0;
+  for (size_t i = 0; i < records.size(); ++i) {
+    if (!records[i].valid()) continue;
+    Receiver r;
+    make_receiver(scene.view(), records[i], r);
+    if (!is_black(r.sp.emission)) continue;
+    const FirstVertex& v = vertices[i];
+    Rgb sum(0);
+    if (length_squared(v.scatter) > 0.0f) sum += eval_pdf(r.sp, v.scatter).f * v.indirect;
+    if (length_squared(v.to_light) > 0.0f) sum += eval_pdf(r.sp, v.to_light).f * v.direct;
+    const float y = luminance(radiance[i]);
+    EXPECT_NEAR(luminance(sum), y, 2e-3f * (1.0f + y)) << i;
+    lit += y > 0.0f ? 1 : 0;
+  }
+  EXPECT_GT(lit, kPixels / 4);
+}
+
+/// Records change no bit of the image, also on glossy surfaces.
+TEST_P(ForwardOfReservoirs, AStillViewHasTheBitsOfItsMean) {
+  RenderSettings settings = settings_of(choices());
+  Session reprojected(varnished_cornell(), settings);
+  settings.history = HistoryChoice::accumulate;
+  Session accumulated(varnished_cornell(), settings);
+  for (int frame = 1; frame <= 8; ++frame) {
+    reprojected.render_frame();
+    accumulated.render_frame();
+    EXPECT_EQ(reprojected.image().pixels, accumulated.image().pixels) << "frame " << frame;
+  }
 }
 
 /// Where the light of cells is looked up, only the rest of the history moves.
