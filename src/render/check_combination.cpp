@@ -42,10 +42,11 @@ void check_crop(const RenderSettings& s) {
 /// Throws if Markov chains do not combine with the other choices.
 void check_chains(const RenderSettings& s) {
   if (!learns_in_chains(s)) return;
-  if (s.estimator != EstimatorChoice::path) {
+  const bool connects = s.estimator == EstimatorChoice::bdpt || s.estimator == EstimatorChoice::vcm;
+  if (connects && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
-        "lights 'mcls' and guide 'mcpg' do not combine with estimators 'bdpt', 'light' and 'vcm': MIS weights with "
-        "their densities are not implemented; use estimator 'path', or lights 'light-tree' and guide 'bsdf'");
+        "guide 'mcpg' without mcpg.nee does not combine with estimators 'bdpt' and 'vcm', which connect to lights; use "
+        "mcpg.nee on, or estimator 'path'");
   }
   if (resamples_direct_light(s.reuse) && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
@@ -137,12 +138,14 @@ void check_shutter(const RenderSettings& s) {
 
 /// Throws if light tracing does not combine with learned choices of camera paths.
 void check_light_tracing(const RenderSettings& s) {
-  const bool learns_lights = s.lights == LightSelectionChoice::vlc || s.lights == LightSelectionChoice::neeat;
-  if (!learns_lights && (s.guide != GuideChoice::cdq || learns_importance(s))) return;
+  const bool learns_lights = s.lights == LightSelectionChoice::vlc || s.lights == LightSelectionChoice::neeat ||
+                             s.lights == LightSelectionChoice::mcls;
+  const bool guides = s.guide == GuideChoice::mcpg || (s.guide == GuideChoice::cdq && !learns_importance(s));
+  if (!learns_lights && !guides) return;
   throw Error(
-      "lights 'neeat', lights 'vlc' and guide 'cdq' do not combine with estimator 'light': its camera paths end at "
-      "their first surface and choose no lights or directions there; use estimator 'bdpt', guide 'cdq' with "
-      "cdq.importance on, or lights 'light-tree' and guide 'bsdf'");
+      "lights 'vlc', 'neeat' and 'mcls' and guides 'cdq' and 'mcpg' do not combine with estimator 'light': its camera "
+      "paths end at their first surface and choose no lights or directions there; use estimator 'bdpt', guide 'cdq' "
+      "with cdq.importance on, or lights 'light-tree' and guide 'bsdf'");
 }
 
 /// Throws if light paths do not combine with the cache.

@@ -59,17 +59,18 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
-/// Outputs of light paths besides the radiance.
-BdptRecords bdpt_records(const RenderSettings& settings) {
+/// Outputs of light paths besides the radiance. `chains`, here and below: destinations of new states.
+BdptRecords bdpt_records(const RenderSettings& settings, const ChainRecordings& chains) {
   return {.splats = needs_splat_image(settings),
           .caustics = has_caustic_layer(settings),
-          .first_vertices = needs_first_vertices(settings)};
+          .first_vertices = needs_first_vertices(settings),
+          .chains = chains};
 }
 
 /// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                     const PathRecording* recording) {
-  const BdptRecords records = bdpt_records(settings);
+                     const PathRecording* recording, const ChainRecordings& chains) {
+  const BdptRecords records = bdpt_records(settings, chains);
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection>(
         settings.history != HistoryChoice::none, source, recording, records);
@@ -82,8 +83,8 @@ void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, c
 
 /// Adds light paths beside camera subpaths that fill cells.
 void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                                const PathRecording* recording, const CellsPass& cells) {
-  const BdptRecords records = bdpt_records(settings);
+                                const PathRecording* recording, const ChainRecordings& chains, const CellsPass& cells) {
+  const BdptRecords records = bdpt_records(settings, chains);
   const bool adapts = settings.cache == CacheChoice::apsf;
   if (settings.estimator == EstimatorChoice::vcm) {
     builder.add_tracing<VcmCellsPass, &RenderSettings::vcm, &RenderSettings::bdpt, &RenderSettings::light_selection,
@@ -123,7 +124,7 @@ void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settin
   }
 }
 
-/// Adds the estimator with a cache that replaces parts of its paths. Light paths leave no states for chains.
+/// Adds the estimator with a cache that replaces parts of its paths.
 void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                       const LearningRecords& learning) {
   if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source, learning);
@@ -132,7 +133,7 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   CellsPass& cells =
       builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, needs_first_vertices(settings));
   if (has_splats) {
-    add_light_paths_with_cells(builder, settings, source, learning.samples, cells);
+    add_light_paths_with_cells(builder, settings, source, learning.samples, learning.chains, cells);
   } else {
     add_paths_with_cells(builder, settings, source, learning, cells);
   }
@@ -168,7 +169,7 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
     return nullptr;
   }
   if (settings.estimator != EstimatorChoice::path) {
-    add_light_paths(builder, settings, source, recording);
+    add_light_paths(builder, settings, source, recording, chains);
     return nullptr;
   }
   const PathRecords records{.first_vertices = needs_first_vertices(settings),

@@ -85,12 +85,13 @@ class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
 /// Whether a cell stands for paths that no single choice has: those that fill cells and choose among lights themselves,
-/// those that record both samples for regions and states for chains, or those that record states and end in cells.
+/// those that record both samples for regions and states for chains, those that record states and end in cells, or
+/// subpaths from both sides that record states.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   return (s.reuse == ReuseChoice::ris && s.cache == CacheChoice::psf) ||
          (s.lights == LightSelectionChoice::mcls && s.guide == GuideChoice::cdq) ||
-         (s.guide == GuideChoice::mcpg && s.cache == CacheChoice::apg);
+         (s.guide == GuideChoice::mcpg && (s.cache == CacheChoice::apg || s.estimator == EstimatorChoice::bdpt));
 }
 
 /// Indices of the quick cells, or of the others. The quick cells are those with at most one choice that is not a
@@ -223,7 +224,8 @@ TEST(CombinationTable, ErrorsWithoutAProofSayNotImplemented) {
                         "allocation 'adaptive' does not combine with history 'none'",
                         "estimator 'light' does not combine with a radiance cache",
                         "estimators 'bdpt' and 'vcm' do not combine with caches 'apg', 'apsf+apg' and 'sharc'",
-                        "lights 'neeat', lights 'vlc' and guide 'cdq' do not combine with estimator 'light'",
+                        "lights 'vlc', 'neeat' and 'mcls' and guides 'cdq' and 'mcpg' do not combine with estimator "
+                        "'light'",
                     }));
 }
 

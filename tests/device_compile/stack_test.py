@@ -29,10 +29,11 @@ LIMIT = 4096
 # Path graphs need 0.9 KB more, with their vertices. Learning from paths with a cache adds the recorders, 0.4 KB.
 BOUNDS = (
     (r"FeatureKernel|MeasureEdgesKernel", 2800),  # surface points of the pixel, its mirror image and its reflection
-    # A filtered vertex beside both subpaths, and 0.3 KB for records of the path.
-    (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 2900),
+    # A filtered vertex beside both subpaths, and 0.6 KB for records of the path: samples, and states of chains.
+    (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 3250),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2450),
-    (r"(BidirectionalKernel|LightSubpathKernelOf|MergingKernel)<LearningContext", 2800),
+    (r"(BidirectionalKernel|MergingKernel)<LearningContext", 3150),
+    (r"LightSubpathKernelOf<LearningContext", 2800),
     (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2250),
     # Receivers of the pixel, and of its history or a neighbour.
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 2750),

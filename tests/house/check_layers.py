@@ -49,7 +49,7 @@ MAY_INCLUDE = {
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
 TECHNIQUE_MAY_INCLUDE = {
     "path": "markov_chain markov_chain_lights octree primary_hits",
-    "bdpt": "octree path",
+    "bdpt": "markov_chain markov_chain_lights octree path",
     "vcm": "bdpt path",
     "directional_quadtree": "octree",
     "markov_grid": "hash_grid",

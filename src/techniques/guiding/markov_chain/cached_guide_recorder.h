@@ -26,7 +26,7 @@ struct CachedGuideRecorder : GuideRecorder {
   template <typename Path>
   RELUME_HD void finished(const Path& path) const {
     const Rgb all = before + unit * path.radiance;
-    finish_all([&](uint32_t v) { return (v < closed ? Rgb(0) : all) - radiance[v]; });
+    finish([&](uint32_t v) { return (v < closed ? Rgb(0) : all) - radiance[v]; });
   }
 
   /// As NoPolicy::ended_in_cell(). The path has no radiance: the cache has rebased it at this vertex.

@@ -78,26 +78,25 @@ struct GuideRecorder {
   template <typename Path>
   RELUME_HD void finished(const Path& path) {
     const Rgb all = before + unit * path.radiance;
-    finish_all([&](uint32_t v) { return all - radiance[v]; });
+    finish([&](uint32_t v) { return all - radiance[v]; });
+  }
+
+  /// Completes the records. `found_by(v)`: light in the image that the path found along the direction of vertex v.
+  template <typename FoundBy>
+  RELUME_HD void finish(const FoundBy& found_by) const {
+    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
+      if (records(v)) {
+        finish_record(v, found_by(v));
+      } else {
+        recording->out.clear(v, pixel);
+      }
+    }
   }
 
   /// As NoPolicy::rebased().
   RELUME_HD void rebased(const Rgb& found, const Rgb& next_unit) {
     before += unit * found;
     unit = next_unit;
-  }
-
- protected:
-  /// Completes the records. `found_by(v)`: light in the image that the path found along the direction of vertex v.
-  template <typename FoundBy>
-  RELUME_HD void finish_all(const FoundBy& found_by) const {
-    for (uint32_t v = 0; v < recording->out.vertices; ++v) {
-      if (records(v)) {
-        finish(v, found_by(v));
-      } else {
-        recording->out.clear(v, pixel);
-      }
-    }
   }
 
  private:
@@ -148,7 +147,7 @@ struct GuideRecorder {
   }
 
   /// Accepts the direction with probability score / mean score of the drawn states, as a Markov chain does.
-  RELUME_HD void finish(uint32_t v, const Rgb& found) const {
+  RELUME_HD void finish_record(uint32_t v, const Rgb& found) const {
     const MarkovGuide& guide = recording->guide;
     MarkovRecord<GuideState>& record = recording->out.record(v, pixel);
     const float score = relume::max(luminance(found * factor[v]), 0.0f);

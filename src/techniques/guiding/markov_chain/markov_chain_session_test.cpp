@@ -149,6 +149,7 @@ TEST(MarkovChainSession, LearnedTablesKeepTheMeanOfPathTracing) {
     GuideChoice guide;
     LightSelectionChoice lights;
     bool nee;
+    EstimatorChoice estimator = EstimatorChoice::path;
   };
   for (const Case& c : {Case{GuideChoice::mcpg, LightSelectionChoice::power, true},
                         Case{GuideChoice::mcpg, LightSelectionChoice::power, false},
@@ -156,10 +157,18 @@ TEST(MarkovChainSession, LearnedTablesKeepTheMeanOfPathTracing) {
                         Case{GuideChoice::mcpg, LightSelectionChoice::mcls, true},
                         Case{GuideChoice::mcpg, LightSelectionChoice::vlc, true},
                         Case{GuideChoice::mcpg, LightSelectionChoice::neeat, false},
-                        Case{GuideChoice::cdq, LightSelectionChoice::mcls, true}}) {
-    const Measured found = frames_of(scene, settings_of(c.guide, c.lights, c.nee), 10, 8, 24).mean;
-    EXPECT_NEAR(found.mean, expected.mean, 6 * testing::error_of(found, expected))
-        << static_cast<int>(c.guide) << ' ' << static_cast<int>(c.lights) << ' ' << c.nee;
+                        Case{GuideChoice::cdq, LightSelectionChoice::mcls, true},
+                        Case{GuideChoice::mcpg, LightSelectionChoice::mcls, true, EstimatorChoice::bdpt},
+                        Case{GuideChoice::mcpg, LightSelectionChoice::vlc, true, EstimatorChoice::bdpt},
+                        Case{GuideChoice::cdq, LightSelectionChoice::mcls, true, EstimatorChoice::bdpt},
+                        Case{GuideChoice::mcpg, LightSelectionChoice::mcls, true, EstimatorChoice::vcm}}) {
+    RenderSettings settings = settings_of(c.guide, c.lights, c.nee);
+    settings.estimator = c.estimator;
+    const Measured found = frames_of(scene, settings, 10, 8, 24).mean;
+    const double bias = c.estimator == EstimatorChoice::vcm ? 0.01 * expected.mean : 0;
+    EXPECT_NEAR(found.mean, expected.mean, bias + 6 * testing::error_of(found, expected))
+        << static_cast<int>(c.guide) << ' ' << static_cast<int>(c.lights) << ' ' << c.nee << ' '
+        << static_cast<int>(c.estimator);
     EXPECT_LT(found.error, 0.1 * expected.mean);
   }
 }

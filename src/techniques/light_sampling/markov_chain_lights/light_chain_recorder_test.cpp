@@ -124,13 +124,14 @@ Scene covered_floor() {
 }
 
 /// Mean square of the luminance of frames at a seed, after frames to learn.
-double mean_square(const Scene& scene, LightSelectionChoice lights, int seed) {
+double mean_square(const Scene& scene, EstimatorChoice estimator, LightSelectionChoice lights, int seed) {
   RenderSettings s;
   s.width = s.height = kSize;
   s.threads = 1;
   s.seed = seed;
   s.path.max_bounces = 1;
   s.history = HistoryChoice::none;
+  s.estimator = estimator;
   s.lights = lights;
   Session session(Scene(scene), s);
   double square = 0;
@@ -144,13 +145,15 @@ double mean_square(const Scene& scene, LightSelectionChoice lights, int seed) {
 
 TEST(LightChainSession, LowersTheNoiseOfHiddenLamps) {
   const Scene scene = covered_floor();
-  double chains = 0;
-  double tree = 0;
-  for (int seed = 1; seed <= 3; ++seed) {
-    chains += mean_square(scene, LightSelectionChoice::mcls, seed);
-    tree += mean_square(scene, LightSelectionChoice::light_tree, seed);
+  for (const EstimatorChoice estimator : {EstimatorChoice::path, EstimatorChoice::bdpt}) {
+    double chains = 0;
+    double tree = 0;
+    for (int seed = 1; seed <= 3; ++seed) {
+      chains += mean_square(scene, estimator, LightSelectionChoice::mcls, seed);
+      tree += mean_square(scene, estimator, LightSelectionChoice::light_tree, seed);
+    }
+    EXPECT_LT(chains, 0.5 * tree) << static_cast<int>(estimator);
   }
-  EXPECT_LT(chains, 0.5 * tree);
 }
 
 }  // namespace

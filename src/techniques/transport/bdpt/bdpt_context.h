@@ -3,12 +3,26 @@
 
 #include "core/fixed_point.h"
 #include "core/hash.h"
+#include "techniques/guiding/markov_chain/guide_recorder.h"
+#include "techniques/light_sampling/markov_chain_lights/light_chain_recorder.h"
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/bdpt/first_light.h"
 #include "techniques/transport/bdpt/path_vertex.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
+
+/// New states of Markov chains from camera subpaths. Those of chains that are not chosen have no vertices.
+struct SubpathChains {
+  GuideRecording guide;
+  LightChainRecording lights;
+
+  /// Clears the records of a pixel.
+  RELUME_HD void skip(uint32_t pixel) const {
+    guide.out.skip(pixel);
+    lights.out.skip(pixel);
+  }
+};
 
 struct BdptContext {
   /// Whether learned structures guide the paths. If not, the code for them compiles away.
@@ -32,8 +46,10 @@ struct BdptContext {
 
   // Of LearningContext, which has no members of its own, as kernels have standard layout.
   PathRecording recording = {};
-  /// Whether weights use the density of guided directions. Otherwise they use that of the BSDF, as without guiding.
-  /// Either way they sum to one, but only those of the BSDF are the same in all frames.
+  SubpathChains chains = {};
+  /// Whether weights use the density of directions that quadtrees guide. Otherwise they use that of the BSDF, as
+  /// without guiding, and always with Markov chains. Either way they sum to one, but only those of the BSDF are the
+  /// same in all frames.
   bool weighs_guide = true;
 
   RELUME_HD const SceneView& scene() const { return path.scene; }
@@ -54,8 +70,8 @@ struct BdptContext {
   }
 };
 
-/// Context of paths that take lights or directions from learned structures, and record samples for them (light
-/// selections "vlc" and "neeat", guiding "cdq").
+/// Context of paths that take lights or directions from learned structures, and record samples or states for them
+/// (light selections "vlc", "neeat" and "mcls", guiding "cdq" and "mcpg").
 struct LearningContext : BdptContext {
   static constexpr bool kLearns = true;
 };

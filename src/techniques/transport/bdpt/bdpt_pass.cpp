@@ -79,7 +79,9 @@ uint64_t BdptPass::prepare_subpaths(const FrameContext& frame, uint64_t samples,
 
 LearningContext BdptPass::learning(const BdptContext& context) const {
   LearningContext learning{context};
-  learning.recording = *recording_;
+  if (recording_) learning.recording = *recording_;
+  if (records_.chains.guide) learning.chains.guide = *records_.chains.guide;
+  if (records_.chains.lights) learning.chains.lights = *records_.chains.lights;
   learning.weighs_guide = weighs_guide();
   return learning;
 }

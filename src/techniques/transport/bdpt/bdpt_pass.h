@@ -24,6 +24,7 @@ struct BdptRecords {
   bool splats = false;          ///< fills kLightRadiance, for a history that stores splats separately
   bool caustics = false;        ///< the caustic layer: splats, and merged light of specular light subpaths
   bool first_vertices = false;  ///< fills kFirstVertices, for a history that verifies pixels
+  ChainRecordings chains = {};  ///< destinations of new states of camera subpaths
 };
 
 /// Faulty splats of one frame.
@@ -84,10 +85,10 @@ class BdptPass : public Pass {
   virtual bool mixes_frames() const { return records_.splats; }
   /// Views of the caustic layer; empty if it is not wanted.
   CausticViews caustics(const FrameContext& frame) const;
-  bool learns() const { return recording_ != nullptr; }
-  /// Whether weights use the density of guided directions, which changes with each frame.
+  bool learns() const { return recording_ || records_.chains.any(); }
+  /// Whether weights use the density of directions that quadtrees guide, which changes with each frame.
   bool weighs_guide() const {
-    return learns() && source_.directions.kind != DirectionSamplerKind::bsdf && !mixes_frames();
+    return learns() && source_.directions.kind == DirectionSamplerKind::quadtree && !mixes_frames();
   }
   LearningContext learning(const BdptContext& context) const;
 

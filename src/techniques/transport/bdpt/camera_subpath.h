@@ -161,6 +161,7 @@ template <typename Context, typename Recorder>
 RELUME_HD inline Connection connect_to_light(const Context& c, const SurfacePoint& sp, const CameraSubpath& e,
                                              Sampler& sampler, Recorder& recorder) {
   const LightPick pick = pick_light(c.path, sp, sampler);
+  if (pick.pmf > 0.0f) recorder.light_picked(sp, e.path, pick.id);
   const LightSample light = sample_picked(c.path, sp, pick);
   if (!light.valid()) return {};
   const Rgb medium = medium_along(c.scene(), sp, light.wi, e.path.medium);
@@ -254,10 +255,8 @@ template <typename Recorder, typename Policy>
 RELUME_HD inline void try_light_connection(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
                                            uint32_t ray_id, CameraSubpath& e, ConnectionRoulette& roulette,
                                            BdptCounters& counters, Recorder& recorder, Policy& policy) {
-  if (!recorder.needs_visibility()) {
-    try_connection(c, sp, connection, ray_id, e, roulette, counters, recorder, policy);
-    return;
-  }
+  if (!recorder.needs_visibility())
+    return try_connection(c, sp, connection, ray_id, e, roulette, counters, recorder, policy);
   if (!connection.valid()) return;
   roulette.count(connection.contribution * unit_of<Policy>(e));
   const bool is_visible = visible(c, connection.ray, ray_id, counters);
@@ -370,6 +369,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     make_surface_point(c.scene(), e.path.ray, hit, e.path.cone_width + e.path.cone_spread * hit.t, sp,
                        e.path.wavelength_nm);
     absorb(c.scene(), sp, hit.t, e.path);
+    recorder.hit_surface(sp, e.path);
     // A vertex seen edge-on has no density per area, so no weights exist.
     const float cosine = glm::dot(sp.ng, sp.wo);
     if (!(cosine > 0.0f)) break;
@@ -391,7 +391,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
     ++counters.rays;
   }
-  recorder.finished();
+  recorder.finished(e.path);
   policy.finished(e.path);
   offer_first_direction(c, e);
   return e.path.radiance;

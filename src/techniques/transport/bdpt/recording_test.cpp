@@ -252,7 +252,7 @@ class SubpathWithACache {
 
   /// Records the subpath. `survival`: probability with which the cache lets it continue; 0: it ends.
   std::vector<VertexSample> record(float survival) {
-    SubpathRecorder recorder(recording_, 0);
+    SubpathRecorder recorder(recording_, chains_, 0);
     recorder.arrived(point_, path_);
     leave(recorder, Rgb(0.5f, 0.25f, 0.75f));
     recorder.add(Rgb(1, 2, 3), {0, 0});
@@ -267,7 +267,7 @@ class SubpathWithACache {
     } else {
       recorder.culled();
     }
-    recorder.finished();
+    recorder.finished(path_);
     return samples_;
   }
 
@@ -286,6 +286,7 @@ class SubpathWithACache {
   Rgb unit_;
   std::vector<VertexSample> samples_;
   PathRecording recording_;
+  SubpathChains chains_;
   BdptContext context_;
   SurfacePoint point_{};
   PathState path_;
@@ -326,7 +327,8 @@ TEST(BdptRecording, LeavesOutImportanceThatOnlySpecularScatteringPassedOn) {
   PathState path;
   path.ray.direction = glm::normalize(Vec3(0.6f, 0, 0.8f));
   path.pdf_w = 0.5f;
-  SubpathRecorder recorder(recording, 0);
+  const SubpathChains chains{};
+  SubpathRecorder recorder(recording, chains, 0);
   for (const bool delta : {true, false, true}) {
     recorder.arrived(sp, path);
     path.throughput *= Rgb(0.5f);
@@ -334,7 +336,7 @@ TEST(BdptRecording, LeavesOutImportanceThatOnlySpecularScatteringPassedOn) {
     ++path.bounce;
     recorder.scattered(BdptContext{}, sp, BsdfSample{}, path);
   }
-  recorder.finished();
+  recorder.finished(path);
   EXPECT_EQ(importance[0].value, 0.0f);
   EXPECT_EQ(importance[1].value, 0.0f);
   EXPECT_FLOAT_EQ(importance[2].value, 0.25f);

@@ -1,4 +1,5 @@
-// Records camera subpaths for learned structures, as PathRecorder does for path tracing.
+// Records camera subpaths for learned structures, as PathRecorder, GuideRecorder and LightChainRecorder do for path
+// tracing.
 //
 // The value of a record estimates the radiance that arrives along the sampled direction, without bias. It sums all
 // light that the remaining subpath finds: by meeting lights, by connections, and by merging. The weights are those for
@@ -46,16 +47,25 @@ struct NoRecorder : NoPolicy {
   RELUME_HD void scattered(const BdptContext&, const SurfacePoint&, const BsdfSample&, const PathState&) const {}
   RELUME_HD void left(float, float, float) const {}
   RELUME_HD void left_delta(float, float) const {}
-  RELUME_HD void finished() const {}
 };
+
+static_assert(kMostChainVertices <= kMaxRecordedVertices);
 
 class SubpathRecorder {
  public:
-  RELUME_HD SubpathRecorder(const PathRecording& recording, uint32_t pixel) : recorder_(recording.begin(pixel)) {}
+  /// The arguments must outlive the recorder.
+  RELUME_HD SubpathRecorder(const PathRecording& recording, const SubpathChains& chains, uint32_t pixel)
+      : recorder_(recording.begin(pixel)), vertices_(relume::max(recording.vertices, chains.guide.out.vertices)) {
+    guide_.recording = &chains.guide;
+    guide_.pixel = pixel;
+    lights_.recording = &chains.lights;
+    lights_.pixel = pixel;
+  }
 
   RELUME_HD bool needs_visibility() const {
     const PathRecording& recording = *recorder_.recording;
-    return recorder_.current < recording.vertices || (recorder_.current == 0 && !recording.feedback.empty());
+    const uint32_t v = recorder_.current;
+    return v < recording.vertices || v < lights_.recording->out.vertices || (v == 0 && !recording.feedback.empty());
   }
 
   RELUME_HD bool records_importance(uint32_t vertex) const { return recorder_.recording->records_importance(vertex); }
@@ -64,6 +74,9 @@ class SubpathRecorder {
   RELUME_HD void moved(float cosine, float distance_squared) {
     for (uint32_t v = 0; v < behind_; ++v) weights_[v].arrive(cosine, distance_squared);
   }
+
+  /// As NoPolicy::hit_surface().
+  RELUME_HD void hit_surface(const SurfacePoint& sp, const PathState& path) { guide_.hit_surface(sp, path); }
 
   /// Called at each surface that may scatter the subpath. Sets its region.
   RELUME_HD void arrived(SurfacePoint& sp, const PathState& path) {
@@ -92,17 +105,25 @@ class SubpathRecorder {
     add_to(leaves_out ? behind_ - 1 : behind_, light, at);
   }
 
+  /// As NoPolicy::light_picked().
+  RELUME_HD void light_picked(const SurfacePoint& sp, const PathState& path, LightId light) {
+    lights_.light_picked(sp, path, light);
+  }
+
   /// Called after the connection to a light was tested.
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& connection, bool visible) {
     recorder_.connected(sp, path, connection, visible);
+    lights_.connected(sp, path, connection, visible);
   }
 
   /// Called after a direction was sampled; `after`: the subpath with its new ray. left() or left_delta() follows.
   RELUME_HD void scattered(const BdptContext& c, const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
-    recorder_.scattered(sp, s, in_image(after));
+    const PathInImage now = in_image(after);
+    recorder_.scattered(sp, s, now);
+    guide_.scattered(sp, s, now);
     if (!after.delta) scattered_ = true;
     left_ = behind_;
-    behind_ = recorder_.reached;
+    behind_ = relume::min(after.bounce, vertices_);
     for (uint32_t v = left_; v < behind_; ++v) {
       weights_[v] = SubpathWeights::start(0.0f, 0.0f, 1.0f, 0.0f, false, c.merging, c.connected);
       found_[v] = Rgb(0);
@@ -118,8 +139,16 @@ class SubpathRecorder {
   }
 
   /// Called when the subpath is complete.
-  RELUME_HD void finished() {
-    recorder_.finish([&](uint32_t v) { return found_[v]; });
+  RELUME_HD void finished(const PathState& path) {
+    const auto found = [&](uint32_t v) { return found_[v]; };
+    recorder_.finish(found);
+    // States have no weights, so a culled subpath, which lacks light, leaves none.
+    if (weight_ > 0.0f) {
+      guide_.finish(found);
+    } else {
+      guide_.recording->out.skip(guide_.pixel);
+    }
+    lights_.finished(path);
     if (weight_ == 1.0f) return;
     for (uint32_t v = 0; v < recorder_.reached; ++v) recorder_.recording->sample(v, recorder_.pixel).weight = weight_;
   }
@@ -156,6 +185,9 @@ class SubpathRecorder {
   }
 
   PathRecorder recorder_;
+  GuideRecorder guide_;  ///< without its events: it gets the subpath in the units of the image
+  LightChainRecorder lights_;
+  uint32_t vertices_;  ///< number of vertices of which directions are recorded
   WeightTerms terms_;
   Rgb unit_{1};             ///< factor by which radiance and throughput of the subpath count in the image
   float weight_ = 1;        ///< of the records
@@ -167,12 +199,17 @@ class SubpathRecorder {
 };
 
 RELUME_HD inline NoRecorder recorder_of(const BdptContext&, uint32_t /*pixel*/) { return {}; }
-RELUME_HD inline SubpathRecorder recorder_of(const LearningContext& c, uint32_t pixel) { return {c.recording, pixel}; }
+RELUME_HD inline SubpathRecorder recorder_of(const LearningContext& c, uint32_t pixel) {
+  return {c.recording, c.chains, pixel};
+}
 
 /// Clears the records of a pixel without a path.
 template <typename Context>
 RELUME_HD inline void skip_records(const Context& c, uint32_t pixel) {
-  if constexpr (Context::kLearns) c.recording.skip(pixel);
+  if constexpr (Context::kLearns) {
+    c.recording.skip(pixel);
+    c.chains.skip(pixel);
+  }
 }
 
 }  // namespace relume

@@ -85,11 +85,26 @@ TEST(BdptWeights, CanIgnoreGuiding) {
   }
 }
 
+/// Light vertices would have to draw their chains again for every connection, so weights do without.
+TEST(BdptWeights, IgnoreTheDensitiesOfChains) {
+  for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
+    GuidedWeightCheck check(ZooLight::mixed, camera, LightSelectorKind::power);
+    check.guide_by_chains();
+    check.run(2048);
+    check.expect_few_wrong();
+    EXPECT_GT(check.guided, 200);
+    EXPECT_GT(check.compared[kVertexConnection], 50);
+    EXPECT_GT(check.compared[kCameraConnection], 100);
+    EXPECT_GT(check.compared[kLightConnection], 30);
+  }
+}
+
 /// Light subpaths cannot evaluate a selector that depends on the camera vertex.
 TEST(BdptWeights, AssumeAProbabilityOfLightsThatDoesNotDependOnTheVertex) {
   BdptFrame frame(make_zoo(ZooLight::mixed, ZooCamera::pinhole), {});
   BdptContext c = frame.context();
-  for (const LightSelectorKind kind : {LightSelectorKind::light_tree, LightSelectorKind::cache}) {
+  for (const LightSelectorKind kind :
+       {LightSelectorKind::light_tree, LightSelectorKind::cache, LightSelectorKind::markov_chains}) {
     c.path.selector.kind = kind;
     float sum = 0;
     for (LightId light = 0; light < c.scene().lights.lights.size; ++light) {

@@ -110,6 +110,18 @@ TEST(VcmWeights, IncludeTheDensitiesOfGuidedLightSubpaths) {
   }
 }
 
+TEST(VcmWeights, IgnoreTheDensitiesOfChains) {
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::mixed}) {
+    GuidedMergingCheck check(light, ZooCamera::thin_lens, LightSelectorKind::power, {.eta = 2.0f});
+    check.guide_by_chains();
+    check.run(2048);
+    check.expect_few_wrong();
+    EXPECT_GT(check.guided, 200);
+    EXPECT_GT(check.compared[kVertexConnection], 50);
+    EXPECT_GT(check.compared[kMerging], 200);
+  }
+}
+
 TEST(VcmWeights, AccountForTheNumbersOfSamples) {
   for (const AssumedNumbers& numbers :
        {AssumedNumbers{.eta = 0.3f, .light_paths = 0.25f}, AssumedNumbers{.eta = 0.3f, .connections = 0.4f},

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "techniques/guiding/markov_chain/testing/random_states.h"
+
 namespace relume::testing {
 namespace {
 
@@ -36,12 +38,31 @@ WeightCheckOf<Context>::WeightCheckOf(ZooLight light, ZooCamera camera, LightSel
 }
 
 template <typename Context>
+void WeightCheckOf<Context>::guide_by_chains() {
+  DirectionSampler directions;
+  directions.kind = DirectionSamplerKind::markov_chains;
+  directions.chains = {.grid = chains_.grid, .table = chains_.view(), .bsdf_fraction = 0.3f};
+  c_.path.directions = directions;
+  c_.weighs_guide = false;
+}
+
+template <typename Context>
+void WeightCheckOf<Context>::fill_chains(const SurfacePoint& sp) {
+  if (c_.path.directions.kind != DirectionSamplerKind::markov_chains) return;
+  chains_.fill(sp, [](uint32_t number) { return random_state(number); });
+  MarkovLobes lobes;
+  c_.path.directions.chains.add_lobes(sp, lobes);
+  guided += lobes.empty() ? 0 : 1;
+}
+
+template <typename Context>
 void WeightCheckOf<Context>::run(uint32_t samples) {
   for (uint32_t i = 0; i < samples; ++i) {
     Sampler sampler = Sampler::sequence(7, i % 16, i / 16 % 16, i / 256);
     const TracedLight light = trace_light(c_, sampler);
     Sampler other = Sampler::sequence(8, i % 16, i / 16 % 16, i / 256);
-    const TracedCamera camera = trace_camera(c_, i % 16, i / 16 % 16, other);
+    const TracedCamera camera =
+        trace_camera(c_, i % 16, i / 16 % 16, other, [this](const SurfacePoint& sp) { fill_chains(sp); });
     if (light.light != kNoLight) {
       for (size_t s = 1; s <= light.places.size(); ++s) {
         to_camera(light, s, other);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "techniques/spatial/markov_grid/testing/filled_table.h"
 #include "techniques/transport/bdpt/testing/random_guides.h"
 #include "techniques/transport/bdpt/testing/whole_path.h"
 
@@ -31,6 +32,9 @@ class WeightCheckOf {
   void guide_light_subpaths() {
     if constexpr (Context::kLearns) guides_->guide_light_subpaths(c_);
   }
+  /// Lets Markov chains with random lobes guide the camera subpaths instead. Weights then assume the density of the
+  /// BSDF. Only in a LearningContext.
+  void guide_by_chains();
   void run(uint32_t samples);
   /// Allows for rounding: a direction may fall into the neighbouring texel of an environment, or leaf of a quadtree,
   /// which has another density.
@@ -38,6 +42,7 @@ class WeightCheckOf {
 
   int compared[kKinds] = {};
   int wrong[kKinds] = {};
+  int guided = 0;       ///< vertices of camera subpaths around which chains have lobes
   std::string example;  ///< last wrong weight
 
  protected:
@@ -53,6 +58,8 @@ class WeightCheckOf {
  private:
   WholePath from(const TracedLight& t, size_t places) const;
   Vec2 barycentric(const TracedLight& t) const;
+  /// Fills the cells around a vertex, if chains guide the subpaths.
+  void fill_chains(const SurfacePoint& sp);
   void set_camera(WholePath& path, const Vec3& position) const;
   void to_vertex(const TracedLight& light, size_t s, const TracedCamera& camera, size_t t);
   void to_camera(const TracedLight& light, size_t s, Sampler& sampler);
@@ -64,6 +71,7 @@ class WeightCheckOf {
   AssumedNumbers numbers_;
   BdptFrame frame_;
   std::optional<RandomGuides> guides_;  ///< none unless the context learns
+  FilledTable<GuideState> chains_;
   Context c_;
 };
 

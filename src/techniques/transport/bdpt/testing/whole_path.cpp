@@ -37,7 +37,8 @@ TracedLight trace_light(const Context& c, Sampler& sampler) {
 }
 
 template <typename Context>
-TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler) {
+TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler,
+                          const std::function<void(const SurfacePoint&)>& at_vertex) {
   TracedCamera t;
   CameraSubpath e;
   NoRecorder recorder;
@@ -54,6 +55,7 @@ TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sam
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     t.places.push_back({hit, sp.position, sp.ng, false});
     t.states.push_back(e);
+    at_vertex(sp);
     if (sp.bsdf.empty() || !continue_camera_subpath(c, sp, e, sampler, recorder, policy)) break;
     t.places.back().delta = e.path.delta;
   }
@@ -188,8 +190,10 @@ template SurfacePoint seen(const BdptContext&, const Place&, const Vec3&);
 template SurfacePoint seen(const LearningContext&, const Place&, const Vec3&);
 template TracedLight trace_light(const BdptContext&, Sampler&);
 template TracedLight trace_light(const LearningContext&, Sampler&);
-template TracedCamera trace_camera(const BdptContext&, uint32_t, uint32_t, Sampler&);
-template TracedCamera trace_camera(const LearningContext&, uint32_t, uint32_t, Sampler&);
+template TracedCamera trace_camera(const BdptContext&, uint32_t, uint32_t, Sampler&,
+                                   const std::function<void(const SurfacePoint&)>&);
+template TracedCamera trace_camera(const LearningContext&, uint32_t, uint32_t, Sampler&,
+                                   const std::function<void(const SurfacePoint&)>&);
 template class Densities<BdptContext>;
 template class Densities<LearningContext>;
 

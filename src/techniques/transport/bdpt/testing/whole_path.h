@@ -1,6 +1,7 @@
 // Whole paths through a scene: their subpaths, and the densities of all strategies that can sample them.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "techniques/transport/bdpt/testing/bdpt_frame.h"
@@ -38,9 +39,10 @@ SurfacePoint seen(const Context& c, const Place& place, const Vec3& wo);
 /// Light subpath of up to six vertices.
 template <typename Context>
 TracedLight trace_light(const Context& c, Sampler& sampler);
-/// Camera subpath of up to seven vertices.
+/// Camera subpath of up to seven vertices. Calls `at_vertex` for each before a direction is sampled there.
 template <typename Context>
-TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler);
+TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler,
+                          const std::function<void(const SurfacePoint&)>& at_vertex);
 
 /// All inputs to the densities of a whole path, from the light over surfaces to the camera.
 struct WholePath {
