@@ -104,14 +104,25 @@ void check_reuse_with_cache(const RenderSettings& s) {
   }
 }
 
+/// Throws if reservoirs do not combine with light paths.
+void check_reuse_with_light_paths(const RenderSettings& s) {
+  if (resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt) {
+    throw Error(
+        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', 'light' and 'vcm': "
+        "MIS weights of light paths with reservoirs of indirect light are not implemented; use reuse 'ris' or "
+        "'restir-di', or estimator 'path'");
+  }
+  if (s.cache != CacheChoice::none) {
+    throw Error(
+        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with reuse 'ris' and 'restir-di': cells that "
+        "leave direct light to reservoirs are not implemented; use cache 'none' or reuse 'none'");
+  }
+}
+
 /// Throws if reservoirs do not combine with the other choices.
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
-  if (s.estimator != EstimatorChoice::path) {
-    throw Error(
-        "reuse 'ris', 'restir-di', 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', "
-        "'light' and 'vcm': MIS weights with reservoirs are not implemented; use estimator 'path' or reuse 'none'");
-  }
+  if (s.estimator != EstimatorChoice::path) check_reuse_with_light_paths(s);
   if (s.cache != CacheChoice::none) check_reuse_with_cache(s);
   if (s.reuse == ReuseChoice::restir_pt) check_restir_pt(s);
 }

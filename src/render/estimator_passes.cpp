@@ -22,18 +22,30 @@ bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
 
+/// The paths whose directions reservoirs take as candidates.
+CandidatePaths candidate_paths(EstimatorChoice estimator) {
+  switch (estimator) {
+    case EstimatorChoice::path: break;
+    case EstimatorChoice::bdpt:
+    case EstimatorChoice::light: return CandidatePaths::subpaths;
+    case EstimatorChoice::vcm: return CandidatePaths::one_wavelength_subpaths;
+  }
+  return CandidatePaths::traced_paths;
+}
+
 /// Adds the reservoirs at primary hits.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const CandidateRecords& records) {
+  const CandidatePaths paths = candidate_paths(settings.estimator);
   const auto add_direct = [&] {
-    builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records);
+    builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
   };
   const auto add_indirect = [&] {
     builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
   };
   switch (settings.reuse) {
     case ReuseChoice::none: break;
-    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, records); break;
+    case ReuseChoice::ris: builder.add_tracing<RisPass, &RenderSettings::ris>(source, records, paths); break;
     case ReuseChoice::restir_di: add_direct(); break;
     case ReuseChoice::restir_gi: add_indirect(); break;
     case ReuseChoice::restir_di_gi:
@@ -64,10 +76,11 @@ BdptRecords bdpt_records(const RenderSettings& settings, const ChainRecordings& 
   return {.splats = needs_splat_image(settings),
           .caustics = has_caustic_layer(settings),
           .first_vertices = needs_first_vertices(settings),
+          .first_scatters = resamples_direct_light(settings.reuse),
           .chains = chains};
 }
 
-/// Adds light paths, without a cache. `recording`, here and below: destination of path samples, or nullptr.
+/// Adds light paths, without a cache and without reservoirs. `recording`, here and below: destination of path samples, or nullptr.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                      const PathRecording* recording, const ChainRecordings& chains) {
   const BdptRecords records = bdpt_records(settings, chains);
@@ -170,6 +183,7 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
   }
   if (settings.estimator != EstimatorChoice::path) {
     add_light_paths(builder, settings, source, recording, chains);
+    add_reuse(builder, settings, source, {recording, chains.lights});
     return nullptr;
   }
   const PathRecords records{.first_vertices = needs_first_vertices(settings),

@@ -45,12 +45,14 @@ struct CandidateStage {
   LightChainRecording chains;
   uint32_t light_candidates = 1;
   uint32_t width = 0;
+  float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every path has its own
 
   /// Fills the receiver of pixel (x, y). Returns false if it has none: no surface, or delta lobes only.
   RELUME_HD bool receive(uint32_t x, uint32_t y, const Sampler& sampler, ReceiverRecord& record, Receiver& r) const {
     const uint32_t pixel = y * width + x;
     if (!hits[pixel].valid() || context.max_bounces == 0) return false;
     record = record_of(context.scene, x, y, sampler, hits[pixel]);
+    if (wavelength_nm != kNoWavelength) record.wavelength_nm = wavelength_nm;
     make_receiver(context.scene, record, r);
     r.sp.region = scatters[pixel].region;
     return !r.sp.bsdf.empty() && has_non_delta(r.sp.bsdf);

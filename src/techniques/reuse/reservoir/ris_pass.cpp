@@ -2,13 +2,18 @@
 
 #include "techniques/reuse/reservoir/reuse_pass.h"
 #include "techniques/reuse/reservoir/ris.h"
+#include "techniques/transport/path/frame_wavelength.h"
 
 namespace relume {
 
 CandidateStage candidate_stage(const RisSettings& settings, const PathSource& source, const CandidateRecords& records,
-                               const FrameContext& frame) {
+                               CandidatePaths paths, const FrameContext& frame) {
   CandidateStage stage;
   stage.context = make_path_context(source, frame);
+  if (paths != CandidatePaths::traced_paths) stage.context.indirect = {};
+  // The densities of candidates must be those at the wavelength of the paths.
+  if (paths == CandidatePaths::one_wavelength_subpaths && frame.scene.disperses)
+    stage.wavelength_nm = frame_wavelength(frame.index);
   stage.index = frame.index;
   stage.hits = frame.read(kPrimaryHits);
   stage.scatters = frame.read(kFirstScatters);
@@ -38,7 +43,7 @@ PassDeclaration RisPass::declaration() const {
 }
 
 bool RisPass::run(const FrameContext& frame) {
-  const RisKernel kernel{candidate_stage(settings_, source_, records_, frame), reservoir_image(frame)};
+  const RisKernel kernel{candidate_stage(settings_, source_, records_, paths_, frame), reservoir_image(frame)};
   return frame.launch_or_stop("ris", kernel);
 }
 

@@ -36,7 +36,7 @@ PassDeclaration RestirPass::declaration() const {
 
 bool RestirPass::run(const FrameContext& frame) {
   TemporalReuseKernel temporal;
-  temporal.stage = candidate_stage(candidates_, source_, records_, frame);
+  temporal.stage = candidate_stage(candidates_, source_, records_, paths_, frame);
   temporal.history = reservoir_history(frame, kDirect, settings_.cap);
   temporal.reservoirs = frame.write(kDirect.reservoirs);
   temporal.records = frame.write(kDirect.receivers);

@@ -9,12 +9,12 @@
 
 namespace relume {
 
-/// Adds direct light at primary hits to the radiance of paths that leave it out (PathRecords::first_scatters).
+/// Adds direct light at primary hits to the radiance of paths that leave it out and record kFirstScatters.
 class RestirPass final : public Pass {
  public:
   RestirPass(const RisSettings& candidates, const RestirSettings& settings, const PathSource& source,
-             const CandidateRecords& records)
-      : candidates_(candidates), settings_(settings), source_(source), records_(records) {}
+             const CandidateRecords& records, CandidatePaths paths)
+      : candidates_(candidates), settings_(settings), source_(source), records_(records), paths_(paths) {}
 
   void configure(const RisSettings& candidates) { candidates_ = candidates; }
   void configure(const RestirSettings& settings) { settings_ = settings; }
@@ -29,6 +29,7 @@ class RestirPass final : public Pass {
   RestirSettings settings_;
   PathSource source_;
   CandidateRecords records_;
+  CandidatePaths paths_;
 };
 
 }  // namespace relume

@@ -70,7 +70,7 @@ struct BidirectionalKernel {
   /// `kept`: memory for the light subpath.
   RELUME_HD void trace(uint32_t x, uint32_t y, LightVertices kept) const {
     const uint32_t pixel = y * context.width + x;
-    context.first_light.begin(pixel);
+    context.begin_records(pixel);
     if (!allocation.empty() && allocation[pixel] == 0) {
       output.leave_out(pixel);
       rays[pixel] = 0;

@@ -8,6 +8,7 @@
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/bdpt/first_light.h"
 #include "techniques/transport/bdpt/path_vertex.h"
+#include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/path.h"
 
 namespace relume {
@@ -43,6 +44,7 @@ struct BdptContext {
   float connected = 1;                  ///< square of the number of connections between surfaces, as light_paths
   float wavelength_nm = kNoWavelength;  ///< of all paths of the frame; kNoWavelength: every sample has its own
   View<FixedPointRgb> splat_differences = {};  ///< `splats` with the signs of has_negative_sign(); may be empty
+  View<FirstScatter> first_scatters = {};      ///< of camera subpaths, for reservoirs; empty: none are recorded
 
   // Of LearningContext, which has no members of its own, as kernels have standard layout.
   PathRecording recording = {};
@@ -53,6 +55,12 @@ struct BdptContext {
   bool weighs_guide = true;
 
   RELUME_HD const SceneView& scene() const { return path.scene; }
+
+  /// Clears the records of a pixel for later passes, before its subpaths are traced.
+  RELUME_HD void begin_records(uint32_t pixel) const {
+    first_light.begin(pixel);
+    if (!first_scatters.empty()) first_scatters[pixel] = {};
+  }
 
   /// Number of vertices of the longest path sampled from both sides, including those on light and camera.
   RELUME_HD uint32_t max_bidirectional_vertices() const {

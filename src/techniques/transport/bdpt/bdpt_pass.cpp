@@ -39,6 +39,10 @@ PassDeclaration BdptPass::declaration() const {
     owns.push_back({.id = kFirstVertices, .help = "direction and light at the first vertex of this frame's sample"});
     owns.push_back({.id = kChosenDirections, .help = "direction of one contribution to the pixel, and its key"});
   }
+  if (records_.first_scatters) {
+    owns.push_back(
+        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
+  }
   return {.name = "trace",
           .stage = Stage::trace,
           .owns = std::move(owns),
@@ -112,6 +116,7 @@ bool BdptPass::run(const FrameContext& frame) {
   c.light_medium = light_medium_.view();
   c.splats = frame.write(kSplats);
   if (records_.caustics) c.splat_differences = frame.write(kSplatDifferences);
+  if (records_.first_scatters) c.first_scatters = frame.write(kFirstScatters);
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
   c.connection_roulette = settings_.connection_roulette;

@@ -24,6 +24,7 @@ struct BdptRecords {
   bool splats = false;          ///< fills kLightRadiance, for a history that stores splats separately
   bool caustics = false;        ///< the caustic layer: splats, and merged light of specular light subpaths
   bool first_vertices = false;  ///< fills kFirstVertices, for a history that verifies pixels
+  bool first_scatters = false;  ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
   ChainRecordings chains = {};  ///< destinations of new states of camera subpaths
 };
 
@@ -51,7 +52,9 @@ class BdptPass : public Pass {
         vertices_(memory),
         to_camera_(memory),
         guides_(memory),
-        faults_(memory) {}
+        faults_(memory) {
+    if (records.first_scatters) source_.first_nee_bounce = 1;
+  }
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }

@@ -1,31 +1,12 @@
-// Camera subpaths: they meet lights (s = 0), and connect to sampled points on lights (s = 1) and to vertices of a light
-// subpath (s ≥ 2).
+// Camera subpaths: they meet lights (s = 0, met_lights.h), and connect to sampled points on lights (s = 1) and to
+// vertices of a light subpath (s ≥ 2).
 #pragma once
 
 #include <type_traits>
 
-#include "techniques/transport/bdpt/subpath_recorder.h"
+#include "techniques/transport/bdpt/met_lights.h"
 
 namespace relume {
-
-/// Units of a camera subpath, as a policy reports them.
-struct SubpathUnits : NoPolicy {
-  Rgb unit{1};  ///< factor by which radiance and throughput of the path count in the image
-
-  RELUME_HD void rebased(const Rgb& /*found*/, const Rgb& next_unit) { unit = next_unit; }
-};
-
-struct CameraSubpath {
-  PathState path;
-  SubpathWeights weights;
-  SubpathUnits units;
-  uint32_t pixel = 0;
-  Vec3 first_direction{0};  ///< sampled at the first surface; zero: none, or from a delta lobe
-  Rgb found_before{0};      ///< radiance found before that direction
-
-  /// Number of vertices so far, including that on the camera and the current surface point.
-  RELUME_HD uint32_t count() const { return path.bounce + 2; }
-};
 
 /// Whether a camera subpath has a policy that may change it.
 template <typename Policy>
@@ -35,86 +16,6 @@ inline constexpr bool kIsPolicy = !std::is_same_v<Policy, NoPolicy>;
 template <typename Policy>
 RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
   return kIsPolicy<Policy> ? e.units.unit : Rgb(1);
-}
-
-RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler,
-                                           CameraSubpath& e) {
-  e.pixel = y * c.width + x;
-  e.path.ray = camera_ray(c.scene().camera, x, y, sampler);
-  const CameraView camera = camera_at(c.scene().camera, e.path.ray.time);
-  e.path.cone_width = camera.cone_width();
-  e.path.cone_spread = camera.cone_spread();
-  e.path.medium = c.scene().camera_medium;
-  e.path.wavelength_nm = subpath_wavelength(c, sampler);
-  const CameraPdf pdf = pdf_of_generated(camera, e.path.ray);
-  const bool parallel = camera.projection == Projection::orthographic;
-  const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;
-  const float cosine = can_be_hit ? -glm::dot(e.path.ray.direction, camera.axes.n) : 1.0f;
-  e.weights = SubpathWeights::start(parallel ? pdf.pdf_a : pdf.pdf_w, can_be_hit ? c.light_paths / pdf.pdf_a : 0.0f,
-                                    cosine, c.light_paths, parallel, c.merging, c.connected);
-}
-
-/// Densities with which light sampling finds a point on a light, per area (at infinity: per solid angle).
-struct LightDensities {
-  float connected;  ///< by a connection
-  float emitted;    ///< as the first vertex of a light subpath
-};
-
-RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id, float pdf) {
-  return {weighting_pmf(c, id) * pdf, c.emission.pmf(id) * pdf};
-}
-
-/// Weight of meeting a light at the last vertex of the subpath. `onwards`: density of emission from the light to the
-/// previous vertex, as for SubpathWeights. `recorder`, here and below: gets the terms of the weight.
-template <typename Recorder = NoRecorder>
-RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
-                                           const LightDensities& densities, float onwards,
-                                           Recorder&& recorder = Recorder{}) {
-  const bool from_both_sides = e.count() <= c.max_bidirectional_vertices();
-  float denominator = at.last(densities.connected) / c.connected;  // one connection to the light
-  if (from_both_sides) denominator += sqr(densities.emitted * onwards) * at.b;
-  recorder.weigh(
-      {1.0f, sqr(densities.connected) / c.connected, from_both_sides ? sqr(densities.emitted * onwards) : 0.0f});
-  return weight_from(denominator, 0.0f);
-}
-
-/// s = 0: adds the emission of the last vertex. Only this strategy finds emitters in direct view.
-template <typename Recorder>
-RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e,
-                                       Recorder& recorder) {
-  if (is_black(sp.emission)) return;
-  float weight = 1.0f;
-  recorder.weigh({});
-  if (e.path.bounce > 0 && sp.light != kNoLight) {
-    const EmissionPdf pdf = pdf_le(c.scene().lights, sp.light, sp.emitter_point(), sp.wo);
-    weight = weight_of_light_hit(c, e, e.weights.at(), light_densities(c, sp.light, pdf.pdf_a), pdf.pdf_w, recorder);
-  }
-  const Rgb met = e.path.throughput * sp.emission * weight;
-  e.path.radiance += met;
-  recorder.add_met(met, e.weights.at(), e.path, !e.path.delta && sp.light != kNoLight);
-}
-
-/// s = 0: adds light from infinity along a ray that left the scene.
-template <typename Recorder>
-RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpath& e, Recorder& recorder) {
-  const LightsView& lights = c.scene().lights;
-  const Vec3& wi = e.path.ray.direction;
-  const PartialWeights at = e.weights.arrive(1.0f, 1.0f);
-  recorder.moved(1.0f, 1.0f);
-  for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
-    const Rgb radiance = radiance_from_infinity(lights, id, wi);
-    if (is_black(radiance)) continue;
-    float weight = 1.0f;
-    LightDensities densities{0, 0};
-    if (e.path.bounce > 0) {
-      const EmissionPdf pdf = pdf_le(lights, id, {}, -wi);
-      densities = light_densities(c, id, pdf.pdf_w);
-      weight = weight_of_light_hit(c, e, at, densities, pdf.pdf_a, recorder);
-    }
-    const Rgb met = e.path.throughput * radiance * weight;
-    e.path.radiance += met;
-    recorder.add_met(met, at, e.path, !e.path.delta && densities.connected > 0.0f);
-  }
 }
 
 /// Evaluates the BSDF at the last vertex. The reverse density doubles the cost, so it is computed only if strategies
@@ -156,10 +57,15 @@ RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const Su
   return weight_from(met, e.weights.sum(found, bsdf.pdf_reverse));
 }
 
-/// s = 1: connects to a point on a light chosen by the selector.
+/// s = 1: connects to a point on a light chosen by the selector. Reservoirs add the light of such connections at the
+/// primary hit, so there is none.
 template <typename Context, typename Recorder>
 RELUME_HD inline Connection connect_to_light(const Context& c, const SurfacePoint& sp, const CameraSubpath& e,
                                              Sampler& sampler, Recorder& recorder) {
+  if (e.path.bounce < c.path.first_nee_bounce) {
+    sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce + 1);  // of the next direction
+    return {};
+  }
   const LightPick pick = pick_light(c.path, sp, sampler);
   if (pick.pmf > 0.0f) recorder.light_picked(sp, e.path, pick.id);
   const LightSample light = sample_picked(c.path, sp, pick);
@@ -283,12 +189,21 @@ RELUME_HD inline void connect(const Context& c, const SurfacePoint& sp, const Ke
   }
 }
 
+/// Recorder of the subpath's first scattering event, of which reservoirs take candidates. Only where
+/// BdptContext::first_scatters is not empty.
+RELUME_HD inline FirstScatterPolicy first_scatter_of(const BdptContext& c, const CameraSubpath& e) {
+  FirstScatterPolicy policy;
+  policy.scatter = &c.first_scatters[e.pixel];
+  return policy;
+}
+
 /// Samples the next direction. Returns false if the subpath ends here.
 template <typename Context, typename Recorder, typename Policy>
 RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoint& sp, CameraSubpath& e,
                                               Sampler& sampler, Recorder& recorder, Policy& policy) {
   const BsdfSample s = c.path.directions.sample(sp, sampler);
   if (!follow(c.path, sp, s, e.path, sampler)) return false;
+  if (!c.first_scatters.empty()) first_scatter_of(c, e).scattered(sp, s, e.path);
   const Vec3& wi = e.path.ray.direction;
   const float cosine = std::fabs(glm::dot(sp.ng, wi));
   recorder.scattered(c, sp, s, e.path);
@@ -314,10 +229,18 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
   return true;
 }
 
-/// Whether the subpath only records where importance arrives: light tracing takes no light from beyond its first
-/// vertex.
+/// Whether the subpath only records: light tracing takes no light from beyond its first vertex.
 RELUME_HD inline bool only_records(const BdptContext& c, const CameraSubpath& e) {
   return c.light_only && e.path.bounce > 0;
+}
+
+/// Whether a subpath of light tracing ends at its last vertex. It continues where it records the importance at
+/// `vertex`, the last or the next one, or its first scattering event.
+template <typename Recorder>
+RELUME_HD inline bool records_no_more(const BdptContext& c, const CameraSubpath& e, const Recorder& recorder,
+                                      uint32_t vertex) {
+  const bool scatters = e.path.bounce == 0 && !c.first_scatters.empty();
+  return c.light_only && !scatters && !recorder.records_importance(vertex);
 }
 
 /// Lets the policy see and change the path at the last vertex. Returns false if the subpath ends here.
@@ -370,6 +293,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
                        e.path.wavelength_nm);
     absorb(c.scene(), sp, hit.t, e.path);
     recorder.hit_surface(sp, e.path);
+    if (!c.first_scatters.empty()) first_scatter_of(c, e).hit_surface(sp, e.path);
     // A vertex seen edge-on has no density per area, so no weights exist.
     const float cosine = glm::dot(sp.ng, sp.wo);
     if (!(cosine > 0.0f)) break;
@@ -377,10 +301,12 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     recorder.moved(cosine, sqr(hit.t));
     if (!only_records(c, e)) add_met_emission(c, sp, e, recorder);
     if (e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
-    if (c.light_only && !recorder.records_importance(e.path.bounce)) break;
+    if (records_no_more(c, e, recorder, e.path.bounce)) break;
     recorder.arrived(sp, e.path);
     if (!arrive_with(c, sp, e, recorder, policy)) break;
-    if (c.light_only && !recorder.records_importance(e.path.bounce + 1)) break;
+    // Light tracing does not guide camera subpaths, so their directions have no region.
+    if (!c.first_scatters.empty() && !c.light_only) first_scatter_of(c, e).arrived(sp, e.path);
+    if (records_no_more(c, e, recorder, e.path.bounce + 1)) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf) && !c.light_only) {
@@ -388,7 +314,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
       others.add(c, sp, sampler.ray_id(), e, roulette, counters, recorder, policy);
     }
     if (!continue_camera_subpath(c, sp, e, sampler, recorder, policy)) break;
-    hit = intersect(c.scene(), e.path.ray, sampler.ray_id());
+    hit = intersect(c.scene(), e.path.ray, ray_id_of(c.path, e.path, sampler));
     ++counters.rays;
   }
   recorder.finished(e.path);

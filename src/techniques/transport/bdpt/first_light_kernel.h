@@ -6,7 +6,7 @@
 namespace relume {
 
 /// Converts the chosen direction and the reflected light of each pixel to a FirstVertex, and samples a light there for
-/// tests of changes of light.
+/// tests of changes of light. Where reservoirs add direct light, they record theirs instead.
 struct FirstLightKernel {
   BdptContext context;
   SampleIndex index;
@@ -26,7 +26,7 @@ struct FirstLightKernel {
                        subpath_wavelength(context, sampler));
     if (sp.bsdf.empty() || !has_non_delta(sp.bsdf)) return;
     FirstVertex& vertex = context.first_light.vertices[pixel];
-    sample_light(sp, sampler, vertex);
+    if (context.path.first_nee_bounce == 0) sample_light(sp, sampler, vertex);
     // Reflection by Lambertian surfaces is the same in all directions.
     if (!is_lambert(sp.bsdf)) record_direction(sp, hit, pixel, vertex);
   }

@@ -75,7 +75,8 @@ TEST(FirstLight, KeysArePositiveAndFinite) {
 
 /// A frame of a glossy Cornell box with records.
 struct Recorded {
-  explicit Recorded(bool light_only, int threads) : frame(glossy(), options(light_only, threads)) {
+  explicit Recorded(bool light_only, int threads, uint32_t first_nee_bounce = 0)
+      : frame(glossy(), options(light_only, threads, first_nee_bounce)) {
     const auto pixels = static_cast<size_t>(frame.width()) * frame.height();
     vertices.resize(pixels);
     chosen.resize(pixels);
@@ -107,12 +108,13 @@ struct Recorded {
     }
     return scene;
   }
-  static BdptOptions options(bool light_only, int threads) {
+  static BdptOptions options(bool light_only, int threads, uint32_t first_nee_bounce) {
     BdptOptions o;
     o.width = o.height = 32;
     o.max_bounces = 3;
     o.light_only = light_only;
     o.threads = threads;
+    o.first_nee_bounce = first_nee_bounce;
     return o;
   }
 
@@ -146,6 +148,15 @@ TEST_P(FirstLightOf, ReflectsTheRadianceOfTheSample) {
     lit += recorded.chosen[i] != 0 && !is_black(v.indirect) ? 1 : 0;
   }
   EXPECT_GT(lit, 200);
+}
+
+TEST_P(FirstLightOf, LeavesLightSamplesToReservoirs) {
+  const auto count_lights = [](const Recorded& recorded) {
+    return std::count_if(recorded.vertices.begin(), recorded.vertices.end(),
+                         [](const FirstVertex& v) { return v.light != kNoLight; });
+  };
+  EXPECT_GT(count_lights(Recorded(GetParam(), 1)), 200);
+  EXPECT_EQ(count_lights(Recorded(GetParam(), 1, 1)), 0);
 }
 
 TEST_P(FirstLightOf, IsTheSameWithAnyNumberOfThreads) {

@@ -13,7 +13,11 @@ struct LightSubpath {
   Vec3 from{0};        ///< direction from the last scattering surface vertex to its predecessor; for lens hits
   uint32_t count = 0;  ///< vertices, including that on the light
   bool from_infinity = false;
-  bool turned_away = false;  ///< a camera on the ray would look through the last vertex
+  bool turned_away = false;            ///< a camera on the ray would look through the last vertex
+  bool reservoirs_take_light = false;  ///< whether reservoirs add the light's direct light at primary hits
+
+  /// Whether reservoirs add the light that the last vertex scatters to a camera, except from delta lobes.
+  RELUME_HD bool left_to_reservoirs() const { return reservoirs_take_light && count == 2; }
 };
 
 /// Samples the first vertex and direction. Returns false if no light can be chosen or the sample carries no light.
@@ -32,6 +36,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
   l.count = 1;
   l.from_infinity = e.infinite;
+  l.reservoirs_take_light = c.path.first_nee_bounce > 0 && reservoirs_take(c.scene().lights, selection.light);
   // At infinity, the direction is the vertex, and the position belongs to the next vertex.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
@@ -240,7 +245,8 @@ RELUME_HD inline void trace_light_subpath(const Context& c, Sampler& sampler, Li
   const bool lens = !c.light_only && c.scene().camera.lens_radius > 0.0f;
   const bool at_once = c.light_only || kept.to_camera.empty();
   for (;;) {
-    const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
+    const bool meets_lens = lens && l.count > 1 && (l.path.delta || !l.left_to_reservoirs());
+    const LensHit lens_hit = meets_lens ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
     if (l.count == max_count) {  // only the lens may follow
       l.path.ray.t_max = lens_hit.distance;
       if (lens_hit.importance > 0.0f && !l.turned_away) {
@@ -255,7 +261,7 @@ RELUME_HD inline void trace_light_subpath(const Context& c, Sampler& sampler, Li
     SurfacePoint sp;
     if (!hit.valid() || !arrive(c, hit, l, sp)) break;
     sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);
-    if (has_non_delta(sp.bsdf)) {
+    if (has_non_delta(sp.bsdf) && !l.left_to_reservoirs()) {
       const CameraConnection connection = connect_to_camera(c, sp, l, sampler);
       if (connection.valid() && at_once) add_if_visible(c, connection, connection.contribution, counters);
       if (connection.valid() && !at_once) kept.to_camera[kept.connections++] = connection;

@@ -183,10 +183,13 @@ struct LightVertexGrid {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
     const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
+    // Reservoirs may add the light that reaches a primary hit directly. They take all lights that are worth sampling,
+    // where light subpaths start.
+    const uint32_t first = e.path.bounce < c.path.first_nee_bounce ? 1u : 0u;
     Rgb sum(0);
     CausticSum focused;
     near.for_each_near(sp.position, [&](uint32_t vertex) {
-      if (vertex % stride >= most) return;
+      if (vertex % stride < first || vertex % stride >= most) return;
       const PathVertex& v = vertices[vertex];
       if (!(std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine)) return;
       const Rgb merged = merged_radiance(c, sp, e, v, recorder);

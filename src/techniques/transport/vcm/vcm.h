@@ -71,7 +71,7 @@ struct MergingKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
     const uint32_t rays_of_light = pixel < counts.size ? light_rays[pixel] : 0;
-    context.first_light.begin(pixel);
+    context.begin_records(pixel);
     if (!allocation.empty() && allocation[pixel] == 0) {
       output.leave_out(pixel);
       rays[pixel] = rays_of_light;

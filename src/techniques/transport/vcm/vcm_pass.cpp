@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
-#include "core/hash.h"
 #include "core/math.h"
+#include "techniques/transport/path/frame_wavelength.h"
 
 namespace relume {
 namespace {
@@ -26,15 +25,6 @@ constexpr float kMaxEta = 1e18f;
 constexpr float kTypicalVertices = 3;
 /// Square of the least merging radius, m². Below it, the density of merging could overflow.
 constexpr float kMinRadiusSquared = 1e-24f;
-
-/// One wavelength for all paths of a frame: paths of different wavelengths could not merge. The wavelengths of
-/// successive frames are evenly distributed.
-float frame_wavelength(const SampleIndex& index) {
-  constexpr double kGoldenRatio = 0.6180339887498949;
-  const double start = static_cast<double>(to_unit_float(hash(index.seed, index.sequence)));
-  const double u = start + kGoldenRatio * index.sample;
-  return sample_wavelength(static_cast<float>(u - std::floor(u)));
-}
 
 /// Sets the size. Frees the old block before it allocates a larger one.
 template <typename T>
@@ -70,6 +60,7 @@ uint64_t VcmPass::prepare_subpaths(const FrameContext& frame, uint64_t samples, 
   counts_.reset(paths_, kUninitialized);
   rays_.reset(paths_, kUninitialized);
   sorted_.clear();
+  // Paths of different wavelengths could not merge.
   if (frame.scene.disperses) c.wavelength_nm = frame_wavelength(frame.index);
   radius_ = 0;
   if (most == 0) return samples;

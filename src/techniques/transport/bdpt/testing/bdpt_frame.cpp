@@ -32,6 +32,7 @@ BdptContext BdptFrame::context() {
   c.path.selector.power = {{view_of(power)}};
   c.path.max_bounces = options.max_bounces;
   c.path.russian_roulette = options.russian_roulette;
+  c.path.first_nee_bounce = options.first_nee_bounce;
   c.emission = {{view_of(emission)}};
   c.connection = {{view_of(power)}};
   c.light_medium = view_of(light_medium);

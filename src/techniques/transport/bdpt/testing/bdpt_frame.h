@@ -19,6 +19,7 @@ struct BdptOptions {
   float connection_roulette = 0;
   LightSelectorKind lights = LightSelectorKind::power;
   int threads = 1;
+  uint32_t first_nee_bounce = 0;    ///< as in PathContext
   std::vector<Index> movable = {};  ///< CompileOptions::movable
 };
 
