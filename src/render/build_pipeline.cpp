@@ -143,10 +143,11 @@ bool looks_up_cells(const RenderSettings& settings) {
   return needs_first_vertices(settings) && settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
 }
 
-/// Whether first vertices record points of reservoirs on lights. Paths that fill cells, or sample direct light
-/// themselves, record random numbers instead.
+/// Whether first vertices record points of reservoirs on lights. Paths that fill cells and choose among lights
+/// themselves record random numbers instead.
 bool records_light_points(const RenderSettings& settings) {
-  return resamples_direct_light(settings.reuse) && !looks_up_cells(settings);
+  const bool by_paths = looks_up_cells(settings) && settings.reuse == ReuseChoice::ris;
+  return resamples_direct_light(settings.reuse) && !by_paths;
 }
 
 /// Changes that end the history.

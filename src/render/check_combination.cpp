@@ -95,12 +95,7 @@ void check_reuse_with_cache(const RenderSettings& s) {
   if (resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt) {
     throw Error(
         "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: reservoirs of paths "
-        "that end in cells are not implemented; use reuse 'ris', or cache 'none'");
-  }
-  if (s.reuse == ReuseChoice::restir_di && s.cache != CacheChoice::sharc) {
-    throw Error(
-        "reuse 'restir-di' does not combine with caches 'psf', 'apsf', 'apg' and 'apsf+apg': samples for cells that "
-        "wait for the reservoirs of the frame are not implemented; use reuse 'ris', or cache 'sharc'");
+        "that end in cells are not implemented; use reuse 'restir-di', or cache 'none'");
   }
 }
 

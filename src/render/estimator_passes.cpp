@@ -60,8 +60,8 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
 /// reservoirs can add.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const LearningRecords& learning) {
-  auto& cells =
-      builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, false, "sharc");
+  auto& cells = builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count,
+                                       CellPathUsers{}, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
@@ -109,8 +109,8 @@ void add_light_paths_with_cells(PipelineBuilder& builder, const RenderSettings& 
       adapts, cells, source, recording, records);
 }
 
-/// Adds a pass of paths that fill cells. These take the light of a path with that of its primary hit, so paths resample
-/// lights there themselves.
+/// Adds a pass of paths that fill cells. Unless reservoirs add the direct light of primary hits, cells take it with the
+/// rest of a path, so paths resample lights there themselves.
 template <typename P, auto... members, typename... Arguments>
 void add_filling(PipelineBuilder& builder, Arguments&&... arguments) {
   P& pass = builder.add_tracing<P, members...>(std::forward<Arguments>(arguments)...);
@@ -143,14 +143,18 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   if (settings.cache == CacheChoice::sharc) return add_sharc(builder, settings, source, learning);
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
-  CellsPass& cells =
-      builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, needs_first_vertices(settings));
+  const CellPathUsers users{.history = needs_first_vertices(settings),
+                            .reservoirs = settings.reuse == ReuseChoice::restir_di};
+  CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
   if (has_splats) {
     add_light_paths_with_cells(builder, settings, source, learning.samples, learning.chains, cells);
   } else {
     add_paths_with_cells(builder, settings, source, learning, cells);
   }
-  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none, has_splats);
+  // Before the cells are read: with that, the part of the frame that can be stopped ends.
+  if (users.reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
+  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none,
+                                        has_splats || users.reservoirs);
 }
 
 }  // namespace

@@ -84,12 +84,13 @@ TEST_P(OtherCombinations, HaveTheCorrectMean) { check(kMostError); }
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
-/// Whether a cell stands for paths that no single choice has: those that fill cells and choose among lights themselves,
-/// those that record both samples for regions and states for chains, those that record states and end in cells, or
+/// Whether a cell stands for paths that no single choice has: those that fill cells and choose among lights themselves
+/// or leave direct light to reservoirs, those that record both samples for regions and states for chains, those that record states and end in cells, or
 /// subpaths from both sides that record states.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
-  return (s.reuse == ReuseChoice::ris && s.cache == CacheChoice::psf) ||
+  const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
+  return (direct && s.cache == CacheChoice::psf) ||
          (s.lights == LightSelectionChoice::mcls && s.guide == GuideChoice::cdq) ||
          (s.guide == GuideChoice::mcpg && (s.cache == CacheChoice::apg || s.estimator == EstimatorChoice::bdpt));
 }

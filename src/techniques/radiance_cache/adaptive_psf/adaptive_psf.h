@@ -106,6 +106,7 @@ class AdaptiveVertex : public NoPolicy {
 
   RELUME_HD const FilteredPixel& pixel() { return vertex_.pixel(); }
   RELUME_HD Rgb found(const PathState& path) const { return vertex_.found(path); }
+  RELUME_HD float scatter_chance() const { return scatter_chance_; }
 
   template <typename Earlier>
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path, Earlier& earlier) {
@@ -117,6 +118,7 @@ class AdaptiveVertex : public NoPolicy {
     if (pixel.split) others = view_of_one(vertex_.others());
     const HashGridView& grid = context_->filter.grid;
     const bool follows = context_->adaptive.decide(grid, pixel, u_survival_, others);
+    if (path.bounce == 0) scatter_chance_ = pixel.survival;
     if constexpr (kHasEarlier<Earlier>) report_decision(grid, pixel, others, earlier);
     return follows;
   }
@@ -133,6 +135,7 @@ class AdaptiveVertex : public NoPolicy {
   const AdaptiveFilterContext* context_ = nullptr;
   FilterVertex vertex_;
   float u_survival_ = 0;
+  float scatter_chance_ = 1;
 };
 
 RELUME_HD inline AdaptiveVertex AdaptiveFilterContext::policy(const SampleIndex& index, uint32_t x, uint32_t y) const {

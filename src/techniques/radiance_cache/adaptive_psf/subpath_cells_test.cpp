@@ -237,13 +237,15 @@ SurfacePoint matte_point() {
   return sp;
 }
 
-/// A vertex behind a mirror lacks no light of splats, so it does not share the cell of the same point in direct view.
+/// A vertex behind a mirror lacks no light of splats or reservoirs, so it does not share the cell of the same point in
+/// direct view.
 TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
   HashGrid grid(HashGridSettings{}, 64);
   FilterContext context;
   context.grid = grid.view(grid_camera());
-  const auto layer = [&](bool by_prefix, uint32_t bounce) {
+  const auto layer = [&](bool by_prefix, bool direct_apart, uint32_t bounce) {
     context.by_prefix = by_prefix;
+    context.direct_apart = direct_apart;
     SurfacePoint sp = matte_point();
     PathState path;
     path.bounce = bounce;
@@ -254,10 +256,12 @@ TEST(SubpathCells, VerticesBehindOthersHaveCellsOfTheirOwn) {
     EXPECT_TRUE(vertex.reached());
     return vertex.pixel().point.layer;
   };
-  EXPECT_EQ(layer(false, 0), 0);
-  EXPECT_EQ(layer(false, 1), 0);
-  EXPECT_EQ(layer(true, 0), 0);
-  EXPECT_EQ(layer(true, 1), kBehindLayer);
+  EXPECT_EQ(layer(false, false, 0), 0);
+  EXPECT_EQ(layer(false, false, 1), 0);
+  EXPECT_EQ(layer(true, false, 0), 0);
+  EXPECT_EQ(layer(true, false, 1), kBehindLayer);
+  EXPECT_EQ(layer(false, true, 0), 0);
+  EXPECT_EQ(layer(false, true, 1), kBehindLayer);
 }
 
 /// Behind a wide lobe of a surface that is not filtered itself, weights depend on the point of that surface.
@@ -267,6 +271,7 @@ TEST(SubpathCells, NoVertexBehindAWideLobeIsFiltered) {
   context.grid = grid.view(grid_camera());
   const auto is_filtered_behind = [&](bool by_prefix, float alpha, bool delta) {
     context.by_prefix = by_prefix;
+    context.direct_apart = !by_prefix;  // does not decide it
     SurfacePoint sp = matte_point();
     PathState path;
     path.bounce = 1;

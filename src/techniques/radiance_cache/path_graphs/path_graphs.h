@@ -48,6 +48,7 @@ class PathGraph : public NoPolicy {
   RELUME_HD const FilteredPixel& pixel() const { return pixel_; }
   /// As FilterVertex::found().
   RELUME_HD Rgb found(const PathState&) const { return pixel_.traced / positive_or_one(pixel_.factor); }
+  RELUME_HD float scatter_chance() const { return scatter_chance_; }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
@@ -77,6 +78,7 @@ class PathGraph : public NoPolicy {
     const uint32_t slot = grid().find(address_);
     const Rgb found = path.radiance;
     const bool ends = first && !begin(slot, path);
+    if (path.bounce == 0) scatter_chance_ = pixel_.survival;
     if (!first) advance(path);
     earlier.rebased(found, arriving_ * d.albedo);
     if constexpr (kHasEarlier<Earlier>) {
@@ -95,7 +97,10 @@ class PathGraph : public NoPolicy {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
       earlier.ended_in_cell(arriving_ * d.albedo * cell.mean);
-      if (now_.share <= 0.0f && !follows(d, earlier)) return false;
+      if (now_.share <= 0.0f) {
+        if (path.bounce == 0 && !d.has_delta) scatter_chance_ *= feed_share();
+        if (!follows(d, earlier)) return false;
+      }
     }
     const bool wanted = now_.share > 0.0f || feeds_;
     // Whether a vertex takes a sample must not depend on the rest of the path, or the samples would be biased.
@@ -306,6 +311,7 @@ class PathGraph : public NoPolicy {
   Rgb albedo_{1};    ///< ρ of the last anchor
   Rgb divisor_{1};   ///< divisor of the last anchor's radiance
   float limit_ = kInfinity;
+  float scatter_chance_ = 1;
   Progress now_;
   Progress before_;        ///< progress on arrival at the last anchor
   bool scatters_ = false;  ///< whether the path has hit a surface

@@ -3,6 +3,8 @@
 
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
 #include "techniques/transport/path/chain_output.h"
+#include "techniques/transport/path/first_scatter.h"
+#include "techniques/transport/path/optional_output.h"
 #include "techniques/transport/path/path_kernel.h"
 #include "techniques/transport/path/recording_output.h"
 
@@ -21,28 +23,51 @@ RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uin
 ///   Policy
 ///   policy(index, x, y)
 /// which modifies paths and adds their samples to cells in finished(). It has
-///   pixel()        the FilteredPixel for the pass that reads the cells
+///   pixel()             the FilteredPixel for the pass that reads the cells
+///   scatter_chance()    the pixel's element of kScatterChances
 template <typename Cache>
 struct CellsOutput {
   using Policy = typename Cache::Policy;
 
   Cache cache;
   View<FilteredPixel> pixels;
+  // Only if reservoirs add the direct light of primary hits; else empty.
+  View<float> scatter_chances = {};
+  View<Rgb> radiance = {};  ///< cleared for that light
 
   RELUME_HD Policy policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
     return cache.policy(index, x, y);
   }
-  RELUME_HD void finish(uint32_t pixel, Policy& policy, const PathState&) const { pixels[pixel] = policy.pixel(); }
-  RELUME_HD void leave_out(uint32_t pixel) const { pixels[pixel] = {}; }
+  RELUME_HD void finish(uint32_t pixel, Policy& policy, const PathState&) const {
+    pixels[pixel] = policy.pixel();
+    prepare(pixel, policy.scatter_chance());
+  }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    pixels[pixel] = {};
+    prepare(pixel, 1.0f);
+  }
+
+ private:
+  /// Prepares the pixel for reservoirs.
+  RELUME_HD void prepare(uint32_t pixel, float scatter_chance) const {
+    if (scatter_chances.empty()) return;
+    scatter_chances[pixel] = scatter_chance;
+    radiance[pixel] = Rgb(0);
+  }
 };
+
+/// Output of first scattering events, for paths that leave the direct light of primary hits to reservoirs. The kernels
+/// of all paths that fill cells contain it: kernels of their own would double the device code of caches.
+using ReservoirScatterOutput = OptionalOutput<FirstScatterOutput>;
 
 /// Traces one path per pixel and fills the cells.
 template <typename Cache>
-using CellPathsKernel = PathKernel<CellsOutput<Cache>>;
+using CellPathsKernel = PathKernel<CellsOutput<Cache>, ReservoirScatterOutput>;
 
 /// The same for paths from which regions or chains learn. Either kind of records may have no vertices. One kernel
 /// serves both, because each is compiled for hosts and devices.
 template <typename Cache>
-using RecordedCellPathsKernel = PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<Cache>>;
+using RecordedCellPathsKernel =
+    PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<Cache>, ReservoirScatterOutput>;
 
 }  // namespace relume

@@ -49,7 +49,8 @@ bool CellsPass::run(const FrameContext& frame) {
              .split = splits(),
              .refine = refine() > 0.0f,
              .others = others_.mutable_view(),
-             .width = frame.width()};
+             .width = frame.width(),
+             .direct_apart = users_.reservoirs};
   return true;
 }
 
@@ -156,7 +157,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
       .reads = {kFilteredPixels},
       .writes = {kRadiance, kRays},
       .reads_if_any = {kAllocation}};
-  if (cells_.verified())
+  if (cells_.users().history)
     declaration.owns.push_back({.id = kRadianceCells, .help = "part of this frame's sample from cells"});
   return declaration;
 }
@@ -183,9 +184,15 @@ PassDeclaration cell_paths_declaration(const CellsPass& cells) {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back(filtered_pixels_buffer());
-  if (cells.verified()) {
+  if (cells.users().history) {
     declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
     declaration.owns.push_back({.id = kCellsAtHit, .help = "1 where cells show the light that the surface reflects"});
+  }
+  if (cells.users().reservoirs) {
+    declaration.owns.push_back(
+        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
+    declaration.owns.push_back(
+        {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"});
   }
   return declaration;
 }
@@ -197,7 +204,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.pixels = frame.read(kFilteredPixels);
   pixels_ = frame.buffer(kFilteredPixels);
   kernel.radiance = frame.write(kRadiance);
-  if (cells_.verified()) kernel.from_cells = frame.write(kRadianceCells);
+  if (cells_.users().history) kernel.from_cells = frame.write(kRadianceCells);
   kernel.layers = {frame.write(kCellIdentity), frame.write(kCellLevel),       frame.write(kCellCount),
                    frame.write(kCellAge),      frame.write(kCellVariance),    frame.write(kCellSurvival),
                    frame.write(kCellBlend),    frame.write(kCellTermination), frame.write(kCellOccupancy)};
@@ -206,7 +213,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.refine = cells_.refine();
   kernel.others = cells_.others();
   kernel.allocation = frame.read(kAllocation);
-  kernel.has_splats = has_splats_;
+  kernel.adds = adds_;
   kernel.edges = {.context = make_path_context(source_, frame),
                   .index = frame.index,
                   .pixels = kernel.pixels,

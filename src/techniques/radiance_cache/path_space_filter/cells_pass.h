@@ -14,6 +14,7 @@
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/transport/path/path_pass.h"
 #include "techniques/transport/path/recording_output.h"
+#include "techniques/transport/path/scatter_chances.h"
 #include "techniques/transport/path/trace_paths.h"
 
 namespace relume {
@@ -30,18 +31,23 @@ struct CellDepths {
   uint32_t count = 1;
 };
 
+/// Users of paths that fill cells, for which these have more outputs.
+struct CellPathUsers {
+  bool history = false;     ///< a history that verifies pixels
+  bool reservoirs = false;  ///< reservoirs that add the direct light of primary hits, which paths leave out
+};
+
 /// Owns the cells. Its longest_epoch() is 0: all frames continue one low-discrepancy sequence per pixel, because images
 /// of one sample need its stratification. Of a cell's samples, only one in hundreds is an earlier one of the same
 /// pixel.
 class CellsPass final : public Pass {
  public:
-  /// `depths`: as CellDepths. `verified`: whether a history verifies pixels, for which paths and pixels have more
-  /// outputs. `prefix`: of the settings that warnings name.
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, bool verified, std::string_view prefix,
-            Memory& memory)
-      : settings_(settings), depths_(depths), verified_(verified), prefix_(prefix), grid_(memory), others_(memory) {}
-  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, bool verified, Memory& memory)
-      : CellsPass(settings, depths, verified, "psf", memory) {}
+  /// `depths`: as CellDepths. `prefix`: of the settings that warnings name.
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, const CellPathUsers& users,
+            std::string_view prefix, Memory& memory)
+      : settings_(settings), depths_(depths), users_(users), prefix_(prefix), grid_(memory), others_(memory) {}
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths, const CellPathUsers& users, Memory& memory)
+      : CellsPass(settings, depths, users, "psf", memory) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   void configure(const CellDepths& depths) { depths_ = depths.count; }
@@ -58,7 +64,7 @@ class CellsPass final : public Pass {
 
   /// Valid after the first run().
   const FilterContext& filter() const { return filter_; }
-  bool verified() const { return verified_; }
+  const CellPathUsers& users() const { return users_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
   /// The setting split, and the setting refine or 0. Cells of every vertex have neither.
   bool splits() const { return depths_ == 1 && settings_.split; }
@@ -76,7 +82,7 @@ class CellsPass final : public Pass {
 
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
-  bool verified_;
+  CellPathUsers users_;
   std::string_view prefix_;  ///< a literal
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
@@ -90,9 +96,10 @@ class CellsPass final : public Pass {
 class ResolveCellsPass final : public Pass {
  public:
   /// `sharpens_edges`: whether this pass traces more camera rays at edges of light sources. Denoisers trace their own.
-  /// `has_splats`: whether kRadiance holds splats of light paths, to which it adds the light of the cells.
-  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges, bool has_splats)
-      : source_(source), cells_(cells), sharpens_edges_(sharpens_edges), has_splats_(has_splats) {}
+  /// `adds`: whether kRadiance holds splats of light paths or the direct light of reservoirs, to which this pass adds
+  /// the light of the cells.
+  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges, bool adds)
+      : source_(source), cells_(cells), sharpens_edges_(sharpens_edges), adds_(adds) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
@@ -104,15 +111,15 @@ class ResolveCellsPass final : public Pass {
   PathSource source_;
   CellsPass& cells_;
   bool sharpens_edges_;
-  bool has_splats_;
+  bool adds_;
   const Buffer* pixels_ = nullptr;  ///< pixels of the last frame
 };
 
 /// The buffer of FilteredPixel, which the pass that traces paths owns.
 BufferDescription filtered_pixels_buffer();
 
-/// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels; if
-/// `cells` are verified, kFirstVertices and kCellsAtHit, too.
+/// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels, and
+/// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs kFirstScatters and kScatterChances.
 PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
 /// Destinations of what paths record for learning: samples for regions, and states for chains; nullptr: none.
@@ -137,12 +144,20 @@ bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, c
 template <typename Cache>
 bool trace_into_cells(const PathSource& source, const FrameContext& frame, const CellsPass& cells, const Cache& cache,
                       const LearningRecords& records) {
-  const auto trace = [&](const auto& output) {
-    if (records.any()) return trace_recorded_paths(source, frame, records, output);
-    return trace_paths(source, frame, nullptr, output);
+  PathSource traced = source;
+  CellsOutput<Cache> output{cache, frame.write(kFilteredPixels)};
+  ReservoirScatterOutput scatters;
+  if (cells.users().reservoirs) {
+    traced.first_nee_bounce = 1;
+    output.scatter_chances = frame.write(kScatterChances);
+    output.radiance = frame.write(kRadiance);
+    scatters = {{frame.write(kFirstScatters)}, true};
+  }
+  const auto trace = [&](const auto& paths) {
+    if (records.any()) return trace_recorded_paths(traced, frame, records, paths, scatters);
+    return trace_paths(traced, frame, nullptr, paths, scatters);
   };
-  const CellsOutput<Cache> output{cache, frame.write(kFilteredPixels)};
-  if (!cells.verified()) return trace(output);
+  if (!cells.users().history) return trace(output);
   return trace(VerifiedCellsOutput<Cache>{output, frame.write(kFirstVertices), frame.write(kCellsAtHit)});
 }
 

@@ -9,7 +9,7 @@ namespace relume {
 
 /// Flag in the layer of the cells that hold only light from specular lobes.
 inline constexpr uint16_t kSpecularLayer = 1;
-/// Flag in the layer of cells of vertices behind others (FilterContext::by_prefix).
+/// Flag in the layer of cells of vertices behind others (FilterContext::separates_primary()).
 inline constexpr uint16_t kBehindLayer = 0x4000;
 
 /// Result of a pixel's path. If `split`, the diffuse and the specular lobes of the vertex have a cell each.

@@ -28,7 +28,10 @@ struct FilterContext {
   bool by_prefix = false;      ///< for light paths: whether primary hits have cells of their own, because their samples
                                ///< lack the light of splats, those of vertices behind mirrors do not. Behind a wide
                                ///< lobe, weights depend on its vertex, so no vertex there is filtered
+  bool direct_apart = false;   ///< whether primary hits have cells of their own, because reservoirs add their direct
+                               ///< light
 
+  RELUME_HD bool separates_primary() const { return by_prefix || direct_apart; }
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
@@ -60,7 +63,7 @@ class FilterVertex : public NoPolicy {
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, 0);
-    const uint16_t layer = context_->by_prefix && path.bounce > 0 ? kBehindLayer : uint16_t{0};
+    const uint16_t layer = context_->separates_primary() && path.bounce > 0 ? kBehindLayer : uint16_t{0};
     pixel_.point = context_->grid.keys.point(sp, jitter, layer, d.glossy, 0, d.roughness);
     if (context_->split || context_->refine) find_others(d, path.throughput, sp.position);
     context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
@@ -99,6 +102,8 @@ class FilterVertex : public NoPolicy {
 
   /// Radiance that the finished path found since its filtered vertex, in units of its throughput there.
   RELUME_HD Rgb found(const PathState& path) const { return path.radiance; }
+  /// Every path samples a direction.
+  RELUME_HD float scatter_chance() const { return 1.0f; }
 
   /// Adds the path's sample to the cell.
   RELUME_HD void finished(const PathState& path) {
@@ -211,15 +216,17 @@ struct ResolveCellsKernel {
   float refine = 0;                      ///< standard errors by which a finer cell must differ to be shown; 0: never
   View<const OtherCells> others;         ///< as FilterContext::others
   View<const uint32_t> allocation = {};  ///< paths of the pixel, 0 or 1; empty: 1
-  bool has_splats = false;               ///< whether `radiance` holds splats of light paths, which no cell contains
+  bool adds = false;                     ///< whether `radiance` holds light that no cell contains: splats of light
+                                         ///< paths, or the direct light of reservoirs
   View<Rgb> from_cells = {};             ///< part of the radiance that comes from cells; may be empty
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
     const FilteredPixel& p = pixels[i];
     CellMoments cell;
-    Rgb value = p.unfiltered;
-    if (has_splats) value += radiance[i];
+    Rgb outside = p.unfiltered;
+    if (adds) outside += radiance[i];
+    Rgb value = outside;
     if (p.filtered) {
       const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
@@ -229,7 +236,7 @@ struct ResolveCellsKernel {
     } else {
       leave_out(i);
     }
-    write(from_cells, i, value - p.unfiltered);
+    write(from_cells, i, value - outside);
     if (edges.rays > 0 && is_sampled(i) && edges.contains(grid, x, y)) {
       value += edges.emission(x, y) - p.seen;
       rays[i] += edges.rays;

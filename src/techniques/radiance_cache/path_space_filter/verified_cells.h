@@ -80,11 +80,11 @@ struct VerifiedCellsOutput {
 
 /// Traces one path per pixel, fills the cells and records first vertices.
 template <typename Cache>
-using VerifiedCellPathsKernel = PathKernel<VerifiedCellsOutput<Cache>>;
+using VerifiedCellPathsKernel = PathKernel<VerifiedCellsOutput<Cache>, ReservoirScatterOutput>;
 
 /// The same for paths from which regions or chains learn.
 template <typename Cache>
 using RecordedVerifiedCellPathsKernel =
-    PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<Cache>>;
+    PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<Cache>, ReservoirScatterOutput>;
 
 }  // namespace relume

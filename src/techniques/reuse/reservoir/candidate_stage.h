@@ -39,6 +39,7 @@ struct CandidateStage {
   SampleIndex index;
   View<const Hit> hits;
   View<const FirstScatter> scatters;
+  View<const float> chances;         ///< kScatterChances; empty: no cache modifies paths
   View<FirstVertex> first_vertices;  ///< receives the chosen light samples; may be empty
   // Each receives the chosen lights, from which light selection learns, and may be empty.
   PathRecording recording;
@@ -62,7 +63,8 @@ struct CandidateStage {
   /// hidden.
   RELUME_HD LightReservoir choose(uint32_t pixel, const Receiver& r, Sampler& sampler, ChoiceNumbers& numbers,
                                   uint32_t& rays) const {
-    LightReservoir own = choose_light({context, light_candidates}, r, scatters[pixel], sampler, numbers);
+    const CandidateSource source{context, light_candidates, chances.empty() ? 1.0f : chances[pixel], chances.empty()};
+    LightReservoir own = choose_light(source, r, scatters[pixel], sampler, numbers);
     if (!(own.weight > 0.0f) || !is_finite(own.weight)) return own;
     ++rays;
     const bool visible = sees(context.scene, r, light_at(context.scene.lights, own.sample, r.sp.position));

@@ -14,12 +14,14 @@ using LightReservoir = Reservoir<LightPoint>;
 struct CandidateSource {
   const PathContext& context;
   uint32_t light_candidates = 0;  ///< candidates from light selection
+  float scatter_chance = 1;       ///< probability with which the path has a direction: element of kScatterChances
+  bool own_lobes = true;          ///< whether the path samples the receiver's lobes, whose colours no cache has raised
 
   /// Expected number of candidates at `light`, per steradian: the denominator of the balance heuristic. `pdf_light`: of
   /// sample_li(). `pdf_scatter`: of the path's direction; 0 where it cannot meet the light.
   RELUME_HD float density(float pmf, float pdf_light, float pdf_scatter) const {
     const auto count = static_cast<float>(static_cast<int>(light_candidates));
-    return count * pmf * pdf_light + context.indirect.rate * pdf_scatter;
+    return count * pmf * pdf_light + context.indirect.rate * scatter_chance * pdf_scatter;
   }
 };
 
@@ -38,8 +40,15 @@ RELUME_HD inline float draw_from_selection(const CandidateSource& source, const 
          source.density(pick.pmf, light.pdf_w, pdf_scatter);
 }
 
-/// Weight of a point that the path's direction meets. `found`: probability that a hit there counts, below 1 for
-/// stochastic alpha.
+/// Density with which the receiver's lobes and the guide sample a direction.
+RELUME_HD_NOINLINE inline float density_of_own_lobes(const PathContext& c, const SurfacePoint& sp, const Vec3& w) {
+  return c.directions.pdf(sp, w, eval_pdf(sp, w));
+}
+
+/// Weight of a point that the path's direction meets, sampled with the density `pdf_scatter`. `found`: probability that
+/// a hit there counts, below 1 for stochastic alpha. Candidates of light selection count directions by the density of
+/// the receiver's own lobes. If the path sampled others, this strategy counts them in the same way, so that the MIS
+/// weights of both add up to one.
 RELUME_HD inline float weight_of_scatter(const CandidateSource& source, const Receiver& r, const LightPoint& point,
                                          float pdf_scatter, float found) {
   const PathContext& c = source.context;
@@ -47,7 +56,11 @@ RELUME_HD inline float weight_of_scatter(const CandidateSource& source, const Re
   if (!light.valid()) return 0.0f;
   const float pmf = c.selector.pmf(r.sp, point.light);
   const float pdf_light = pmf > 0.0f ? density_of(c.scene.lights, point.light, r.sp.position, light) : 0.0f;
-  return luminance(reflected(c.scene, r, light)) * light.pdf_w / (found * source.density(pmf, pdf_light, pdf_scatter));
+  const float target = luminance(reflected(c.scene, r, light));
+  if (source.own_lobes) return target * light.pdf_w / (found * source.density(pmf, pdf_light, pdf_scatter));
+  const float pdf = density_of_own_lobes(c, r.sp, light.wi);
+  if (!(pdf > 0.0f)) return 0.0f;
+  return target * light.pdf_w * (pdf / pdf_scatter) / (found * source.density(pmf, pdf_light, pdf));
 }
 
 /// Probability that a ray which meets the light's triangle at the point hits it.

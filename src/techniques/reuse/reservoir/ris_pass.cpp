@@ -3,6 +3,7 @@
 #include "techniques/reuse/reservoir/reuse_pass.h"
 #include "techniques/reuse/reservoir/ris.h"
 #include "techniques/transport/path/frame_wavelength.h"
+#include "techniques/transport/path/scatter_chances.h"
 
 namespace relume {
 
@@ -17,6 +18,7 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
   stage.index = frame.index;
   stage.hits = frame.read(kPrimaryHits);
   stage.scatters = frame.read(kFirstScatters);
+  stage.chances = frame.read(kScatterChances);
   stage.first_vertices = frame.write(kFirstVertices);
   if (records.samples) stage.recording = *records.samples;
   if (records.chains) stage.chains = *records.chains;
@@ -28,7 +30,7 @@ CandidateStage candidate_stage(const RisSettings& settings, const PathSource& so
 ReservoirImage reservoir_image(const FrameContext& frame) { return {reuse_image(frame), frame.write(kFirstVertices)}; }
 
 std::vector<BufferId> reservoir_reads() { return {kPrimaryHits, kFirstScatters}; }
-std::vector<BufferId> reservoir_reads_if_any() { return {kAllocation}; }
+std::vector<BufferId> reservoir_reads_if_any() { return {kAllocation, kScatterChances}; }
 std::vector<BufferId> reservoir_writes() { return {kRadiance, kRays}; }
 std::vector<BufferId> reservoir_writes_if_any() { return {kRadianceSpecular, kFirstVertices}; }
 

@@ -197,5 +197,47 @@ TEST(FirstScatter, MeetsTheLampOrLeavesTheBox) {
   EXPECT_GT(open, 100);
 }
 
+/// Paths of caches sample lobes with raised colours. A direction counts by the density of the receiver's lobes, so its
+/// weight is lower where the path sampled it more densely.
+TEST(ScatterWeight, CorrectsForTheDensityOfOtherLobes) {
+  constexpr uint32_t kEdge = 24;
+  const CompiledScene scene(find_builtin_scene("cornell")->build(),
+                            CompileOptions{.camera = {}, .width = kEdge, .height = kEdge});
+  const SceneView view = scene.view();
+  PathContext context;
+  context.scene = view;
+  context.selector.kind = LightSelectorKind::uniform;
+  context.selector.uniform = make_uniform_lights(view.lights);
+  const CandidateSource own{context, 4};
+  const CandidateSource rare{context, 4, 0.25f};
+  const CandidateSource raised{context, 4, 1.0f, false};
+  std::vector<Hit> hits(kEdge * kEdge);
+  std::vector<FirstScatter> scatters(hits.size());
+  std::vector<Rgb> radiance(hits.size());
+  int tested = 0;
+  for (uint32_t sample = 0; sample < 32; ++sample) {
+    const SampleIndex index{.seed = 7, .sample = sample};  // that of trace_pixels()
+    const PrimaryHitsKernel primary{view, index, mutable_view_of(hits), {}, kEdge};
+    testing::trace_pixels(scene, {.width = kEdge, .height = kEdge, .max_bounces = 2, .sample = sample},
+                          RadianceOutput{mutable_view_of(radiance)}, FirstScatterOutput{mutable_view_of(scatters)});
+    for (uint32_t p = 0; p < kEdge * kEdge; ++p) {
+      const FirstScatter& s = scatters[p];
+      if (!(s.pdf_w > 0.0f) || s.light == kNoLight) continue;
+      primary(p % kEdge, p / kEdge);
+      Receiver r;
+      make_receiver(view, record_of(view, p % kEdge, p / kEdge, index.sampler(p % kEdge, p / kEdge), hits[p]), r);
+      const LightPoint point = point_along(view.lights, s.light, r.sp.position, s.direction, s.barycentric);
+      const float weight = weight_of_scatter(own, r, point, s.pdf_w, 1.0f);
+      if (!(weight > 0.0f)) continue;
+      ++tested;
+      ASSERT_NEAR(weight_of_scatter(raised, r, point, s.pdf_w, 1.0f), weight, 1e-3f * weight);
+      ASSERT_NEAR(weight_of_scatter(raised, r, point, 4 * s.pdf_w, 1.0f), weight / 4, 1e-3f * weight);
+      // Light selection counts for more where paths rarely have a direction.
+      ASSERT_GT(weight_of_scatter(rare, r, point, s.pdf_w, 1.0f), weight);
+    }
+  }
+  EXPECT_GT(tested, 50);
+}
+
 }  // namespace
 }  // namespace relume

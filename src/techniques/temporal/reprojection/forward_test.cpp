@@ -31,6 +31,8 @@ struct Choices {
 
   /// Whether the history looks cells up again.
   bool has_cells() const { return cache != CacheChoice::none && cache != CacheChoice::sharc; }
+  /// Whether these cells hold all light that surfaces reflect.
+  bool has_whole_cells() const { return has_cells() && reuse != ReuseChoice::restir_di; }
 };
 
 const std::vector<Choices>& all_choices() {
@@ -50,6 +52,8 @@ const std::vector<Choices>& all_choices() {
       {.name = "restir_di_gi", .reuse = ReuseChoice::restir_di_gi},
       {.name = "restir_pt", .reuse = ReuseChoice::restir_pt},
       {.name = "psf_ris", .cache = CacheChoice::psf, .reuse = ReuseChoice::ris},
+      {.name = "psf_restir_di", .cache = CacheChoice::psf, .reuse = ReuseChoice::restir_di},
+      {.name = "apsf_apg_restir_di", .cache = CacheChoice::apsf_apg, .reuse = ReuseChoice::restir_di},
   };
   return list;
 }
@@ -152,7 +156,8 @@ INSTANTIATE_TEST_SUITE_P(All, ForwardOfPathReservoirs, ::testing::ValuesIn(indic
 
 class ForwardWithCells : public ForwardOfChoice {};
 INSTANTIATE_TEST_SUITE_P(All, ForwardWithCells,
-                         ::testing::ValuesIn(indices_of([](const Choices& c) { return c.has_cells(); })), name_of);
+                         ::testing::ValuesIn(indices_of([](const Choices& c) { return c.has_whole_cells(); })),
+                         name_of);
 
 TEST_P(Forward, LambertNeverDependsOnTheView) {
   RenderSettings settings = settings_of(choices());
@@ -171,9 +176,12 @@ TEST_P(Forward, GlossIsJudgedAsWithPaths) {
     return std::pair(outcomes.count(RejectReason::view_dependent), outcomes.count(RejectReason::looked_up));
   };
   const auto [rejected, looked_up] = judged(choices(), 1.0f / 256.0f);
-  if (choices().has_cells()) {
+  if (choices().has_whole_cells()) {
     // Rejected only if a pixel shows several surfaces, or some of its samples have no cell.
     EXPECT_GT(looked_up, rejected);
+  } else if (choices().has_cells()) {
+    // Also rejected if the direct light of reservoirs looks different.
+    EXPECT_GT(rejected, judged({.name = "", .cache = choices().cache}, 1.0f / 256.0f).first);
   } else {
     EXPECT_EQ(looked_up, 0);
   }
@@ -214,18 +222,24 @@ TEST_P(Forward, ShadowsThatMoveEndHistories) {
 /// directions do not matter. Returns the number of pixels with direct light, or with any light if paths of reservoirs
 /// contain both.
 int expect_light_of_samples(const Session& session, const Choices& choices) {
+  const bool has_cells = choices.has_cells();
+  const bool whole_cells = choices.has_whole_cells();
   const std::vector<FirstVertex> vertices = copy_of(session, kFirstVertices);
   const std::vector<Rgb> albedo = copy_of(session, kSurfaceAlbedo);
   std::vector<Rgb> reflected = copy_of(session, kRadiance);
   std::vector<FilteredPixel> pixels(vertices.size());
-  if (choices.has_cells()) pixels = copy_of(session, kFilteredPixels);
+  std::vector<Rgb> cells(vertices.size());
+  if (has_cells) pixels = copy_of(session, kFilteredPixels);
+  if (has_cells) cells = copy_of(session, kRadianceCells);
   int lit = 0;
   for (size_t i = 0; i < vertices.size(); ++i) {
     const FirstVertex& v = vertices[i];
     if (max_component(albedo[i]) > 0.99f || is_black(albedo[i])) continue;  // the lamp, or the background
-    if (choices.has_cells()) {
-      if (length_squared(v.scatter) + length_squared(v.to_light) == 0.0f) continue;  // a cell ended the path here
-      reflected[i] = pixels[i].traced / pixels[i].survival;
+    if (has_cells) {
+      const Vec3 to_light = whole_cells ? v.to_light : Vec3(0);                    // of the path
+      if (length_squared(v.scatter) + length_squared(to_light) == 0.0f) continue;  // a cell ended the path here
+      const Rgb beside = whole_cells ? Rgb(0) : reflected[i] - pixels[i].unfiltered - cells[i];
+      reflected[i] = pixels[i].traced / pixels[i].survival + beside;
     }
     const Rgb recorded = albedo[i] * kInvPi * (v.indirect + v.direct);
     if (choices.reuse == ReuseChoice::restir_gi) {  // one direction has the luminance of two
@@ -240,7 +254,9 @@ int expect_light_of_samples(const Session& session, const Choices& choices) {
 }
 
 TEST_P(ForwardOfPaths, RecordTheLightOfSamples) {
-  Session session(matte_cornell(), settings_of(choices()));
+  RenderSettings settings = settings_of(choices());
+  settings.psf.edge_rays = 0;  // pixels show samples
+  Session session(matte_cornell(), settings);
   int lit = 0;
   for (int i = 0; i < 4; ++i) {
     session.render_frame();

@@ -100,9 +100,12 @@ struct DepthVoteKernel {
     const bool same_view = seen_as_before(p);
     const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
     if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
-    const bool differs = !same_view && view_error(sp, p, sample, pixel) > max_error;
-    // A pixel of several surfaces could only move as one of them, with the light of its cells.
-    if (differs && (!pixel.cells || pixel.mixed)) return RejectReason::view_dependent;
+    const ViewError error = same_view ? ViewError{} : view_error(sp, p, sample, pixel);
+    const bool differs = error.largest > max_error;
+    // A pixel of several surfaces could only move as one of them, with the light of its cells. The direct light of
+    // reservoirs is in no cell.
+    const bool in_cells = pixel.cells && !pixel.mixed && !(light_points && error.direct > max_error);
+    if (differs && !in_cells) return RejectReason::view_dependent;
     if (hidden(ray, sp, index)) return RejectReason::occluded;
     if (lights_changed && !limit_samples(sp, index)) return RejectReason::relit;
     if (pixel.mixed) return RejectReason::mixed;
@@ -133,19 +136,28 @@ struct DepthVoteKernel {
            p.before == p.now;
   }
 
+  /// ε of eq. 15: the largest, and that of the direction of next event estimation.
+  struct ViewError {
+    float largest = 0;
+    float direct = 0;
+  };
+
   /// Third validation: eq. 15 for the directions of scattering and of next event estimation.
-  RELUME_HD float view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
-                             const StoredPixel& pixel) const {
+  RELUME_HD ViewError view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
+                                 const StoredPixel& pixel) const {
     const CameraView& c = scene.previous_camera;
     const bool parallel = c.projection == Projection::orthographic;
     const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
     const Mat3 turn = previous_to_current(scene, sample.hit);
-    float error = 0.0f;
-    if (sample.scatter)
-      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
-    if (sample.to_light)
-      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct));
-    return error * exposure;
+    ViewError error;
+    if (sample.scatter) {
+      error.largest =
+          relume::max(error.largest, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
+    }
+    if (sample.to_light) error.direct = eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct);
+    error.largest = relume::max(error.largest, error.direct) * exposure;
+    error.direct *= exposure;
+    return error;
   }
 
   /// Evaluates both reflections in this frame's shading frame. Viewer and light of the previous frame turn with the
