@@ -80,7 +80,8 @@ BdptRecords bdpt_records(const RenderSettings& settings, const ChainRecordings& 
           .chains = chains};
 }
 
-/// Adds light paths, without a cache and without reservoirs. `recording`, here and below: destination of path samples, or nullptr.
+/// Adds light paths, without a cache and without reservoirs. `recording`, here and below: destination of path samples,
+/// or nullptr.
 void add_light_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                      const PathRecording* recording, const ChainRecordings& chains) {
   const BdptRecords records = bdpt_records(settings, chains);

@@ -18,7 +18,7 @@ struct PathSpatialKernel {
   PairSearch pairs;                      ///< of neighbours; only its search unless `reciprocal`
   View<const PathReservoir> reservoirs;  ///< before this kernel
   View<const ReceiverRecord> records;
-  View<PathReservoir> history;  ///< for the next frame
+  View<PathReservoir> history;       ///< for the next frame
   View<FirstVertex> first_vertices;  ///< receives the direction and light of the result; may be empty
   ReuseImage image;
   PathCorrection correction = PathCorrection::exact;
