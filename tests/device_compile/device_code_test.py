@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The PTX of the kernels: an entry for each kernel that the library launches, and only instructions with the host's results.
+Building tests/device fails if the translator does not know an instruction.
 RELUME_NM, RELUME_CXXFILT: tools; RELUME_LIBRARY, RELUME_PTX: what is compared; RELUME_CLANG, RELUME_CLANG_FLAGS: the compiler."""
 
 import os
@@ -14,7 +15,7 @@ FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent / "ptx" / "translator")]
 
 from device_module import device_module
-from emitter import external_functions, opcode_counts, translate
+from emitter import external_functions, opcode_counts
 from kernel_names import compiled_kernels, launched_kernels, symbols_of
 from parser import parse
 
@@ -68,9 +69,6 @@ class DeviceCode(unittest.TestCase):
         names = demangled({f.name for f in self.module.functions if f.body})
         for query in ("traverse_to_nearest", "traverse_to_any", "opacity_in"):
             self.assertEqual(len(re.findall(rf"\brelume::{query}<", names)), 1, query)
-
-    def test_the_translator_knows_every_instruction(self):
-        self.assertIn("relume_kernel", translate(self.module, "relume"))
 
     def test_contraction_is_noticed(self):
         for mode, fused in (("off", 0), ("fast", 1)):
