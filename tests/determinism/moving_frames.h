@@ -43,14 +43,15 @@ inline uint64_t frame_hash(const Session& session) {
   return hash.value();
 }
 
-/// Hash of each frame from a restart on, while the camera moves sideways and, with `frame_s` > 0, the scene by that
-/// time per frame, seconds. Restores the camera, and then the time 0.
-inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings, float frame_s = 0) {
+/// Hash of each of `count` frames from a restart on, while the camera moves sideways and, with `frame_s` > 0, the scene
+/// by that time per frame, seconds. Restores the camera, and then the time 0.
+inline std::vector<uint64_t> moving_frames(Session& session, const RenderSettings& settings, float frame_s = 0,
+                                           int count = kMovingFrames) {
   const CameraPose start = session.camera();
   EXPECT_TRUE(session.set_settings(settings));
   session.restart(settings.seed);
   std::vector<uint64_t> frames;
-  for (int frame = 0; frame < kMovingFrames; ++frame) {
+  for (int frame = 0; frame < count; ++frame) {
     CameraPose moved = start;
     moved.to_world[3] += 0.02f * static_cast<float>(frame) * start.to_world[0];
     session.set_camera(moved);

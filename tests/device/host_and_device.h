@@ -42,10 +42,10 @@ class HostAndDevice {
   Session& host() { return host_; }
   Session& on_device() { return on_device_; }
 
-  /// Whether all frames of a technique have the same bits. `frame_s`: as for moving_frames().
-  bool agrees(const DeterminismCheck& technique, float frame_s = 0) {
+  /// Whether all frames of a technique have the same bits. `frame_s`, `count`: as for moving_frames().
+  bool agrees(const DeterminismCheck& technique, float frame_s = 0, int count = kMovingFrames) {
     const RenderSettings settings = device_settings(technique, size_);
-    return moving_frames(host_, settings, frame_s) == moving_frames(on_device_, settings, frame_s);
+    return moving_frames(host_, settings, frame_s, count) == moving_frames(on_device_, settings, frame_s, count);
   }
 
  private:
