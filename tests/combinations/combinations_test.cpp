@@ -95,15 +95,44 @@ bool has_paths_of_its_own(const Cell& cell) {
          (s.guide == GuideChoice::mcpg && (s.cache == CacheChoice::apg || s.estimator == EstimatorChoice::bdpt));
 }
 
-/// Indices of the quick cells, or of the others. The quick cells are those with at most one choice that is not a
-/// default, those with paths of their own, and a fifth of the rest.
+std::set<std::string> choices_of(const Cell& cell) {
+  std::set<std::string> names;
+  for (const auto& [a, b] : cell.pairs) names.insert({a.slot + "=" + a.value, b.slot + "=" + b.value});
+  return names;
+}
+
+/// Flags the quick cells: those with at most one choice that is not a default, those with paths of their own, an eighth
+/// of the rest, and a pair of each choice that these leave out.
+const std::vector<bool>& quick_cells() {
+  static const std::vector<bool> quick = [] {
+    constexpr size_t kStride = 8;
+    std::vector<bool> list;
+    std::map<std::string, int> uses;
+    const auto count = [&](const Cell& cell) {
+      for (const std::string& name : choices_of(cell)) ++uses[name];
+    };
+    for (const Cell& cell : cells()) {
+      const bool is_choice_alone = cell.pairs.size() > 1;  // with the default of each other slot
+      list.push_back(is_choice_alone || has_paths_of_its_own(cell) || list.size() % kStride == 0);
+      if (list.back()) count(cell);
+    }
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::set<std::string> names = choices_of(cells()[i]);
+      const auto is_left_out = [&](const std::string& name) { return uses[name] < 2; };
+      if (list[i] || std::none_of(names.begin(), names.end(), is_left_out)) continue;
+      list[i] = true;
+      count(cells()[i]);
+    }
+    return list;
+  }();
+  return quick;
+}
+
+/// Indices of the quick cells, or of the others.
 std::vector<size_t> indices(bool quick) {
-  constexpr size_t kStride = 5;
   std::vector<size_t> list;
   for (size_t i = 0; i < cells().size(); ++i) {
-    const bool is_choice_alone = cells()[i].pairs.size() > 1;  // with the default of each other slot
-    const bool is_quick = is_choice_alone || has_paths_of_its_own(cells()[i]) || i % kStride == 0;
-    if (is_quick == quick) list.push_back(i);
+    if (quick_cells()[i] == quick) list.push_back(i);
   }
   return list;
 }
@@ -120,9 +149,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, SlowCombinations, ::testing::Range(size_t{0}, c
 TEST(QuickCombinations, HaveEveryChoiceAloneAndInAPair) {
   std::map<std::string, int> uses;
   for (const size_t i : indices(true)) {
-    std::set<std::string> names;
-    for (const auto& [a, b] : cells()[i].pairs) names.insert({a.slot + "=" + a.value, b.slot + "=" + b.value});
-    for (const std::string& name : names) ++uses[name];
+    for (const std::string& name : choices_of(cells()[i])) ++uses[name];
   }
   for (const Choice& choice : all_choices()) {
     const int least = refusal(combine({}, choice, choice)).empty() ? 2 : 0;
@@ -175,13 +202,38 @@ class WithFewerPaths : public ::testing::TestWithParam<size_t> {
 };
 TEST_P(WithFewerPaths, HaveTheCorrectMean) { check(kMostErrorWithFewerPaths, kSeedsWithFewerPaths); }
 
+/// The others. Only the emulated device renders them with this precision.
+class OtherWithFewerPaths : public WithFewerPaths {};
+TEST_P(OtherWithFewerPaths, HaveTheCorrectMean) { check(kMostErrorWithFewerPaths, kSeedsWithFewerPaths); }
+
+/// All of them with higher precision.
 class SlowWithFewerPaths : public WithFewerPaths {};
 TEST_P(SlowWithFewerPaths, HaveTheCorrectMean) { check(kMostError, kSeeds); }
 
 std::string fewer_paths_name(const ::testing::TestParamInfo<size_t>& info) {
   return test_name(fewer_paths().supported[info.param].name);
 }
-INSTANTIATE_TEST_SUITE_P(Shared, WithFewerPaths, ::testing::Range(size_t{0}, fewer_paths().supported.size()),
+
+/// Indices of the quick ones, one of each choice: half of the indirect paths and a quarter of the pixels in turns. Or of
+/// the others.
+std::vector<size_t> fewer_paths_indices(bool quick) {
+  const std::vector<FewerPaths>& all = fewer_paths().supported;
+  std::vector<size_t> chosen;
+  std::vector<size_t> others;
+  for (size_t first = 0, end = 0; first < all.size(); first = end) {
+    while (end < all.size() && all[end].choice.slot == all[first].choice.slot &&
+           all[end].choice.value == all[first].choice.value)
+      ++end;
+    const size_t taken = first + chosen.size() % (end - first);
+    for (size_t i = first; i < end; ++i) {
+      if (i != taken) others.push_back(i);
+    }
+    chosen.push_back(taken);
+  }
+  return quick ? chosen : others;
+}
+INSTANTIATE_TEST_SUITE_P(Shared, WithFewerPaths, ::testing::ValuesIn(fewer_paths_indices(true)), fewer_paths_name);
+INSTANTIATE_TEST_SUITE_P(Shared, OtherWithFewerPaths, ::testing::ValuesIn(fewer_paths_indices(false)),
                          fewer_paths_name);
 INSTANTIATE_TEST_SUITE_P(Shared, SlowWithFewerPaths, ::testing::Range(size_t{0}, fewer_paths().supported.size()),
                          fewer_paths_name);
@@ -247,7 +299,8 @@ TEST(CombinationTable, EveryCellIsComparedOnceOrRefused) {
 
 std::string text_of(RenderSettings settings) { return settings_to_json(describe(settings)); }
 
-/// Compares presets outside the table. Combinations renders those that are cells of it.
+/// Compares presets outside the table. Combinations renders those that are cells of it. Presets that only change the
+/// number of bounces are the path tracing that others are compared with.
 void check_presets(double most_error, double most_error_without_next_events, int least_seeds) {
   std::set<std::string> compared;
   for (const Cell& cell : cells()) compared.insert(text_of(cell.settings));
@@ -256,6 +309,9 @@ void check_presets(double most_error, double most_error_without_next_events, int
     settings.render.width = settings.render.height = kSize;
     settings.render.threads = 1;
     settings.render = scaled(settings.render);
+    RenderSettings with_default_bounces = settings.render;
+    with_default_bounces.path.max_bounces = RenderSettings{}.path.max_bounces;
+    if (compared.contains(text_of(with_default_bounces))) continue;
     if (!compared.insert(text_of(settings.render)).second) continue;
     const double error = settings.render.mcpg.nee ? most_error : most_error_without_next_events;
     const Deviations deviations = deviations_of(settings.render, error, least_seeds);
