@@ -43,14 +43,14 @@ std::vector<ZooCase> zoo_cases(const std::vector<ZooLight>& others) {
 }
 const std::vector<ZooLight> kOneOfAKind{ZooLight::two_sided, ZooLight::environment_map, ZooLight::directional};
 
-/// A lamp with every camera, and lights of one kind each with a pinhole; `mixed` has a lamp, two of these and a map.
+/// A lamp with every projection, and lights of one kind each with a pinhole; `mixed` has a lamp, two of these and a
+/// map.
 std::vector<ZooCase> light_tracing_cases() {
   std::vector<ZooCase> cases;
   for (const ZooCase& c : zoo_cases({ZooLight::two_sided})) {
     const bool is_chosen = c.light == ZooLight::two_sided || c.light == ZooLight::point ||
-                           c.light == ZooLight::directional || c.light == ZooLight::environment_map ||
-                           c.light == ZooLight::mixed;
-    if (is_chosen) cases.push_back(c);
+                           c.light == ZooLight::directional || c.light == ZooLight::mixed;
+    if (is_chosen && c.camera != ZooCamera::thin_lens) cases.push_back(c);
   }
   return cases;
 }

@@ -254,9 +254,10 @@ TEST(FigureInMotion, CostsLittleOfAFrame) {
   size_t vertices = 0;
   for (const Index mesh : scene.nodes[0].meshes) vertices += scene.meshes[static_cast<size_t>(mesh)].positions.size();
   ASSERT_GT(vertices, 30000u);
+  // A quarter of the pixels of a small window, so that the bound below is four times as sharp: 4 % are measured.
   RenderSettings settings;
-  settings.width = 640;
-  settings.height = 360;
+  settings.width = 320;
+  settings.height = 180;
   settings.threads = 1;
   Session session(scene, settings);
   double moving_s = 0;

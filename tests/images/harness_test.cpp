@@ -27,6 +27,17 @@ Moments images(const Scene& scene, int first_seed, int spp = 16) {
   return measure(scene, small_settings(32, 32), spp, kSeeds, first_seed);
 }
 
+/// Images of the room, rendered once per process.
+const Moments& some_images() {
+  static const Moments moments = images(cornell(), 1);
+  return moments;
+}
+/// The same with other seeds.
+const Moments& other_images() {
+  static const Moments moments = images(cornell(), 101);
+  return moments;
+}
+
 TEST(ImageTest, StudentsDistribution) {
   // With one and two degrees of freedom, the distribution has a closed form.
   for (const double t : {0.1, 1.0, 3.0, 40.0}) {
@@ -39,14 +50,12 @@ TEST(ImageTest, StudentsDistribution) {
 }
 
 TEST(ImageTest, AcceptsTheSameSceneUnderOtherSeeds) {
-  const ImageTest test = compare(images(cornell(), 1), images(cornell(), 101));
+  const ImageTest test = compare(some_images(), other_images());
   EXPECT_TRUE(test.agree()) << test.report();
 }
 
 TEST(ImageTest, FalseAlarmRateIsAsStated) {
-  const Moments a = images(cornell(), 1);
-  const Moments b = images(cornell(), 101);
-  const ImageTest test = compare(a, b);
+  const ImageTest test = compare(some_images(), other_images());
   // p is the lowest of three channels, between nearly independent and fully dependent: between 5 and 14 %.
   const auto below = std::count_if(test.p.begin(), test.p.end(), [](float p) { return p < 0.05f; });
   const double share = static_cast<double>(below) / static_cast<double>(test.p.size());
@@ -79,14 +88,13 @@ TEST(ImageTest, CannotTellAnythingInTheDark) {
 }
 
 TEST(ImageTest, RefusesToTellAlmostNothing) {
-  const Moments reference = images(cornell(), 1);
-  EXPECT_NONFATAL_FAILURE(expect_same_image("refused", reference, reference, {.detectable = kMostDetectable}),
+  EXPECT_NONFATAL_FAILURE(expect_same_image("refused", some_images(), some_images(), {.detectable = kMostDetectable}),
                           "black block");
 }
 
 TEST(ImageTest, RejectsOneWrongPixel) {
-  const Moments reference = images(cornell(), 1);
-  std::vector<Image> others = images(cornell(), 101).images;
+  const Moments& reference = some_images();
+  std::vector<Image> others = other_images().images;
   const Rgb spread = glm::sqrt(reference.variance[17]);
   for (Image& image : others) image.pixels[17] += 4.0f * spread;
   const ImageTest test = compare(moments_of(std::move(others)), reference);

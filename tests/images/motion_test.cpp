@@ -290,8 +290,8 @@ Errors errors_of(const MovingScene& moving, const std::vector<Image>& reference,
   return errors;
 }
 
-void expect_no_ghosts(const MovingScene& moving) {
-  const std::vector<Image> reference = references(moving.scene, 128);
+void expect_no_ghosts(const MovingScene& moving, int reference_spp) {
+  const std::vector<Image> reference = references(moving.scene, reference_spp);
   const Errors kept = errors_of(moving, reference, HistoryChoice::reproject);
   const Errors restarted = errors_of(moving, reference, HistoryChoice::accumulate);
   for (const auto& [name, e] : {std::pair{"reproject", kept}, std::pair{"restarted", restarted}}) {
@@ -338,14 +338,15 @@ TEST(Motion, PixelsSayWhyTheyHaveAHistory) {
   expect_reasons(play(box().scene, s), {1, 2, 9});  // none, off_screen, other_surface
 }
 
-TEST(Motion, ObjectsLeaveNoTrails) { expect_no_ghosts(box()); }
+// The references' noise moves the mean behind the object by a standard error of 0.4 %, of which 5 % are allowed.
+TEST(Motion, ObjectsLeaveNoTrails) { expect_no_ghosts(box(), 64); }
 TEST(Motion, NothingIsStuckWhenEverythingRests) { expect_no_stuck_pixels(box()); }
 
 TEST(SlowMotion, InSponzaToo) {
   const std::optional<MovingScene> hall = sponza();
   if (!hall) GTEST_SKIP() << "RELUME_SCENES names no folder with Sponza";
   expect_explained(*hall);
-  expect_no_ghosts(*hall);
+  expect_no_ghosts(*hall, 128);
   expect_no_stuck_pixels(*hall);
 }
 

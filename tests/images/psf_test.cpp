@@ -306,7 +306,9 @@ TEST_P(Caches, FurnaceIsAnalyticWithAnyVariance) {
   }
 }
 
-TEST_P(Caches, MovedObjectsAppearWithinTenFrames) {
+class CachesAfterAMove : public Caches {};
+
+TEST_P(CachesAfterAMove, MovedObjectsAppearWithinTenFrames) {
   constexpr int kSize = 80;
   for (const char* name : {"lamp", "tall box"}) {
     Scene scene = build("cornell");
@@ -390,6 +392,11 @@ std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) { 
 INSTANTIATE_TEST_SUITE_P(All, Caches,
                          ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg,
                                            CacheChoice::apsf_apg),
+                         cache_name);
+// The simplest and the largest cache. All share the cells that follow the change.
+INSTANTIATE_TEST_SUITE_P(Some, CachesAfterAMove, ::testing::Values(CacheChoice::psf, CacheChoice::apsf_apg),
+                         cache_name);
+INSTANTIATE_TEST_SUITE_P(SlowOther, CachesAfterAMove, ::testing::Values(CacheChoice::apsf, CacheChoice::apg),
                          cache_name);
 
 }  // namespace
