@@ -215,7 +215,7 @@ def test_interrupts_end_a_frame(call, settings):
         "def send():\n"
         "    sent.append(time.perf_counter())\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"
-        "threading.Timer(0.5, send).start()\n"
+        "threading.Timer(0.2, send).start()\n"
         "try:\n"
         f"    {call}\n"
         "except KeyboardInterrupt:\n"
@@ -279,7 +279,7 @@ def test_a_session_refuses_other_threads_while_it_renders():
 
 
 def test_rendering_releases_the_global_lock():
-    session = relume.Session(relume.builtin("cornell"), 1280, 720, preset=None)
+    session = relume.Session(relume.builtin("cornell"), 640, 360, preset=None)
     start = time.perf_counter()
     session.render()
     frame_s = time.perf_counter() - start
@@ -374,7 +374,7 @@ def test_forked_processes_create_their_own_sessions():
 def test_memory_does_not_grow():
     output = run(
         "import relume\n"
-        "session = relume.Session(relume.builtin('cornell'), 64, 64, preset=None, max_bounces=1, threads=2)\n"
+        "session = relume.Session(relume.builtin('cornell'), 32, 32, preset=None, max_bounces=1, threads=2)\n"
         "def resident(frames):\n"
         "    for _ in range(frames):\n"
         "        session.render(1)\n"
@@ -382,7 +382,7 @@ def test_memory_does_not_grow():
         "    return int(open('/proc/self/statm').read().split()[1]) * 4\n"
         "before = resident(200)\n"
         "print(resident(1000) - before)\n")
-    assert int(output) < 1024, f"{output} KiB in 1000 frames, of whose images each has 48 KiB"
+    assert int(output) < 1024, f"{output} KiB in 1000 frames, of whose images each has 12 KiB"
 
 
 def test_a_frame_costs_little_more_than_in_cpp():
