@@ -70,8 +70,8 @@ def show(browser, image, value):
     before = image.get_attribute("src")
     png = relume._image.to_png(np.full((HEIGHT, WIDTH, 3), value, np.float32))
     browser.execute_script(SHOW, base64.b64encode(png).decode())
-    WebDriverWait(browser, 20).until(lambda _: image.get_attribute("src") != before)
-    WebDriverWait(browser, 20).until(lambda _: image.get_property("naturalWidth") == WIDTH)
+    WebDriverWait(browser, 20, 0.05).until(lambda _: image.get_attribute("src") != before)
+    WebDriverWait(browser, 20, 0.05).until(lambda _: image.get_property("naturalWidth") == WIDTH)
 
 
 def sum_of_moves(browser, kind):
@@ -126,5 +126,5 @@ def test_a_mouse_without_pressed_buttons_moves_nothing(browser, canvas):
 
 def test_the_wheel_approaches(browser, canvas):
     ActionChains(browser).scroll_from_origin(ScrollOrigin.from_element(canvas), 0, -250).perform()
-    WebDriverWait(browser, 20).until(lambda _: browser.execute_script("return window.sent.length") > 0)
+    WebDriverWait(browser, 20, 0.05).until(lambda _: browser.execute_script("return window.sent.length") > 0)
     assert sum_of_moves(browser, "dolly") == pytest.approx([0, -0.25])

@@ -29,6 +29,7 @@ except ImportError:
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 DRIVER = shutil.which("chromedriver")
 SKIPPED = 77  # ctest's exit code for skipped tests
+POLL_S = 0.05
 
 
 def start_browser(resolver_rules="MAP * ~NOTFOUND", preferences=None):
@@ -66,7 +67,7 @@ class Page(unittest.TestCase):
         return (self.folder / "out" / name).read_text(encoding="utf-8")
 
     def wait(self, condition):
-        WebDriverWait(self.browser, 20).until(lambda _: condition())
+        WebDriverWait(self.browser, 20, POLL_S).until(lambda _: condition())
 
     def all(self, selector):
         return self.browser.find_elements(By.CSS_SELECTOR, selector)

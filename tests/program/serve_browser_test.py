@@ -39,7 +39,15 @@ class Browser(unittest.TestCase):
         cls.addClassCleanup(cls.browser.quit)
         cls.browser.set_script_timeout(PATIENCE_S)
 
+    # Whether the last test left the page to the next one. Loading it takes longer than most tests.
+    is_kept = False
+
     def setUp(self):
+        kept, Browser.is_kept = Browser.is_kept, False
+        if not kept:
+            self.open()
+
+    def open(self):
         self.browser.get("about:blank")
         self.browser.get(self.server.address)
         self.wait(lambda: self.js("return Boolean(globalThis.relume && relume.state.frames > 1 && relume.state.values && relume.state.status?.eye)"))
@@ -48,11 +56,15 @@ class Browser(unittest.TestCase):
     def tearDown(self):
         self.assertTrue(self.server.alive, "".join(self.server.errors))
 
+    def keep_page(self):
+        """Ends a test that leaves the page as the next one needs it: it steers, and no message covers it."""
+        Browser.is_kept = True
+
     def js(self, script, *arguments):
         return self.browser.execute_script(script, *arguments)
 
     def wait(self, condition):
-        page_test.WebDriverWait(self.browser, PATIENCE_S).until(lambda _: condition())
+        page_test.WebDriverWait(self.browser, PATIENCE_S, page_test.POLL_S).until(lambda _: condition())
 
     def one(self, selector):
         return self.browser.find_element(page_test.By.CSS_SELECTOR, selector)
@@ -66,7 +78,7 @@ class Browser(unittest.TestCase):
 
     def test_opens_without_errors_and_is_not_black(self):
         self.assertEqual([entry["message"] for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"], [])
-        self.assertGreater(self.js(MEAN), 20)
+        self.wait(lambda: self.js(MEAN) > 20)
         self.assertNotIn("#", self.browser.current_url, "the token leaves the address bar")
         self.assertEqual(self.js("return document.getElementById('notice').hidden"), True)
         sources = self.js("return performance.getEntriesByType('resource').map((e) => e.name)")
@@ -95,6 +107,7 @@ class Browser(unittest.TestCase):
         before = self.status()
         page_test.ActionChains(self.browser).drag_and_drop_by_offset(self.one("#image"), 80, 0).perform()
         self.wait(lambda: self.status()["forward"] != before["forward"])
+        self.keep_page()
 
     def test_a_slot_changes(self):
         choice = page_test.Select(self.one("select[data-setting='denoise']"))
@@ -105,6 +118,7 @@ class Browser(unittest.TestCase):
         self.wait(lambda: any(p["name"] for p in self.status()["times"][0]["passes"]))
         page_test.Select(self.one("select[data-setting='denoise']")).select_by_visible_text(before)
         self.wait(lambda: self.js("return relume.state.values.sides[0].denoise") == before)
+        self.keep_page()
 
     def test_values_out_of_range_give_a_message(self):
         self.js("relume.link.input({ do: 'set', side: 0, name: 'max-bounces', value: '-1' })")
@@ -116,7 +130,7 @@ class Browser(unittest.TestCase):
         self.one("[data-buffer='depth']").click()
         self.wait(lambda: self.status().get("shown_buffer") == "depth")
         frames = self.js("return relume.state.frames")
-        self.wait(lambda: self.js("return relume.state.frames") > frames + 1)
+        self.wait(lambda: self.js("return relume.state.frames") > frames + 5)  # some of the image may be under way
         self.assertNotAlmostEqual(self.js(MEAN), image, delta=1)
         self.one("[data-buffer='image']").click()
         self.wait(lambda: self.status().get("shown_buffer") == "")
@@ -135,6 +149,7 @@ class Browser(unittest.TestCase):
         self.wait(lambda: self.status()["eye"] != eye)
         self.one(f"[data-bookmark='{before}']").click()
         self.wait(lambda: max(abs(a - b) for a, b in zip(self.status()["eye"], eye)) < 1e-3)
+        self.keep_page()
 
     def test_a_screenshot_downloads(self):
         self.one("#screenshot").click()
@@ -149,6 +164,7 @@ class Browser(unittest.TestCase):
         shown = self.js("relume.link.emit('text', { kind: 'notice', text: arguments[0] }); return document.getElementById('messages').textContent", sentence)
         self.assertIn(sentence, shown)
         self.wait(lambda: sentence not in self.one("#messages").text)
+        self.keep_page()
 
     def test_a_second_window_watches(self):
         first = self.browser.current_window_handle
@@ -173,7 +189,7 @@ class Browser(unittest.TestCase):
     def test_rates(self):
         self.js("relume.link.latencies.length = 0")
         worst, received = float("inf"), float("inf")
-        for key in ("w", "s", "w", "s"):
+        for key in ("w", "s", "w", "s") if QUIET else ("w", "s"):
             self.hold(key, 2 if QUIET else 1)
             rates = self.js("return relume.rates()")
             worst, received = min(worst, rates["drawn"]), min(received, rates["received"])
@@ -186,6 +202,7 @@ class Browser(unittest.TestCase):
             self.assertGreaterEqual(worst, 30)
             self.assertGreaterEqual(received, 24)
             self.assertLess(latencies[len(latencies) // 2], 200)
+        self.keep_page()
 
 
 if __name__ == "__main__":
