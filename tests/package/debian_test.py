@@ -2,6 +2,7 @@
 """Tests the Debian packages made by cpack, and their desktop data. RELUME_BUILD is the build folder.
 scripts/test_package installs the packages in a bare system."""
 
+import functools
 import os
 import pathlib
 import re
@@ -34,6 +35,7 @@ def field(package, name):
     return run("dpkg-deb", "-f", package, name).strip()
 
 
+@functools.cache
 def contents(package):
     """(mode, owner) by path, without folders."""
     lines = [line.split(None, 5) for line in run("dpkg-deb", "-c", package).splitlines()]

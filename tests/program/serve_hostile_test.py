@@ -80,7 +80,10 @@ class Hostile(unittest.TestCase):
         cls.addClassCleanup(cls.server.close)
         cls.honest = Watching(cls.server)
         cls.addClassCleanup(cls.honest.stop)
-        time.sleep(3)  # until the memory of techniques and frames is allocated
+        # Until the memory of techniques and frames is allocated.
+        end = time.monotonic() + SECONDS_TO_ANSWER
+        while cls.honest.frames < 30 and time.monotonic() < end:
+            time.sleep(0.05)
         cls.memory = cls.server.resident_bytes()
 
     def setUp(self):

@@ -65,11 +65,11 @@ class Stopping(StoppingTest):
         self.assertIn(f"with {self.stats()['samples_per_pixel']:g} samples per pixel", done.stderr)
 
     def test_time(self):
-        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1.5s", "--stats", "s.json")
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1s", "--stats", "s.json")
         self.assertEqual(self.stats()["stopped_by"], "time")
         # It stops early rather than late; a busy machine may extend the last sample.
-        self.assertGreater(self.stats()["render_s"], 0.5)
-        self.assertLess(self.stats()["render_s"], 3)
+        self.assertGreater(self.stats()["render_s"], 0.33)
+        self.assertLess(self.stats()["render_s"], 2.5)
 
     def test_time_that_is_too_short_gives_one_sample(self):
         self.succeed("render", *ROOM, "-o", "out.exr", "--time", "0.0001s", "--stats", "s.json")
@@ -102,7 +102,7 @@ class Stopping(StoppingTest):
 
     def test_ignored_interrupts_stay_ignored(self):
         for number in (signal.SIGINT, signal.SIGTERM):
-            process = start("render", *ROOM, "--threads", "1", "-o", "out.exr", "--time", "1.5s", "--resume", f"{number}.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder, ignored=[number])
+            process = start("render", *ROOM, "--threads", "1", "-o", "out.exr", "--time", "1s", "--resume", f"{number}.ckpt", "--checkpoint-interval", "0.1", cwd=self.folder, ignored=[number])
             self.addCleanup(process.kill)
             self.wait_for(self.folder / f"{number}.ckpt", process)
             process.send_signal(number)
@@ -168,12 +168,12 @@ class Stopping(StoppingTest):
         self.assertEqual(png_size(self.folder / "out.png"), (96, 96))
 
     def test_kill_and_resume(self):
-        # Number of samples that takes about a second on this machine.
+        # Number of samples that takes about half a second on this machine, five intervals between checkpoints.
         self.succeed("render", *ROOM, "-o", "warm.exr", "--spp", "8", "--stats", "s.json")
-        spp = max(64, int(8 * 0.8 / self.stats()["render_s"]))
+        spp = max(64, int(8 * 0.5 / self.stats()["render_s"]))
         arguments = ["render", *ROOM, "--spp", spp, "--seed", "4"]
         checkpoint = self.folder / "a.ckpt"
-        process = start(*arguments, "-o", "killed.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder)
+        process = start(*arguments, "-o", "killed.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0.1", cwd=self.folder)
         self.addCleanup(process.kill)
         self.wait_for(checkpoint, process)
         process.kill()
