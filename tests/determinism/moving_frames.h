@@ -35,6 +35,18 @@ inline RenderSettings moving_settings(const DeterminismCheck& technique, const I
   return s;
 }
 
+/// Number of slots in which a technique has another choice than the default.
+inline int count_choices(const DeterminismCheck& technique) {
+  RenderSettings defaults;
+  RenderSettings changed;
+  settings_from_json(describe(changed), technique.json, technique.name);
+  const SettingList before = describe_slots(defaults);
+  const SettingList after = describe_slots(changed);
+  int choices = 0;
+  for (size_t i = 0; i < after.size(); ++i) choices += to_string(after[i]) != to_string(before[i]) ? 1 : 0;
+  return choices;
+}
+
 /// Hash of all bits of the last frame.
 inline uint64_t frame_hash(const Session& session) {
   const std::vector<uint32_t> bits = bits_of(session);

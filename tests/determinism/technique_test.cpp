@@ -342,8 +342,10 @@ std::map<std::string, size_t> host_work(const DeterminismCheck& technique, int w
   return memory.host_work();
 }
 
+class HostCode : public TechniqueMemory {};
+
 /// Backend::run() opens the walls. A loop over pixels there would access a block that has a byte per pixel or more.
-TEST_P(TechniqueMemory, TimedHostCodeAccessesNoPixels) {
+TEST_P(HostCode, TimedHostCodeAccessesNoPixels) {
   if (is_host_replaced()) GTEST_SKIP() << kWatchedOnTheHost;
   constexpr int kWidth = 31;
   constexpr int kHeight = 17;
@@ -357,11 +359,14 @@ TEST_P(TechniqueMemory, TimedHostCodeAccessesNoPixels) {
   }
 }
 
-/// Sequences of at least two images.
-std::vector<TechniqueCase> cases(int frames, int width, int height) {
+/// Sequences of at least two images, of techniques with this many choices that are not defaults.
+std::vector<TechniqueCase> cases(int frames, int width, int height, int least_choices = 0, int most_choices = 100) {
   std::vector<TechniqueCase> list;
-  for (const DeterminismCheck& technique : technique_checks().determinism)
+  for (const DeterminismCheck& technique : technique_checks().determinism) {
+    const int choices = count_choices(technique);
+    if (choices < least_choices || choices > most_choices) continue;
     list.push_back({technique, std::max(frames, 2 * technique.frames_of_an_image), width, height});
+  }
   return list;
 }
 
@@ -371,6 +376,9 @@ std::string case_name(const ::testing::TestParamInfo<TechniqueCase>& instance) {
 // caches and guides learn for longer, and frames are abandoned at more tiles and after more passes.
 INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
 INSTANTIATE_TEST_SUITE_P(All, TechniqueMemory, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
+// Host code belongs to passes, all of which are in pairs of choices. DeviceBits watches the kernels of all techniques.
+INSTANTIATE_TEST_SUITE_P(Pairs, HostCode, ::testing::ValuesIn(cases(12, 25, 17, 0, 2)), case_name);
+INSTANTIATE_TEST_SUITE_P(SlowOthers, HostCode, ::testing::ValuesIn(cases(12, 25, 17, 3)), case_name);
 INSTANTIATE_TEST_SUITE_P(SlowAll, TechniqueDeterminism, ::testing::ValuesIn(cases(24, 61, 33)), case_name);
 
 TEST(TechniqueDeterminismList, HasEveryChoiceOfEverySlot) {

@@ -47,14 +47,7 @@ TEST_P(DeviceBits, EqualThoseOfTheHost) {
 /// Four frames of a single choice, three of a pair and two of larger combinations: by the second frame, there is a
 /// history and something learned, and each choice has four frames on its own.
 int frames_by_choices(const DeterminismCheck& technique) {
-  RenderSettings defaults;
-  RenderSettings changed;
-  settings_from_json(describe(changed), technique.json, technique.name);
-  const SettingList before = describe_slots(defaults);
-  const SettingList after = describe_slots(changed);
-  int choices = 0;
-  for (size_t i = 0; i < after.size(); ++i) choices += to_string(after[i]) != to_string(before[i]) ? 1 : 0;
-  return std::clamp(kMovingFrames + 1 - choices, 2, kMovingFrames);
+  return std::clamp(kMovingFrames + 1 - count_choices(technique), 2, kMovingFrames);
 }
 
 /// All techniques in four parts.
