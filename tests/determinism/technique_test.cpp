@@ -342,10 +342,8 @@ std::map<std::string, size_t> host_work(const DeterminismCheck& technique, int w
   return memory.host_work();
 }
 
-class HostCode : public TechniqueMemory {};
-
 /// Backend::run() opens the walls. A loop over pixels there would access a block that has a byte per pixel or more.
-TEST_P(HostCode, TimedHostCodeAccessesNoPixels) {
+TEST_P(TechniqueMemory, TimedHostCodeAccessesNoPixels) {
   if (is_host_replaced()) GTEST_SKIP() << kWatchedOnTheHost;
   constexpr int kWidth = 31;
   constexpr int kHeight = 17;
@@ -375,10 +373,9 @@ std::string case_name(const ::testing::TestParamInfo<TechniqueCase>& instance) {
 // The images have several tiles in both directions, and sizes that are not multiples of tiles. In slow sequences,
 // caches and guides learn for longer, and frames are abandoned at more tiles and after more passes.
 INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
-INSTANTIATE_TEST_SUITE_P(All, TechniqueMemory, ::testing::ValuesIn(cases(12, 25, 17)), case_name);
 // Host code belongs to passes, all of which are in pairs of choices. DeviceBits watches the kernels of all techniques.
-INSTANTIATE_TEST_SUITE_P(Pairs, HostCode, ::testing::ValuesIn(cases(12, 25, 17, 0, 2)), case_name);
-INSTANTIATE_TEST_SUITE_P(SlowOthers, HostCode, ::testing::ValuesIn(cases(12, 25, 17, 3)), case_name);
+INSTANTIATE_TEST_SUITE_P(Pairs, TechniqueMemory, ::testing::ValuesIn(cases(12, 25, 17, 0, 2)), case_name);
+INSTANTIATE_TEST_SUITE_P(SlowOthers, TechniqueMemory, ::testing::ValuesIn(cases(12, 25, 17, 3)), case_name);
 INSTANTIATE_TEST_SUITE_P(SlowAll, TechniqueDeterminism, ::testing::ValuesIn(cases(24, 61, 33)), case_name);
 
 TEST(TechniqueDeterminismList, HasEveryChoiceOfEverySlot) {
