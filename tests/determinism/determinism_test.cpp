@@ -267,9 +267,9 @@ TEST(Cancellation, MidFrameLeavesNoTrace) {
 }
 
 TEST(Cancellation, MidFrameLeavesNoTraceInTechniques) {
-  RenderSettings learning = settings_of({"cornell", 160, 160, true}, 2);
+  RenderSettings learning = settings_of({"cornell", 112, 112, true}, 2);
   learning.denoise = DenoiseChoice::svgf;
-  RenderSettings cells = small_settings(160, 160);
+  RenderSettings cells = small_settings(112, 112);
   cells.cache = CacheChoice::psf;
   for (const RenderSettings& settings : {learning, cells}) {
     Session whole(build("cornell"), settings);

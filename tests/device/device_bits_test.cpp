@@ -45,7 +45,7 @@ TEST_P(DeviceBits, EqualThoseOfTheHost) {
 }
 
 /// Four frames of a single choice, three of a pair and two of larger combinations: by the second frame, there is a
-/// history and something learned, and each choice has four frames on its own.
+/// history and something learned. Each choice has four frames on its own, or three in a pair.
 int frames_by_choices(const DeterminismCheck& technique) {
   return std::clamp(kMovingFrames + 1 - count_choices(technique), 2, kMovingFrames);
 }
