@@ -105,8 +105,8 @@ void expect_samples_of_materials(float roughness, MicrofacetModel model, const s
 }
 
 /// Materials with GGX, and with Beckmann's distribution at one roughness: their lobes are tested with both at five, at
-/// all angles. Probabilities of lobes depend on roughness and angle: each material sees all angles, three of them at the
-/// middle roughness.
+/// all angles. Probabilities of lobes depend on roughness and angle: each material sees all angles, three of them at
+/// the middle roughness.
 TEST(BsdfSampling, MaterialsFollowTheirDensity) {
   const std::vector<float>& r = kMaterialRoughness;
   expect_samples_of_materials(r[0], MicrofacetModel::ggx, {0.7f});

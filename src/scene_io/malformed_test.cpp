@@ -109,8 +109,7 @@ TEST(Malformed, TruncatedFiles) {
 
 void flip_bits_of_files(uint32_t first, uint32_t end) {
   for (const ExampleFile& file : example_files()) {
-    for (uint32_t i = first; i < end; ++i)
-      is_refused(file.name, flipped(file.bytes, i), "flips " + std::to_string(i));
+    for (uint32_t i = first; i < end; ++i) is_refused(file.name, flipped(file.bytes, i), "flips " + std::to_string(i));
   }
 }
 TEST(Malformed, FilesWithFlippedBits) { flip_bits_of_files(0, 20); }

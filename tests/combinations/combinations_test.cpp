@@ -214,8 +214,8 @@ std::string fewer_paths_name(const ::testing::TestParamInfo<size_t>& info) {
   return test_name(fewer_paths().supported[info.param].name);
 }
 
-/// Indices of the quick ones, one of each choice: half of the indirect paths and a quarter of the pixels in turns. Or of
-/// the others.
+/// Indices of the quick ones, one of each choice, with half of the indirect paths and a quarter of the pixels in turns;
+/// or of the others.
 std::vector<size_t> fewer_paths_indices(bool quick) {
   const std::vector<FewerPaths>& all = fewer_paths().supported;
   std::vector<size_t> chosen;

@@ -43,7 +43,7 @@ std::vector<ZooCase> zoo_cases(const std::vector<ZooLight>& others) {
 }
 const std::vector<ZooLight> kOneOfAKind{ZooLight::two_sided, ZooLight::environment_map, ZooLight::directional};
 
-/// Every light with a pinhole and a lamp with every camera, except the plain triangles that BdptLayers has in this scene.
+/// Every light with a pinhole and a lamp with every camera, except plain triangles, which BdptLayers has in this scene.
 std::vector<ZooCase> bidirectional_cases() {
   std::vector<ZooCase> cases = zoo_cases({ZooLight::two_sided});
   std::erase_if(cases, [](const ZooCase& c) { return c.light == ZooLight::triangles; });

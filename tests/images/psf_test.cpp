@@ -389,15 +389,12 @@ TEST(CachesAndLamps, EdgesAreSmooth) {
 }
 
 std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) { return name_of(instance.param); }
-INSTANTIATE_TEST_SUITE_P(All, Caches,
-                         ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg,
-                                           CacheChoice::apsf_apg),
-                         cache_name);
-// The simplest and the largest cache. All share the cells that follow the change.
-INSTANTIATE_TEST_SUITE_P(Some, CachesAfterAMove, ::testing::Values(CacheChoice::psf, CacheChoice::apsf_apg),
-                         cache_name);
-INSTANTIATE_TEST_SUITE_P(SlowOther, CachesAfterAMove, ::testing::Values(CacheChoice::apsf, CacheChoice::apg),
-                         cache_name);
+constexpr CacheChoice kAll[] = {CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg};
+INSTANTIATE_TEST_SUITE_P(All, Caches, ::testing::ValuesIn(kAll), cache_name);
+constexpr CacheChoice kSimplestAndLargest[] = {CacheChoice::psf, CacheChoice::apsf_apg};
+INSTANTIATE_TEST_SUITE_P(Some, CachesAfterAMove, ::testing::ValuesIn(kSimplestAndLargest), cache_name);
+constexpr CacheChoice kOthers[] = {CacheChoice::apsf, CacheChoice::apg};
+INSTANTIATE_TEST_SUITE_P(SlowOther, CachesAfterAMove, ::testing::ValuesIn(kOthers), cache_name);
 
 }  // namespace
 }  // namespace relume::support
