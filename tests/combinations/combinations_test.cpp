@@ -84,9 +84,9 @@ TEST_P(OtherCombinations, HaveTheCorrectMean) { check(kMostError); }
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
-/// Whether a cell stands for paths that no single choice has: those that fill cells and choose among lights themselves
-/// or leave direct light to reservoirs, those that record both samples for regions and states for chains, those that
-/// record states and end in cells, or subpaths from both sides that record states.
+/// Whether a cell stands for paths that no single choice has. These fill cells, and choose among lights themselves or
+/// leave direct light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or are
+/// subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
@@ -214,8 +214,8 @@ std::string fewer_paths_name(const ::testing::TestParamInfo<size_t>& info) {
   return test_name(fewer_paths().supported[info.param].name);
 }
 
-/// Indices of the quick ones, one of each choice, with half of the indirect paths and a quarter of the pixels in turns;
-/// or of the others.
+/// Indices of the quick ones, one of each choice, alternately with half of the indirect paths and a quarter of the
+/// pixels; or of the others.
 std::vector<size_t> fewer_paths_indices(bool quick) {
   const std::vector<FewerPaths>& all = fewer_paths().supported;
   std::vector<size_t> chosen;

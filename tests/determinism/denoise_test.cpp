@@ -102,7 +102,7 @@ const Combination kCombinations[] = {
     {"cornell-mirror", EstimatorChoice::light, R"({"history": "none"})", 0.06, 0.03, 128},
     {"cornell", EstimatorChoice::path, R"({"cache": "psf"})", 1.15, 1.15},
     {"mine", EstimatorChoice::path, R"({"allocation": "adaptive"})", 0.4, 0.6},
-    {"cornell", EstimatorChoice::path, R"({"allocation": "adaptive", "history": "reproject"})", 0.25, 0.2},
+    {"cornell", EstimatorChoice::path, R"({"allocation": "adaptive", "history": "reproject"})", 0.25, 0.2, 128},
 };
 
 Image after_moves(const Combination& c, DenoiseChoice denoise, CameraPose* camera = nullptr) {

@@ -78,29 +78,26 @@ class PathGraph : public NoPolicy {
     const uint32_t slot = grid().find(address_);
     const Rgb found = path.radiance;
     const bool ends = first && !begin(slot, path);
-    if (path.bounce == 0) scatter_chance_ = pixel_.survival;
     if (!first) advance(path);
     earlier.rebased(found, arriving_ * d.albedo);
     if constexpr (kHasEarlier<Earlier>) {
       if (first) report_decision(grid(), pixel_, {}, earlier);
     }
-    if (ends) return false;
-    at_first_ = first;
-    before_ = now_;
     // Beyond the first vertex no other cell replaces an undersampled one. Rarely reached cells would receive the light
     // of frequently reached ones, and their own would be lost.
     const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
+    if (path.bounce == 0) scatter_chance_ = chance_at_first(cell);
+    if (ends) return false;
+    at_first_ = first;
+    before_ = now_;
     const bool passes = !first && context_->guards && guarded(edge(), segment_, footprint_);
     segment_ = 0.0f;
     if (!passes && !grid().undersampled(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
       earlier.ended_in_cell(arriving_ * d.albedo * cell.mean);
-      if (now_.share <= 0.0f) {
-        if (path.bounce == 0 && !d.has_delta) scatter_chance_ *= feed_share();
-        if (!follows(d, earlier)) return false;
-      }
+      if (now_.share <= 0.0f && !follows(d, earlier)) return false;
     }
     const bool wanted = now_.share > 0.0f || feeds_;
     // Whether a vertex takes a sample must not depend on the rest of the path, or the samples would be biased.
@@ -244,10 +241,25 @@ class PathGraph : public NoPolicy {
       now_.variance += local;
       return;
     }
-    const float alpha = std::sqrt(relume::max(0.0f, limit_ - now_.variance) / local);
+    const float alpha = kept_share(local);
     contribution_ += (now_.share * (1.0f - alpha)) * throughput * cell.mean;
     now_ = {now_.share * alpha, limit_, true};
     pixel_.termination = static_cast<uint16_t>(bounce + 1u);
+  }
+
+  /// α of eq. 4.15: share of the sampled light that stays, where a cell of variance `local` exceeds the limit.
+  RELUME_HD float kept_share(float local) const {
+    return std::sqrt(relume::max(0.0f, limit_ - now_.variance) / local);
+  }
+
+  /// Probability with which a path samples a direction at its first vertex. It depends on the cell alone: a path that
+  /// ends there has the same probability as one that goes on.
+  RELUME_HD float chance_at_first(const CellMoments& cell) const {
+    const Demodulation& d = demodulation_;
+    if (d.has_delta || grid().undersampled(cell)) return pixel_.survival;
+    const float local = sqr(luminance(arriving_ * d.albedo)) * cell.variance();
+    const bool only_feeds = !(local <= limit_) && kept_share(local) <= 0.0f;
+    return only_feeds ? pixel_.survival * feed_share() : pixel_.survival;
   }
 
   RELUME_HD float variance_limit(const Rgb& albedo, const CellMoments& cell) const {

@@ -60,7 +60,7 @@ TEST_P(DirectLight, HasRecordsOfFirstDirections) {
   context.first_scatters = mutable_view_of(scatters);
   int lamps = 0;
   int open = 0;
-  for (uint32_t sample = 0; sample < 32; ++sample) {
+  for (uint32_t sample = 0; sample < 64; ++sample) {
     frame.run_in(context, 1, sample);
     for (size_t p = 0; p < scatters.size(); ++p) {
       const FirstScatter& s = scatters[p];
