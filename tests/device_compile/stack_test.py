@@ -32,8 +32,8 @@ BOUNDS = (
     # A filtered vertex beside both subpaths, and 0.6 KB for records of the path: samples, and states of chains.
     (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 3250),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2450),
-    (r"(BidirectionalKernel|MergingKernel)<LearningContext", 3150),
-    (r"LightSubpathKernelOf<LearningContext", 2800),
+    (r"(BidirectionalKernel|MergingKernel)<LearningContext", 3050),
+    (r"LightSubpathKernelOf<LearningContext", 2000),
     (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2250),
     # Receivers of the pixel, and of its history or a neighbour.
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 2750),
@@ -51,7 +51,7 @@ BOUNDS = (
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),
-    (r"CellUpdateKernel", 2100),  # vertices of the path
+    (r"CellUpdateKernel", 1800),  # vertices of the path
     (r"PathKernel<CellsOutput<PathGraphContext>", 2100),
     (r"PathKernel<CellsOutput<", 1450),
     # Recorders of samples and of both kinds of chains, here and below: 0.4 KB.
