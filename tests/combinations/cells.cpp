@@ -187,7 +187,9 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
   });
   text += "\n## Refused\n\n";
   text += wrapped(
-      "\"Not implemented\" marks work that was not done. Each other sentence states what forbids its combination.");
+      "\"Not implemented\" marks work that was not done. Each other sentence states what forbids its combination. "
+      "The list has pairs of choices with all other settings at their defaults. The pages of the techniques state "
+      "further refusals.");
   text += "\n\n";
   for (const std::string& reason : reasons) text += wrapped("- " + reason, "  ") + "\n";
   return text;
