@@ -85,8 +85,8 @@ class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
 /// Whether a cell stands for paths that no single choice has. These fill cells, and choose among lights themselves or
-/// leave direct light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or are
-/// subpaths from both sides.
+/// leave direct light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or
+/// are subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;

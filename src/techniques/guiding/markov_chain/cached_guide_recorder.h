@@ -5,10 +5,10 @@
 
 namespace relume {
 
-/// A GuideRecorder that the events of a cache's policy reach (techniques/transport/path/path_policy.h). Where a cell
-/// was read, its mean is the light from there on for earlier vertices. Scores have no weights where a cache thins paths
-/// out. Whether a path continues does not depend on its direction at the vertex, so a chain receives fewer states, with
-/// the same distribution.
+/// A GuideRecorder that receives the events of a cache's policy (techniques/transport/path/path_policy.h). Where a cell
+/// was read, its mean is the light from there on for earlier vertices. Scores have no weights where a cache culls
+/// paths. Whether a path continues does not depend on its direction at the vertex, so a chain receives fewer states,
+/// with the same distribution.
 struct CachedGuideRecorder : GuideRecorder {
   uint32_t complete = 0;  ///< vertices before this one have their light; `radiance` holds it with a negative sign
   uint32_t closed = 0;    ///< these, too, unless the path leaves the current vertex through a delta lobe

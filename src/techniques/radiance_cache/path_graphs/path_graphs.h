@@ -248,12 +248,10 @@ class PathGraph : public NoPolicy {
   }
 
   /// α of eq. 4.15: share of the sampled light that stays, where a cell of variance `local` exceeds the limit.
-  RELUME_HD float kept_share(float local) const {
-    return std::sqrt(relume::max(0.0f, limit_ - now_.variance) / local);
-  }
+  RELUME_HD float kept_share(float local) const { return std::sqrt(relume::max(0.0f, limit_ - now_.variance) / local); }
 
   /// Probability with which a path samples a direction at its first vertex. It depends on the cell alone: a path that
-  /// ends there has the same probability as one that goes on.
+  /// ends there has the same probability as one that continues.
   RELUME_HD float chance_at_first(const CellMoments& cell) const {
     const Demodulation& d = demodulation_;
     if (d.has_delta || grid().undersampled(cell)) return pixel_.survival;

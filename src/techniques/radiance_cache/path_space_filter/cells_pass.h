@@ -31,7 +31,7 @@ struct CellDepths {
   uint32_t count = 1;
 };
 
-/// Users of paths that fill cells, for which these have more outputs.
+/// Consumers for which paths that fill cells write more outputs.
 struct CellPathUsers {
   bool history = false;     ///< a history that verifies pixels
   bool reservoirs = false;  ///< reservoirs that add the direct light of primary hits, which paths leave out
@@ -130,7 +130,8 @@ struct LearningRecords {
   bool any() const { return samples || chains.any(); }
 };
 
-/// Traces paths with `outputs` for each. They record samples and states; without a destination, of no vertices.
+/// Traces paths with `outputs` for each, which record samples and states. Without a destination, they record no
+/// vertices.
 template <typename... Outputs>
 bool trace_recorded_paths(const PathSource& source, const FrameContext& frame, const LearningRecords& records,
                           const Outputs&... outputs) {

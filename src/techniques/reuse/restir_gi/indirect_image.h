@@ -1,4 +1,4 @@
-// What indirect light of reservoirs is added to: planes of the image, and the records by which histories verify the
+// Outputs for the indirect light of reservoirs: planes of the image, and the records by which histories verify the
 // light for another viewpoint.
 #pragma once
 

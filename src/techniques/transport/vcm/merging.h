@@ -183,8 +183,8 @@ struct LightVertexGrid {
     const uint32_t longest = c.max_bidirectional_vertices();
     if (e.count() >= longest) return;
     const uint32_t most = longest - e.count();  // vertices of a light subpath with which paths are short enough
-    // Reservoirs may add the light that reaches a primary hit directly. They take all lights that are worth sampling,
-    // where light subpaths start.
+    // Reservoirs may add the light that reaches a primary hit directly. Their candidates are all lights
+    // from which light subpaths start.
     const uint32_t first = e.path.bounce < c.path.first_nee_bounce ? 1u : 0u;
     Rgb sum(0);
     CausticSum focused;
