@@ -164,7 +164,9 @@ TEST(BdptChains, CulledSubpathsLeaveNoStatesOfDirections) {
     if (culled) recorder.culled();
     recorder.finished(path);
     EXPECT_EQ(is_stored(directions[0]), !culled);
-    if (!culled) EXPECT_NEAR(directions[0].state.weight, 1, 1e-5f);
+    if (!culled) {
+      EXPECT_NEAR(directions[0].state.weight, 1, 1e-5f);
+    }
   }
 }
 
