@@ -16,6 +16,7 @@ SYSTEM_PYTHON = "/usr/bin/python3"
 
 try:
     from selenium import webdriver
+    from selenium.common.exceptions import StaleElementReferenceException as Stale
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys

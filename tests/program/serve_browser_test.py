@@ -64,16 +64,23 @@ class Browser(unittest.TestCase):
         return self.browser.execute_script(script, *arguments)
 
     def wait(self, condition):
-        page_test.WebDriverWait(self.browser, PATIENCE_S, page_test.POLL_S).until(lambda _: condition())
+        """Also repeats a condition whose elements the page replaced after their search, as when a list of buttons changes."""
+        page_test.WebDriverWait(self.browser, PATIENCE_S, page_test.POLL_S, [page_test.Stale]).until(lambda _: condition())
 
     def one(self, selector):
         return self.browser.find_element(page_test.By.CSS_SELECTOR, selector)
+
+    def click(self, selector):
+        self.wait(lambda: self.one(selector).click() or True)
+
+    def choose(self, setting, text):
+        self.wait(lambda: page_test.Select(self.one(f"select[data-setting='{setting}']")).select_by_visible_text(text) or True)
 
     def status(self):
         return self.js("return relume.state.status")
 
     def hold(self, key, seconds):
-        self.one("#image").click()
+        self.click("#image")
         page_test.ActionChains(self.browser).key_down(key).pause(seconds).key_up(key).perform()
 
     def test_opens_without_errors_and_is_not_black(self):
@@ -110,13 +117,12 @@ class Browser(unittest.TestCase):
         self.keep_page()
 
     def test_a_slot_changes(self):
-        choice = page_test.Select(self.one("select[data-setting='denoise']"))
-        before = choice.first_selected_option.text
+        before = page_test.Select(self.one("select[data-setting='denoise']")).first_selected_option.text
         wanted = "none" if before != "none" else "bmfr"
-        choice.select_by_visible_text(wanted)
+        self.choose("denoise", wanted)
         self.wait(lambda: self.js("return relume.state.values.sides[0].denoise") == wanted)
         self.wait(lambda: any(p["name"] for p in self.status()["times"][0]["passes"]))
-        page_test.Select(self.one("select[data-setting='denoise']")).select_by_visible_text(before)
+        self.choose("denoise", before)
         self.wait(lambda: self.js("return relume.state.values.sides[0].denoise") == before)
         self.keep_page()
 
@@ -125,34 +131,34 @@ class Browser(unittest.TestCase):
         self.wait(lambda: any("max-bounces" in message["text"] for message in self.status()["messages"]))
 
     def test_buffers_switch(self):
-        self.one("[data-tab='buffers']").click()
+        self.click("[data-tab='buffers']")
         image = self.js(MEAN)
-        self.one("[data-buffer='depth']").click()
+        self.click("[data-buffer='depth']")
         self.wait(lambda: self.status().get("shown_buffer") == "depth")
         frames = self.js("return relume.state.frames")
         self.wait(lambda: self.js("return relume.state.frames") > frames + 5)  # some of the image may be under way
         self.assertNotAlmostEqual(self.js(MEAN), image, delta=1)
-        self.one("[data-buffer='image']").click()
+        self.click("[data-buffer='image']")
         self.wait(lambda: self.status().get("shown_buffer") == "")
 
     def test_sides_and_bookmarks(self):
-        self.one("[data-press='split']").click()
+        self.click("[data-press='split']")
         self.wait(lambda: self.one("#divider").is_displayed() and len(self.status()["times"]) == 2)
-        self.one("[data-press='split']").click()
+        self.click("[data-press='split']")
         self.wait(lambda: not self.one("#divider").is_displayed())
-        self.one("[data-tab='camera']").click()
+        self.click("[data-tab='camera']")
         before = len(self.status()["bookmarks"])
         eye = self.status()["eye"]
         page_test.ActionChains(self.browser).click(self.one("#camera > button")).perform()
         self.wait(lambda: len(self.status()["bookmarks"]) == before + 1)
         self.hold("s", 0.4)
         self.wait(lambda: self.status()["eye"] != eye)
-        self.one(f"[data-bookmark='{before}']").click()
+        self.click(f"[data-bookmark='{before}']")
         self.wait(lambda: max(abs(a - b) for a, b in zip(self.status()["eye"], eye)) < 1e-3)
         self.keep_page()
 
     def test_a_screenshot_downloads(self):
-        self.one("#screenshot").click()
+        self.click("#screenshot")
         file = self.downloads / "relume-cornell.png"
         self.wait(file.exists)
         width, height, _, rows = png_pixels(file)
@@ -173,13 +179,13 @@ class Browser(unittest.TestCase):
             self.browser.get(self.server.address)
             self.wait(lambda: self.js("return Boolean(globalThis.relume && relume.state.frames > 0)"))
             self.assertTrue(self.js("return document.getElementById('settings').inert"))
-            self.one("#steer").click()
+            self.click("#steer")
             # On a busy machine, the first window may have been inactive for long enough to lose its role.
             self.wait(lambda: self.js("return relume.state.role.requests.length === 1 || relume.state.role.viewer === relume.state.role.steerer"))
             self.browser.switch_to.window(first)
             if self.js("return relume.state.role.viewer === relume.state.role.steerer"):
                 self.wait(lambda: self.browser.find_elements(page_test.By.CSS_SELECTOR, "[data-grant]"))
-                self.one("[data-grant]").click()
+                self.click("[data-grant]")
             self.wait(lambda: self.js("return relume.state.role.viewer !== relume.state.role.steerer"))
         finally:
             self.browser.switch_to.window(next(handle for handle in self.browser.window_handles if handle != first))
