@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests the page of `relume serve` in Chromium: image, camera, settings, buffers, screenshot, rates. Needs Chromium and selenium."""
 
+import json
 import os
 import pathlib
 import sys
@@ -10,6 +11,7 @@ import unittest
 
 import page_test
 from png import png_pixels
+from program import run
 from serve_client import Server
 
 # For otherwise idle machines: requires rates instead of only reporting them.
@@ -22,6 +24,18 @@ const data = image.getContext("2d").getImageData(0, 0, image.width, image.height
 let sum = 0;
 for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
 return sum / (data.length / 4 * 3);
+"""
+
+# Of the columns left and right of the middle.
+MEANS_OF_HALVES = """
+const image = document.getElementById("image");
+const half = Math.floor(image.width / 2);
+return [0, image.width - half].map((from) => {
+  const data = image.getContext("2d").getImageData(from, 0, half, image.height).data;
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 4) sum += data[i] + data[i + 1] + data[i + 2];
+  return sum / (data.length / 4 * 3);
+});
 """
 
 
@@ -140,6 +154,46 @@ class Browser(unittest.TestCase):
         self.assertNotAlmostEqual(self.js(MEAN), image, delta=1)
         self.click("[data-buffer='image']")
         self.wait(lambda: self.status().get("shown_buffer") == "")
+
+    def test_a_press_outlasts_a_change_of_its_list(self):
+        self.click("[data-tab='buffers']")
+        page_test.ActionChains(self.browser).click_and_hold(self.one("[data-buffer='depth']")).perform()
+        self.js("const v = relume.state.values; relume.link.emit('text', { ...v, buffers: [...v.buffers, { name: 'another', help: '' }] })")
+        page_test.ActionChains(self.browser).release().perform()
+        self.wait(lambda: self.status().get("shown_buffer") == "depth")
+        self.click("[data-buffer='image']")
+        self.wait(lambda: self.status().get("shown_buffer") == "")
+        self.keep_page()
+
+    def test_settings_are_those_of_the_program(self):
+        names = self.js("return [...new Set([...document.querySelectorAll('[data-setting]')].map((e) => e.dataset.setting))]")
+        self.assertEqual(sorted(names), sorted(json.loads(run("settings", "--json").stdout)))
+        self.keep_page()
+
+    def test_times_are_shown_by_pass(self):
+        self.wait(lambda: self.js("return document.querySelectorAll('#passes tr').length") > 1)
+        shown, told = self.js("return [[...document.querySelectorAll('#passes tr')].map((row) => [...row.children].map((cell) => cell.textContent)), relume.state.status.times[0].passes]")
+        self.assertEqual([name for name, _ in shown], [each["name"] for each in told])
+        for (_, text), each in zip(shown, told):
+            self.assertAlmostEqual(float(text.removesuffix(" ms")), each["ms"], delta=0.006)
+        self.assertGreater(sum(each["ms"] for each in told), 0)
+        self.keep_page()
+
+    def test_side_b_has_its_own_settings(self):
+        self.click("[data-press='split']")
+        self.wait(lambda: len(self.status()["times"]) == 2)
+        self.js("relume.link.input({ do: 'set', side: 1, name: 'max-bounces', value: '0' })")
+
+        def shows_emitters_only():
+            left, right = self.js(MEANS_OF_HALVES)
+            return right < 0.5 * left
+
+        self.wait(shows_emitters_only)
+        self.assertNotEqual(*(self.js("return relume.state.values.sides")[side]["max-bounces"] for side in (0, 1)))
+        self.js("relume.link.input({ do: 'press', button: 'copy' })")
+        self.click("[data-press='split']")
+        self.wait(lambda: not self.one("#divider").is_displayed())
+        self.keep_page()
 
     def test_sides_and_bookmarks(self):
         self.click("[data-press='split']")

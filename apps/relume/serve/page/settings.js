@@ -12,8 +12,15 @@ export class Settings {
     this.values = null;
   }
 
-  /// Builds the panel.
-  declare({ groups, essential, presets }) {
+  /// Builds the panel. A new connection to the same server leaves it as it is.
+  declare(declarations) {
+    const text = JSON.stringify(declarations);
+    if (this.declared === text) return;
+    this.declared = text;
+    this.build(declarations);
+  }
+
+  build({ groups, essential, presets }) {
     this.rows = [];
     const all = groups.flatMap((group) => group.settings);
     this.edited = make("span", { class: "choices", role: "group", "aria-label": "Edited side" });

@@ -17,11 +17,25 @@ export function make(tag, attributes = {}, ...children) {
 
 const byId = (id) => document.getElementById(id);
 
-/// Replaces the children if their description has changed, so that the focus stays.
-function update(element, key, children) {
-  if (element.dataset.key === key) return;
-  element.dataset.key = key;
-  element.replaceChildren(...children());
+/// Makes the children of `element` those of the items. Children stay by their key, so that focus and a press that has
+/// begun outlast a change of the list. `create` makes a child, `refresh` shows what may change in it.
+function arrange(element, items, { key, create, refresh = () => {} }) {
+  const old = new Map([...element.children].map((child) => [child.dataset.key, child]));
+  const uses = new Map();
+  const children = items.map((item) => {
+    const use = uses.get(key(item)) ?? 0; // of equal keys
+    uses.set(key(item), use + 1);
+    const name = `${key(item)}\n${use}`;
+    const child = old.get(name) ?? create(item);
+    old.delete(name);
+    child.dataset.key = name;
+    refresh(child, item);
+    return child;
+  });
+  for (const child of old.values()) child.remove();
+  children.forEach((child, i) => {
+    if (element.children[i] !== child) element.insertBefore(child, element.children[i] ?? null);
+  });
 }
 
 export class Views {
@@ -32,6 +46,11 @@ export class Views {
     this.tabs();
     this.tools(screenshot);
     byId("keys").append(make("dl", {}, ...KEYS.flatMap(([key, meaning]) => [make("dt", { text: key }), make("dd", { text: meaning })])));
+    this.buffers = make("div", { class: "list" });
+    byId("buffers").append(this.buffers);
+    this.roleText = make("span");
+    this.roleButtons = make("span", { class: "role-buttons" });
+    byId("steering").append(this.roleText, this.roleButtons);
     this.bookmarks = make("div", { class: "list" });
     const store = this.button("Store this view", () => this.link.input({ do: "bookmark", verb: "store", slot: 63 }));
     this.place = make("p");
@@ -71,16 +90,33 @@ export class Views {
   /// Buffers to inspect.
   showBuffers(buffers, chosen) {
     const all = [{ name: "", help: "Accumulated mean radiance, exposed and tone-mapped" }, ...buffers];
-    update(byId("buffers"), JSON.stringify([all, chosen]), () => [make("div", { class: "list" },
-      ...all.map(({ name, help }) => this.button(name || "image", () => this.link.input({ do: "buffer", name }),
-        { "data-buffer": name || "image", title: help, "aria-pressed": String(name === chosen) })))]);
+    arrange(this.buffers, all, {
+      key: ({ name }) => name || "image",
+      create: ({ name }) => this.button(name || "image", () => this.link.input({ do: "buffer", name }), { "data-buffer": name || "image" }),
+      refresh: (button, { name, help }) => {
+        button.title = help;
+        button.setAttribute("aria-pressed", String(name === chosen));
+      },
+    });
+  }
+
+  /// A bookmark's slot changes when an earlier one is removed.
+  showBookmarks(names) {
+    arrange(this.bookmarks, names.map((name, slot) => ({ name, slot })), {
+      key: ({ name }) => name,
+      create: ({ name }) => {
+        const pair = make("span", { class: "pair" });
+        const use = (verb) => this.link.input({ do: "bookmark", verb, slot: Number(pair.firstChild.dataset.bookmark) });
+        pair.append(this.button(name, () => use("go")), this.button("×", () => use("remove"), { "aria-label": `Remove ${name}` }));
+        return pair;
+      },
+      refresh: (pair, { slot }) => { pair.firstChild.dataset.bookmark = String(slot); },
+    });
   }
 
   showStatus(status) {
     for (const [name, button] of Object.entries(this.toggles)) button.setAttribute("aria-pressed", String(Boolean(status[name])));
-    update(this.bookmarks, JSON.stringify(status.bookmarks), () => status.bookmarks.map((name, slot) => make("span", { class: "pair" },
-      this.button(name, () => this.link.input({ do: "bookmark", verb: "go", slot }), { "data-bookmark": String(slot) }),
-      this.button("×", () => this.link.input({ do: "bookmark", verb: "remove", slot }), { "aria-label": `Remove ${name}` }))));
+    this.showBookmarks(status.bookmarks);
     const numbers = (list) => list.map((x) => x.toFixed(2)).join(", ");
     this.place.textContent = status.eye ? `eye ${numbers(status.eye)} m; speed ${status.speed.toFixed(2)} m/s` : "";
     this.reported = [...(status.preparing ?? []).map((text) => ({ text, problem: false })), ...status.messages];
@@ -90,7 +126,10 @@ export class Views {
   /// The lines of the last status, and the server's answer to this viewer.
   showMessages() {
     const lines = this.told ? [...this.reported, { text: this.told, problem: true }] : this.reported;
-    update(byId("messages"), JSON.stringify(lines), () => lines.map(({ text, problem }) => make("li", { text, class: problem ? "problem" : false })));
+    arrange(byId("messages"), lines, {
+      key: ({ text, problem }) => `${problem} ${text}`,
+      create: ({ text, problem }) => make("li", { text, class: problem ? "problem" : false }),
+    });
   }
 
   /// Shows the server's answer to this viewer at once, whether or not a status follows.
@@ -110,13 +149,18 @@ export class Views {
     const others = role.viewers - 1;
     const count = others === 0 ? "" : ` ${others} other${others === 1 ? "" : "s"} watch${others === 1 ? "es" : ""}.`;
     const waits = role.requests.includes(role.viewer);
-    const children = [make("span", { text: (steers ? "You steer." : "Another viewer steers.") + count })];
-    if (!steers) children.push(this.button(waits ? "Asked to steer" : "Ask to steer", () => this.link.send({ do: "steer" }), { id: "steer", disabled: waits }));
-    if (steers) {
-      for (const viewer of role.requests)
-        children.push(this.button(`Let viewer ${viewer} steer`, () => this.link.send({ do: "grant", viewer }), { "data-grant": String(viewer) }));
-    }
-    byId("steering").replaceChildren(...children);
+    this.roleText.textContent = (steers ? "You steer." : "Another viewer steers.") + count;
+    arrange(this.roleButtons, steers ? role.requests : [role.viewer], {
+      key: (viewer) => `${steers ? "grant" : "steer"} ${viewer}`,
+      create: (viewer) => (steers
+        ? this.button(`Let viewer ${viewer} steer`, () => this.link.send({ do: "grant", viewer }), { "data-grant": String(viewer) })
+        : this.button("", () => this.link.send({ do: "steer" }), { id: "steer" })),
+      refresh: (button) => {
+        if (steers) return;
+        button.textContent = waits ? "Asked to steer" : "Ask to steer";
+        button.disabled = waits;
+      },
+    });
     for (const id of ["settings", "buffers", "camera"]) byId(id).inert = !steers;
     for (const button of byId("tools").querySelectorAll("[data-press]")) button.disabled = !steers;
   }
