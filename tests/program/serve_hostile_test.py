@@ -16,7 +16,10 @@ from serve_client import BINARY, CLOSE, PING, SECONDS_TO_ANSWER, TEXT, Server, V
 SCENE = ("cornell", "--width", 160, "--height", 90, "--max-bounces", 2, "--threads", 1)
 SANITIZED = "RELUME_SANITIZED" in os.environ
 MOST_GROWTH = 64 << 20  # bytes
-MOST_GAP_S = 60 if SANITIZED else 10
+# For otherwise idle machines: the honest viewer sees a fluent image during every offence.
+QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
+MOST_GAP_S = 60 if SANITIZED else 1 if QUIET else 10
+LEAST_HZ = 10 if QUIET else 0
 HANDSHAKE_S = 5  # kHandshake_s of serve/limits.h
 TOO_BIG = 1009  # of RFC 6455
 
@@ -99,10 +102,11 @@ class Hostile(unittest.TestCase):
         self.assertIsNone(self.honest.failure)
         self.assertGreaterEqual(self.honest.frames, self.frames + 3, "the honest viewer gets no frames")
         seconds = time.monotonic() - self.began
+        hz = (self.honest.frames - self.frames) / seconds
         memory = self.server.resident_bytes()
-        print(f"{self.id().split('.')[-1]}: {(self.honest.frames - self.frames) / seconds:.1f} frames/s, longest gap {1000 * self.honest.longest_gap_s:.0f} ms, "
-              f"{memory >> 20} MiB", file=sys.stderr)
+        print(f"{self.id().split('.')[-1]}: {hz:.1f} frames/s, longest gap {1000 * self.honest.longest_gap_s:.0f} ms, {memory >> 20} MiB", file=sys.stderr)
         self.assertLess(self.honest.longest_gap_s, MOST_GAP_S)
+        self.assertGreaterEqual(hz, LEAST_HZ)
         if not SANITIZED:  # they keep freed memory
             self.assertLess(memory, self.memory + MOST_GROWTH)
 
