@@ -44,7 +44,7 @@ std::string hash_of(const std::string& text) {
 Bytes to_message(const FrameImage& frame) {
   MessageWriter out;
   out.put(static_cast<uint64_t>(frame.index)).put(frame.samples).put(frame.render_s).put(frame.rays);
-  out.put(frame.in_studio).put(frame.warms_up).put(frame.exr.width).put(frame.exr.height).put(frame.exr.data_window);
+  out.put(frame.in_studio).put(frame.exr.width).put(frame.exr.height).put(frame.exr.data_window);
   out.put(static_cast<uint64_t>(frame.exr.attributes.size()));
   for (const auto& [name, text] : frame.exr.attributes) out.put_text(name).put_text(text);
   out.put(static_cast<uint64_t>(frame.exr.channels.size()));
@@ -61,7 +61,6 @@ FrameImage frame_of_message(const Bytes& bytes) {
   frame.render_s = in.get<double>();
   frame.rays = in.get<uint64_t>();
   frame.in_studio = in.get<bool>();
-  frame.warms_up = in.get<bool>();
   frame.exr.width = in.get<int>();
   frame.exr.height = in.get<int>();
   frame.exr.data_window = in.get<PixelWindow>();

@@ -21,8 +21,7 @@ struct FrameImage {
   double render_s = 0;
   uint64_t rays = 0;
   bool in_studio = false;
-  bool warms_up = false;  ///< whether earlier frames were rendered for it only
-  ExrFile exr;            ///< image, layers and metadata; data_window: that of --crop
+  ExrFile exr;  ///< image, layers and metadata; data_window: that of --crop
 };
 
 Bytes to_message(const FrameImage& frame);

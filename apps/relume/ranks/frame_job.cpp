@@ -4,6 +4,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -79,13 +80,15 @@ class FrameWorker {
       limits.completes_first_frame = false;
       if (render_until(session_, limits, stop_.get_token(), {}) == StopReason::interrupted) return;
       position_ = frame + 1;
-      if (frame >= segment.first) send(frame, begin < segment.first);
+      const bool is_seam = !continues && frame == segment.first && uses_earlier_frames(settings);
+      if (frame >= segment.first) send(frame, is_seam ? std::optional(segment.first - begin) : std::nullopt);
     }
   }
 
   float time_of(size_t frame) const { return time_of_image(options_, setup_.plan, setup_.scene_time_s, frame); }
 
-  void send(size_t index, bool warms_up) {
+  /// `warmup`: frames before a segment's first one, whose file states it.
+  void send(size_t index, const std::optional<size_t>& warmup) {
     FrameImage frame;
     frame.index = index;
     frame.samples = session_.image_samples();
@@ -93,11 +96,11 @@ class FrameWorker {
     frame.rays = session_.statistics().rays - rays_;
     rays_ = session_.statistics().rays;
     frame.in_studio = session_.in_studio();
-    frame.warms_up = warms_up;
     const Image image = session_.image();
     frame.exr = ExrFile{image.width, image.height, exr_channels(image),
                         cli::image_metadata(session_, options_.scene, setup_.settings, setup_.load_s),
                         render_settings(session_).crop};
+    if (warmup) frame.exr.attributes["relume.warmup"] = std::to_string(*warmup);
     for (const std::string& name : setup_.plan.aovs) {
       for (ExrChannel& channel : session_.aov(name)) frame.exr.channels.push_back(std::move(channel));
     }
