@@ -108,6 +108,15 @@ def rank_process(mark, rank):
     return next((number for number, variables in marked_processes(mark).items() if variables & ranks), None)
 
 
+def cpu_seconds(number):
+    """Processor time of a process; 0 after its end."""
+    try:
+        fields = pathlib.Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def main():
     """As unittest.main(), but ends with SKIPPED if no test ran."""
     done = unittest.main(module="__main__", exit=False, verbosity=2).result

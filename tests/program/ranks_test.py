@@ -5,9 +5,12 @@ import json
 import os
 import re
 import signal
+import subprocess
+import time
 
+import program
 from program import exr_channels, exr_pixels, exr_strings
-from ranks import RanksTest, main, rank_process
+from ranks import FOLDER, RanksTest, cpu_seconds, end_processes, main, rank_process
 
 LAYERS = "albedo,normal,depth,motion,variance,heatmap,samples"
 SMALL = ["--width", "48", "--height", "36", "--threads", "1"]
@@ -83,6 +86,13 @@ class Images(RanksTest):
         self.refused(1, "nowhere.glb", "render", "nowhere.glb", *SMALL, "-o", "no.exr")
         self.assertEqual(self.files(), [])
 
+    def test_only_the_plugin_needs_mpi(self):
+        def libraries(file):
+            return subprocess.run(["ldd", str(file)], check=True, capture_output=True, text=True, timeout=60).stdout
+
+        self.assertNotIn("libmpi", libraries(program.PROGRAM))
+        self.assertIn("libmpi", libraries(FOLDER / f"relume-mpi-{self.library}.so"))
+
     def test_a_missing_plugin_is_named(self):
         done = self.on_ranks(2, "render", "cornell", *SMALL, "-o", "no.exr", RELUME_MPI_PLUGIN="/nowhere.so")
         self.assertNotEqual(done.returncode, 0)
@@ -110,21 +120,51 @@ class Sequences(RanksTest):
 
 
 class Lost(RanksTest):
-    def test_a_lost_rank_leaves_a_checkpoint_for_any_number_of_ranks(self):
-        look = ["render", "cornell", "--width", "96", "--height", "72", "--threads", "1", "--spp", "4000"]
-        resumed = ["--resume", "out.ckpt", "--checkpoint-interval", "0.2s"]
-        process, mark = self.start_on_ranks(3, *look, "-o", "out.exr", *resumed)
+    look = ["render", "cornell", "--width", "96", "--height", "72", "--threads", "1", "--spp", "4000"]
+    resumed = ["--resume", "out.ckpt", "--checkpoint-interval", "0.2s"]
+    whole = None  # pixels of a render by one process
+
+    def start_until_checkpoint(self, *options):
+        process, mark = self.start_on_ranks(3, *self.look, "-o", "out.exr", *options)
         self.wait_for((self.folder / "out.ckpt").exists, "a checkpoint")
+        return process, mark
+
+    def assert_resumes(self, ranks):
+        done = self.succeed("merge", "out.ckpt", "-o", "so_far.exr")
+        self.assertIn("samples per pixel", done.stderr)
+        done = self.succeed_on_ranks(ranks, *self.look, "-o", "out.exr", *self.resumed, timeout=400)
+        self.assertIn("continues from out.ckpt at", done.stderr)
+        if type(self).whole is None:
+            self.succeed(*self.look, "-o", "whole.exr", timeout=400)
+            type(self).whole = exr_pixels(self.folder / "whole.exr")
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == self.whole)
+
+    def test_a_lost_rank_leaves_a_checkpoint_for_any_number_of_ranks(self):
+        process, mark = self.start_until_checkpoint(*self.resumed)
         victim = rank_process(mark, 1)
         self.assertIsNotNone(victim)
         os.kill(victim, signal.SIGKILL)
         self.assertNotEqual(process.wait(60), 0)
-        done = self.succeed("merge", "out.ckpt", "-o", "so_far.exr")
-        self.assertIn("samples per pixel", done.stderr)
-        done = self.succeed_on_ranks(2, *look, "-o", "out.exr", *resumed, timeout=400)
-        self.assertIn("continues from out.ckpt at", done.stderr)
-        self.succeed(*look, "-o", "whole.exr", timeout=400)
-        self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
+        self.assert_resumes(2)
+
+    def test_a_lost_rank_0_leaves_a_checkpoint(self):
+        process, mark = self.start_until_checkpoint(*self.resumed)
+        victim = rank_process(mark, 0)
+        self.assertIsNotNone(victim)
+        os.kill(victim, signal.SIGKILL)
+        self.assertNotEqual(process.wait(60), 0)
+        self.assert_resumes(1)
+
+    def test_a_job_that_is_killed_at_once_loses_an_interval_at_most(self):
+        process, mark = self.start_until_checkpoint("--resume", "out.ckpt", "--checkpoint-interval", "1s")
+        time.sleep(2.5)
+        self.assertIsNone(process.poll(), self.errors())
+        age = time.time() - (self.folder / "out.ckpt").stat().st_mtime
+        end_processes(mark)  # mpirun, too
+        process.wait(30)
+        print(f"the checkpoint was {age:.1f} s old")
+        self.assertLess(age, 4, "an interval of a second, and a deal of half a second on a busy machine")
+        self.assert_resumes(4)
 
     def test_a_sequence_continues_on_another_number_of_ranks(self):
         look = ["render", "turntable", "--width", "96", "--height", "72", "--threads", "1", "--frames", "0-40", "--fps", "8", "--spp", "32", "--resume", "out.ckpt"]
@@ -135,6 +175,73 @@ class Lost(RanksTest):
         done = self.succeed_on_ranks(2, *look, "-o", "b.####.exr")
         self.assertIn("continues from out.ckpt after", done.stderr)
         self.assertEqual(len([name for name in self.files() if name.startswith("b.")]), 41)
+
+
+class Silent(RanksTest):
+    """Ranks that are stopped keep their connections: only the heartbeat shows that they are lost."""
+
+    look = ["render", "cornell", "--width", "96", "--height", "72", "--threads", "1"]
+    resumed = ["--resume", "out.ckpt", "--checkpoint-interval", "1s"]
+
+    def stop(self, rank, sentence):
+        """Stops a rank, and waits for the sentence and the end of the job. Returns the seconds until the sentence."""
+        process, mark = self.start_on_ranks(3, *self.look, "--spp", "1000000", "-o", "out.exr", *self.resumed)
+        self.wait_for((self.folder / "out.ckpt").exists, "a checkpoint")
+        victim = rank_process(mark, rank)
+        self.assertIsNotNone(victim)
+        os.kill(victim, signal.SIGSTOP)
+        start = time.monotonic()
+        self.wait_for(lambda: sentence in self.errors(), sentence)
+        seconds = time.monotonic() - start
+        self.assertNotEqual(process.wait(60), 0)
+        print(f"rank {rank}: noticed after {seconds:.0f} s, ended after {time.monotonic() - start:.0f} s")
+        self.assertLess(time.monotonic() - start, 60)
+        return seconds
+
+    def assert_resumes(self):
+        done = self.succeed("merge", "out.ckpt", "-o", "so_far.exr")
+        samples = str(int(re.search(r"with (\d+) samples per pixel", done.stderr)[1]) + 200)
+        done = self.succeed_on_ranks(2, *self.look, "--spp", samples, "-o", "out.exr", *self.resumed, timeout=600)
+        self.assertIn("continues from out.ckpt at", done.stderr)
+        self.succeed(*self.look, "--spp", samples, "-o", "whole.exr", timeout=1200)
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
+
+    def test_a_silent_rank_is_noticed_within_30_s(self):
+        self.assertLess(self.stop(1, "cannot be reached any more; continue from out.ckpt"), 30)
+        lines = re.findall(r"^(.*?)(\d+)/1000000 samples", self.errors(), re.MULTILINE)
+        self.assertTrue(lines, self.errors())
+        self.assertEqual({label for label, _ in lines}, {"3 ranks, "}, "one line of progress, of all ranks")
+        samples = [int(number) for _, number in lines]
+        self.assertEqual(samples, sorted(set(samples)))
+        self.assert_resumes()
+
+    def test_a_silent_rank_0_ends_the_others(self):
+        seconds = self.stop(0, "lost the connection to rank 0 and ends; continue from out.ckpt")
+        self.assertLess(seconds, 32, "30 s, and the time until its sentence is here")
+        self.assert_resumes()
+
+
+class Uneven(RanksTest):
+    def test_a_slow_rank_does_not_hold_the_others(self):
+        look = ["render", "cornell", "--width", "96", "--height", "72", "--threads", "1", "--spp", "3000"]
+        start = time.monotonic()
+        self.succeed_on_ranks(2, *look, "-o", "two.exr", timeout=600)
+        two_s = time.monotonic() - start
+        start = time.monotonic()
+        process, mark = self.start_on_ranks(3, *look, "-o", "out.exr")
+        self.wait_for(lambda: (number := rank_process(mark, 2)) and cpu_seconds(number) > 1.5, "a long deal of rank 2")
+        slow = rank_process(mark, 2)
+        while "wrote out.exr" not in self.errors():  # a twentieth of its speed
+            self.assertIsNone(process.poll(), self.errors())
+            self.assertLess(time.monotonic() - start, 2 * two_s + 5, "the slow rank holds the others")
+            os.kill(slow, signal.SIGCONT)
+            time.sleep(0.01)
+            os.kill(slow, signal.SIGSTOP)
+            time.sleep(0.19)
+        print(f"two ranks: {two_s:.1f} s; with a third one that becomes slow: {time.monotonic() - start:.1f} s")
+        os.kill(slow, signal.SIGCONT)
+        self.assertEqual(process.wait(60), 0, self.errors())
+        self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "two.exr"))
 
 
 class Seams(RanksTest):
@@ -261,6 +368,14 @@ class MpichSequences(Sequences):
 
 
 class MpichLost(Lost):
+    library = "mpich"
+
+
+class MpichSilent(Silent):
+    library = "mpich"
+
+
+class MpichUneven(Uneven):
     library = "mpich"
 
 
