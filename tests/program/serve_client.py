@@ -161,7 +161,10 @@ class Viewer:
         data, self.buffer = self.buffer[:count], self.buffer[count:]
         return data
 
-    def receive(self):
+    def acknowledge(self, frame):
+        self.send({"do": "ack", "frame": struct.unpack_from("<I", frame, 4)[0]})
+
+    def receive(self, acknowledges=True):
         """Next frame: opcode and payload. Acknowledges frames, answers pings, and keeps the newest texts."""
         first, second = self.take(2)
         length = second & 0x7F
@@ -177,7 +180,8 @@ class Viewer:
         elif opcode == BINARY and payload[0] == 0:
             self.frames += 1
             self.last = payload
-            self.send({"do": "ack", "frame": struct.unpack_from("<I", payload, 4)[0]})
+            if acknowledges:
+                self.acknowledge(payload)
         elif opcode == BINARY:
             self.png = payload
         elif opcode == PING:

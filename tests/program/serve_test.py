@@ -7,7 +7,7 @@ import time
 import unittest
 
 from program import ProgramTest
-from serve_client import Server, Viewer, Watching
+from serve_client import BINARY, Server, Viewer, Watching
 
 SCENE = ("cornell", "--width", 160, "--height", 90, "--max-bounces", 2, "--threads", 1)
 SECONDS_TO_END = 20 if "RELUME_SANITIZED" in os.environ else 4  # up to 0.7 s on an idle machine
@@ -111,6 +111,34 @@ class Serving(unittest.TestCase):
             second.receive_until(lambda: denoiser(second) == chosen)
             first.receive_until(lambda: denoiser(first) == chosen)
 
+    def test_input_passes_frames_that_wait(self):
+        with Viewer(self.server) as steering, Viewer(self.server) as other:
+            for viewer in (steering, other):
+                viewer.receive_until(lambda v=viewer: {"role", "values"} <= set(v.texts))
+            if steering.texts["role"]["viewer"] != steering.texts["role"]["steerer"]:
+                steering, other = other, steering
+            chosen = "none" if other.texts["values"]["sides"][0]["denoise"] != "none" else "bmfr"
+            until = time.monotonic() + 1  # frames for the one that no longer reads wait
+            other.receive_until(lambda: time.monotonic() > until)
+            steering.send({"do": "set", "side": 0, "name": "denoise", "value": chosen})
+            other.receive_until(lambda: other.texts["values"]["sides"][0]["denoise"] == chosen)
+
+    def test_a_slow_link_gets_smaller_frames(self):
+        with Viewer(self.server) as viewer:
+            levels, sizes = [], []
+            end = time.monotonic() + 60
+            while not levels or levels[-1] < 4:
+                self.assertLess(time.monotonic(), end, f"levels {levels}")
+                opcode, payload = viewer.receive(acknowledges=False)
+                if opcode != BINARY:
+                    continue
+                time.sleep(len(payload) / 8000)  # bytes per second
+                viewer.acknowledge(payload)
+                levels.append(payload[1])
+                sizes.append(len(payload))
+            self.assertLess(levels[0], 2)
+            self.assertLess(sizes[-1], 0.5 * sizes[0])
+
     def test_more_viewers_than_permitted(self):
         with Viewer(self.server) as a, Viewer(self.server) as b, Viewer(self.server) as c:
             for viewer in (a, b, c):
@@ -194,6 +222,8 @@ class Ending(ProgramTest):
                 self.assertEqual(code, 0, "".join(server.errors))
                 self.assertLess(seconds, SECONDS_TO_END)
                 self.assertEqual(watching.viewer.close_code, GOING_AWAY)
+                server.reader.join(10)
+                self.assertNotIn(server.token, server.process.stdout.read() + "".join(server.errors), "the token is printed once")
 
     def test_other_addresses_get_a_warning(self):
         server = Server(*SCENE, "--bind", "0.0.0.0", "--host", "render.example.com")
