@@ -94,7 +94,7 @@ class Times(RanksTest):
         scene = pathlib.Path(os.environ.get("RELUME_SCENES", "")) / "sponza" / "sponza.gltf"
         if "RELUME_SCENES" not in os.environ or not scene.exists():
             self.skipTest("RELUME_SCENES names no folder with Sponza")
-        look = ["render", str(scene), "--width", "320", "--height", "180", "--spp", "256", "--quiet", "-o", "out.exr"]
+        look = ["render", str(scene), "--width", "320", "--height", "180", "--spp", "256", "--quiet"]
 
         def seconds(run):
             start = time.monotonic()
@@ -103,8 +103,9 @@ class Times(RanksTest):
 
         ratios = []
         for _ in range(3):
-            single = seconds(lambda: self.succeed(*look, "--threads", "2", timeout=1500))
-            ratios.append(seconds(lambda: self.succeed_on_ranks(2, *look, "--threads", "1", timeout=1500)) / single)
+            single = seconds(lambda: self.succeed(*look, "--threads", "2", "-o", "one.exr", timeout=1500))
+            ratios.append(seconds(lambda: self.succeed_on_ranks(2, *look, "--threads", "1", "-o", "two.exr", timeout=1500)) / single)
+            self.assertTrue(exr_pixels(self.folder / "two.exr") == exr_pixels(self.folder / "one.exr"))
         print(f"time of two ranks over one rank: {', '.join(f'{r:.3f}' for r in ratios)}")
         self.assertLessEqual(statistics.median(ratios), 1.05)
 
