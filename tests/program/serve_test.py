@@ -137,7 +137,7 @@ class Serving(unittest.TestCase):
                 levels.append(payload[1])
                 sizes.append(len(payload))
             self.assertLess(levels[0], 2)
-            self.assertLess(sizes[-1], 0.5 * sizes[0])
+            self.assertLess(sizes[-1], 0.7 * sizes[0])  # such small frames are headers for a large part
 
     def test_more_viewers_than_permitted(self):
         with Viewer(self.server) as a, Viewer(self.server) as b, Viewer(self.server) as c:
