@@ -7,11 +7,17 @@
 
 namespace relume {
 
+/// Makes a connection to the picked light, as make_connection(). Not inlined, as the steps in walk.h.
+RELUME_HD_NOINLINE inline bool connect_picked(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                              const LightPick& pick, const Sampler& sampler, Connection& connection) {
+  return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
+}
+
 /// Luminance that a connection to the picked light adds if nothing blocks it; 0 without a connection.
 RELUME_HD_NOINLINE inline float unoccluded_light(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                                  const LightPick& pick, const Sampler& sampler) {
   Connection connection;
-  const bool connects = make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
+  const bool connects = connect_picked(c, sp, path, pick, sampler, connection);
   return connects ? luminance(connection.contribution) : 0.0f;
 }
 

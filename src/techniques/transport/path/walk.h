@@ -22,12 +22,6 @@ RELUME_HD_NOINLINE bool arrive(const PathContext& c, const Hit& hit, SurfacePoin
       c, hit, previous, [pmf](LightId) { return pmf; }, sp, path, policy);
 }
 
-/// Makes a connection to the picked light, as make_connection().
-RELUME_HD_NOINLINE inline bool connect_picked(const PathContext& c, const SurfacePoint& sp, const PathState& path,
-                                              const LightPick& pick, const Sampler& sampler, Connection& connection) {
-  return make_connection(c, sp, path, pick, sample_picked(c, sp, pick), sampler, connection);
-}
-
 /// Adds the light of the picked source, if nothing blocks it.
 template <typename Policy>
 RELUME_HD_NOINLINE void add_picked(const PathContext& c, const SurfacePoint& sp, PathState& path, const LightPick& pick,
