@@ -185,12 +185,11 @@ PassDeclaration cell_paths_declaration(const CellsPass& cells) {
                               .only_sampled_pixels = true};
   declaration.owns.push_back(filtered_pixels_buffer());
   if (cells.users().history) {
-    declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
+    declaration.owns.push_back(first_vertices_buffer());
     declaration.owns.push_back({.id = kCellsAtHit, .help = "1 where cells show the light that the surface reflects"});
   }
   if (cells.users().reservoirs) {
-    declaration.owns.push_back(
-        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
+    declaration.owns.push_back(first_scatters_buffer());
     declaration.owns.push_back(
         {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"});
   }

@@ -26,12 +26,8 @@ PassDeclaration SharcPass::declaration() const {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
-  if (records_.first_vertices)
-    declaration.owns.push_back({.id = kFirstVertices, .help = "directions and light at the first vertex of the path"});
-  if (records_.first_scatters) {
-    declaration.owns.push_back(
-        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
-  }
+  if (records_.first_vertices) declaration.owns.push_back(first_vertices_buffer());
+  if (records_.first_scatters) declaration.owns.push_back(first_scatters_buffer());
   return declaration;
 }
 

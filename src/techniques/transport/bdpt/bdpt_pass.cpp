@@ -36,13 +36,10 @@ PassDeclaration BdptPass::declaration() const {
                     .help = "difference of the halves of the light paths in this frame's caustic layer"});
   }
   if (records_.first_vertices) {
-    owns.push_back({.id = kFirstVertices, .help = "direction and light at the first vertex of this frame's sample"});
+    owns.push_back(first_vertices_buffer());
     owns.push_back({.id = kChosenDirections, .help = "direction of one contribution to the pixel, and its key"});
   }
-  if (records_.first_scatters) {
-    owns.push_back(
-        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
-  }
+  if (records_.first_scatters) owns.push_back(first_scatters_buffer());
   return {.name = "trace",
           .stage = Stage::trace,
           .owns = std::move(owns),

@@ -16,6 +16,14 @@ std::vector<BufferDescription> estimator_buffers() {
           {.id = kRays, .help = "number of rays traced for this frame's sample", .display = BufferDisplay::value}};
 }
 
+BufferDescription first_vertices_buffer() {
+  return {.id = kFirstVertices, .help = "directions from the first vertex of this frame's sample, and their light"};
+}
+
+BufferDescription first_scatters_buffer() {
+  return {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"};
+}
+
 PathContext make_path_context(const PathSource& source, const FrameContext& frame) {
   PathContext context;
   context.scene = frame.scene;
@@ -46,15 +54,8 @@ PassDeclaration PathPass::declaration() const {
                               .reads = {kPrimaryHits},
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
-  if (records_.first_vertices) {
-    declaration.owns.push_back(
-        {.id = kFirstVertices,
-         .help = "sampled directions and their light at the first vertex of this frame's sample"});
-  }
-  if (records_.first_scatters) {
-    declaration.owns.push_back(
-        {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"});
-  }
+  if (records_.first_vertices) declaration.owns.push_back(first_vertices_buffer());
+  if (records_.first_scatters) declaration.owns.push_back(first_scatters_buffer());
   if (records_.indirect_samples) {
     declaration.owns.push_back(
         {.id = kIndirectSamples, .help = "surface point met from the primary hit, and the light that it reflects"});

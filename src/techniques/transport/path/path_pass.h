@@ -84,4 +84,8 @@ class PathPass final : public Pass {
 /// Buffers owned by every estimator: kRadiance and kRays of this frame's sample.
 std::vector<BufferDescription> estimator_buffers();
 
+/// kFirstVertices and kFirstScatters. The pass that traces paths owns them if later passes need them.
+BufferDescription first_vertices_buffer();
+BufferDescription first_scatters_buffer();
+
 }  // namespace relume
