@@ -60,13 +60,13 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
 /// reservoirs can add.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const LearningRecords& learning) {
-  auto& cells = builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count,
-                                       CellPathUsers{}, "sharc");
+  const CellPathUsers users{.history = needs_first_vertices(settings),
+                            .reservoirs = resamples_direct_light(settings.reuse)};
+  auto& cells =
+      builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, users, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
-  const PathRecords records{.first_vertices = needs_first_vertices(settings),
-                            .first_scatters = resamples_direct_light(settings.reuse)};
-  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, learning, records);
+  builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, learning);
   add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }

@@ -31,7 +31,7 @@ struct CellDepths {
   uint32_t count = 1;
 };
 
-/// Consumers for which paths that fill cells write more outputs.
+/// Consumers for which paths that fill or read cells write more outputs.
 struct CellPathUsers {
   bool history = false;     ///< a history that verifies pixels
   bool reservoirs = false;  ///< reservoirs that add the direct light of primary hits, which paths leave out

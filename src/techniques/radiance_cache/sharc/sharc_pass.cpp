@@ -26,8 +26,8 @@ PassDeclaration SharcPass::declaration() const {
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
   declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
-  if (records_.first_vertices) declaration.owns.push_back(first_vertices_buffer());
-  if (records_.first_scatters) declaration.owns.push_back(first_scatters_buffer());
+  if (cells_.users().history) declaration.owns.push_back(first_vertices_buffer());
+  if (cells_.users().reservoirs) declaration.owns.push_back(first_scatters_buffer());
   return declaration;
 }
 
@@ -44,9 +44,9 @@ bool SharcPass::trace(const FrameContext& frame) const {
                       .termination = frame.write(kCellTermination)};
   const RadianceOutput radiance{frame.write(kRadiance)};
   OptionalOutput<FirstScatterOutput> scatters;
-  if (records_.first_scatters) scatters = {{frame.write(kFirstScatters)}, true};
+  if (cells_.users().reservoirs) scatters = {{frame.write(kFirstScatters)}, true};
   OptionalOutput<FirstVertexOutput> vertices;
-  if (records_.first_vertices) vertices = {{frame.write(kFirstVertices)}, true};
+  if (cells_.users().history) vertices = {{frame.write(kFirstVertices)}, true};
   if (learning_.any()) return trace_recorded_paths(source_, frame, learning_, radiance, scatters, vertices, ends);
   const auto trace_with = [&](const auto&... outputs) {
     if (!vertices.active) return trace_paths(source_, frame, nullptr, outputs..., ends);

@@ -14,12 +14,12 @@ CellDepths cell_depths(const SharcSettings& settings);
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  /// `learning`: destinations of what camera paths record. `records`: first vertices for a history, first scattering
-  /// events for reservoirs; no others.
+  /// `learning`: destinations of what camera paths record. They also record first vertices and first scattering events
+  /// for the users of `cells`.
   SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells,
-            const LearningRecords& learning, const PathRecords& records)
-      : settings_(settings), source_(source), cells_(cells), learning_(learning), records_(records) {
-    if (records.first_scatters) source_.first_nee_bounce = 1;
+            const LearningRecords& learning)
+      : settings_(settings), source_(source), cells_(cells), learning_(learning) {
+    if (cells.users().reservoirs) source_.first_nee_bounce = 1;
   }
 
   void configure(const SharcSettings& settings) { settings_ = settings; }
@@ -36,7 +36,6 @@ class SharcPass final : public Pass {
   PathSource source_;
   const CellsPass& cells_;
   LearningRecords learning_;
-  PathRecords records_;
 };
 
 /// Pools the samples of the frame with the cells.
