@@ -193,7 +193,8 @@ class Poisoned {
     const PrimaryHitsKernel primary{context.scene, index, mutable_view_of(hits_), {}, kWidth};
     launch(backend_, "gbuffer", primary, kWidth, kHeight);
     std::vector<VertexSample> samples(kPixels);
-    PathRecording recording{.octree = tree_.view(), .sampled = tree_.view(), .samples = mutable_view_of(samples)};
+    PathRecording recording{
+        .octree = tree_.view(), .lookup = {.tree = tree_.view()}, .samples = mutable_view_of(samples)};
     recording.vertices = 1;
     recording.pixels = kPixels;
     FilterContext filter;
@@ -239,8 +240,8 @@ class Poisoned {
     c.connection_roulette = 0.25f;
     c.light_only = light_only;
     c.recording = recording;
-    c.recording.jitter = 1;
-    c.recording.seed = hash(index.seed, index.sample);
+    c.recording.lookup.jitter = 1;
+    c.recording.lookup.seed = hash(index.seed, index.sample);
     std::vector<Rgb> radiance(kPixels);
     uint64_t faults[2] = {};
     const BdptKernelOf<LearningContext> kernel{

@@ -101,7 +101,7 @@ class EndingPath : public ::testing::Test {
     const SharcCells cells{grid_.view(grid_camera())};
     cells.grid.insert(cells.point(second_, Vec2(0.5f)), Rgb(3), 1.0f, 0.0f, kNoCell, true);
     grid_.end_frame(backend);
-    recording_.octree = recording_.sampled = eight_leaves();
+    recording_.octree = recording_.lookup.tree = eight_leaves();
     recording_.samples = mutable_view_of(records_);
     recording_.vertices = 2;
     recording_.pixels = 1;
@@ -204,7 +204,7 @@ TEST(CellUpdates, TakeEstimatesFromTheRegionOfTheVertex) {
   SurfacePoint sp = point_at({1, 1, -2});
   CellUpdate(context, index, 0, 0).arrived(sp, path);
   EXPECT_EQ(sp.region, kNoRegion);
-  context.regions.sampled = eight_leaves();
+  context.regions.tree = eight_leaves();
   CellUpdate(context, index, 0, 0).arrived(sp, path);
   EXPECT_EQ(sp.region, 3u);
 }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "techniques/radiance_cache/sharc/sharc_cells.h"
-#include "techniques/spatial/octree/path_recording.h"
+#include "techniques/spatial/octree/region_lookup.h"
 #include "techniques/transport/path/path_kernel.h"
 
 namespace relume {
@@ -36,11 +36,11 @@ RELUME_HD inline float clamped_share(float clamp, const CellMoments& cell, float
 /// Constants of all update paths.
 struct CellUpdateContext {
   SharcCells cells;
-  uint32_t depth = 4;          ///< cells that wait for later light, 2 to kMostPropagation
-  bool feedback = true;        ///< whether paths end in known cells
-  float clamp = 0;             ///< as for clamped_share(); 0: no clamping
-  bool inherits = false;       ///< whether new cells inherit moments from the next level
-  PathRecording regions = {};  ///< those from which vertices take estimates; paths leave no records
+  uint32_t depth = 4;         ///< cells that wait for later light, 2 to kMostPropagation
+  bool feedback = true;       ///< whether paths end in known cells
+  float clamp = 0;            ///< as for clamped_share(); 0: no clamping
+  bool inherits = false;      ///< whether new cells inherit moments from the next level
+  RegionLookup regions = {};  ///< of vertices; empty: no structure has regions
 };
 
 /// The policy of one update path. Between two vertices with cells, the path's throughput and radiance are relative to

@@ -67,7 +67,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
                    .feedback = settings_.feedback,
                    .clamp = settings_.clamp,
                    .inherits = includes(frame.changes, Change::camera)};
-  if (learning_.samples) kernel.update.regions = *learning_.samples;
+  if (learning_.samples) kernel.update.regions = learning_.samples->lookup;
   kernel.index = frame.index;
   kernel.paths = frame.index;
   kernel.paths.seed = hash(frame.index.seed, kSalt);

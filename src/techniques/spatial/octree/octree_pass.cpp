@@ -56,12 +56,12 @@ bool OctreePass::run(const FrameContext& frame) {
   has_taken_samples_ = true;
   tree_->write_leaf_depths(frame.backend, depths_);
   recording_ = {.octree = tree_->view(),
-                .sampled = sampled().view(),
+                .lookup = {.tree = sampled().view(),
+                           .jitter = settings_.jitter,
+                           .seed = hash(frame.index.seed, frame.number, kJitterSeed)},
                 .samples = stream_.samples(),
                 .vertices = vertices,
                 .pixels = frame.pixels(),
-                .jitter = settings_.jitter,
-                .seed = hash(frame.index.seed, frame.number, kJitterSeed),
                 .frozen = snapshot_.frozen(),
                 .importance = stream_.importance()};
   return true;

@@ -5,6 +5,7 @@
 #include "core/octahedral.h"
 #include "scene/surface_point.h"
 #include "techniques/light_sampling/light_selection/light_feedback.h"
+#include "techniques/spatial/octree/region_lookup.h"
 #include "techniques/spatial/octree/sample_stream.h"
 
 namespace relume {
@@ -13,32 +14,21 @@ struct PathRecorder;
 
 /// Creates recorders. Must outlive them.
 struct PathRecording {
-  OctreeView octree;   ///< tree in which samples are recorded
-  OctreeView sampled;  ///< tree from which paths take estimates
+  OctreeView octree;    ///< tree in which samples are recorded
+  RegionLookup lookup;  ///< of the tree from which paths take estimates
   View<VertexSample> samples;
   uint32_t vertices = 0;
   uint32_t pixels = 0;
-  float jitter = 0;                   ///< width of the jitter of look-ups, in edges of leaves
-  uint32_t seed = 0;                  ///< seed of the jitter, different in each frame
-  bool frozen = false;                ///< whether the trees differ: `sampled` is that of an earlier frame of the epoch
-  View<LightFeedback> feedback = {};  ///< by pixel, for light selection that learns per pixel; empty: none
-  uint32_t feedback_seed = 0;         ///< of its choices, different in each frame
+  bool frozen = false;                     ///< whether the trees differ: `lookup` is of an earlier frame of the epoch
+  View<LightFeedback> feedback = {};       ///< by pixel, for light selection that learns per pixel; empty: none
+  uint32_t feedback_seed = 0;              ///< of its choices, different in each frame
   View<ImportanceSample> importance = {};  ///< by address of `samples`; empty: not recorded
 
   RELUME_HD PathRecorder begin(uint32_t pixel) const;
   /// The regions of a vertex without jitter.
   RELUME_HD RegionPair find(const SurfacePoint& sp) const {
-    if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
+    if (frozen) return {lookup.tree.find(sp.previous_position), octree.find(sp.position)};
     return octree.find_pair(sp.previous_position, sp.position);
-  }
-  /// The region from which a vertex takes estimates, with a jitter that depends on the place and the frame only:
-  /// subpaths from both sides find the same region at a vertex of their path.
-  RELUME_HD uint32_t region_at(const SurfacePoint& sp) const {
-    return jitter > 0.0f ? jittered_region(sp) : sampled.find(sp.previous_position);
-  }
-  RELUME_HD uint32_t jittered_region(const SurfacePoint& sp) const {
-    const UVec3 q = sampled.quantise(sp.previous_position);
-    return sampled.find_near(q, jitter, random_vector(hash(hash(seed, q.x), q.y, q.z)));
   }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
   RELUME_HD bool records_importance(uint32_t vertex) const { return !importance.empty() && vertex < vertices; }
@@ -63,11 +53,6 @@ struct PathRecording {
   RELUME_HD void skip(uint32_t pixel) const {
     for (uint32_t v = 0; v < vertices; ++v) sample(v, pixel) = {};
   }
-
-  /// Three independent numbers in [0, 1).
-  RELUME_HD static Vec3 random_vector(uint32_t h) {
-    return {to_unit_float(h), to_unit_float(hash(h, 1u)), to_unit_float(hash(h, 2u))};
-  }
 };
 
 /// The policy of one path (techniques/transport/path/path_policy.h). The radiance sampled along a direction is the
@@ -89,9 +74,9 @@ struct PathRecorder {
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
     const RegionPair regions = recording->find(sp);
     const uint32_t v = path.bounce;
-    sp.region = recording->jitter > 0.0f
-                    ? recording->sampled.find_near(recording->sampled.quantise(sp.previous_position), recording->jitter,
-                                                   random(v))
+    const RegionLookup& lookup = recording->lookup;
+    sp.region = lookup.jitter > 0.0f
+                    ? lookup.tree.find_near(lookup.tree.quantise(sp.previous_position), lookup.jitter, random(v))
                     : regions.sample;
     begin_vertex(v, regions.store);
     recording->meet(v, pixel, sp);
@@ -169,7 +154,7 @@ struct PathRecorder {
 
  private:
   RELUME_HD Vec3 random(uint32_t vertex) const {
-    return PathRecording::random_vector(hash(recording->seed, pixel, vertex));
+    return RegionLookup::random_vector(hash(recording->lookup.seed, pixel, vertex));
   }
 };
 

@@ -90,7 +90,7 @@ RELUME_HD inline void find_region(const Context& c, SurfacePoint& sp) {
   if constexpr (Context::kLearns) {
     const DirectionSampler& directions = c.path.directions;
     const bool weighs = c.weighs_guide && directions.kind != DirectionSamplerKind::bsdf;
-    if (weighs || !directions.importance.empty()) sp.region = c.recording.region_at(sp);
+    if (weighs || !directions.importance.empty()) sp.region = c.recording.lookup.region_at(sp);
   }
 }
 

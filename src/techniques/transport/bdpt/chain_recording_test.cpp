@@ -44,7 +44,7 @@ struct ChainFrame {
 
   void record_samples() {
     PathRecording& recording = context.recording;
-    recording.octree = recording.sampled = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
+    recording.octree = recording.lookup.tree = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
     recording.samples = mutable_view_of(samples);
     recording.vertices = kVertices;
     recording.pixels = static_cast<uint32_t>(frame.hits.size());

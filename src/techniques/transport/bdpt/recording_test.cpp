@@ -316,7 +316,7 @@ TEST(BdptRecording, LeavesOutImportanceThatOnlySpecularScatteringPassedOn) {
   std::vector<VertexSample> samples(3);
   std::vector<ImportanceSample> importance(3);
   PathRecording recording;
-  recording.octree = recording.sampled = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
+  recording.octree = recording.lookup.tree = {{kNodes, 1}, Vec3(-1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
   recording.samples = mutable_view_of(samples);
   recording.vertices = 3;
   recording.pixels = 1;

@@ -82,7 +82,7 @@ class SubpathRecorder {
   RELUME_HD void arrived(SurfacePoint& sp, const PathState& path) {
     const PathRecording& recording = *recorder_.recording;
     const RegionPair regions = recording.find(sp);
-    sp.region = recording.jitter > 0.0f ? recording.jittered_region(sp) : regions.sample;
+    sp.region = recording.lookup.jitter > 0.0f ? recording.lookup.jittered_region(sp) : regions.sample;
     recorder_.begin_vertex(path.bounce, regions.store);
     recording.meet(path.bounce, recorder_.pixel, sp);
     if (!recording.records_importance(path.bounce)) return;

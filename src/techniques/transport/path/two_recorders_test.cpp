@@ -57,7 +57,7 @@ struct Records {
   PathRecording recording() {
     const OctreeView octree{{kNodes, 1}, Vec3(-1, 0, -1), static_cast<float>(1u << kMaxOctreeDepth) / 2};
     return {.octree = octree,
-            .sampled = octree,
+            .lookup = {.tree = octree},
             .samples = mutable_view_of(samples),
             .vertices = kVertices,
             .pixels = kPixels};

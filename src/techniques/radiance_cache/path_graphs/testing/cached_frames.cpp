@@ -38,7 +38,7 @@ CachedFrames::CachedFrames(Scene scene, const CachedFrameSettings& settings)
 
 PathRecording CachedFrames::recording() {
   return {.octree = tree_.view(),
-          .sampled = tree_.view(),
+          .lookup = {.tree = tree_.view()},
           .samples = mutable_view_of(records_),
           .vertices = kRecordedVertices,
           .pixels = static_cast<uint32_t>(pixels_.size())};

@@ -37,8 +37,8 @@ void RandomGuides::guide(LearningContext& c, float jitter) {
   directions.kind = DirectionSamplerKind::quadtree;
   directions.quadtrees = {mutable_view_of(words_), kBits};
   directions.fractions = view_of(fractions_);
-  c.recording.octree = c.recording.sampled = tree_.view();
-  c.recording.jitter = jitter;
+  c.recording.octree = c.recording.lookup.tree = tree_.view();
+  c.recording.lookup.jitter = jitter;
 }
 
 void RandomGuides::guide_light_subpaths(LearningContext& c) {

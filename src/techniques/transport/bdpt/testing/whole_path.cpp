@@ -50,7 +50,7 @@ TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sam
        hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id())) {
     SurfacePoint sp;
     make_surface_point(c.scene(), e.path.ray, hit, 0.0f, sp, kZooWavelength);
-    if constexpr (Context::kLearns) sp.region = c.recording.region_at(sp);
+    if constexpr (Context::kLearns) sp.region = c.recording.lookup.region_at(sp);
     e.weights.arrive(glm::dot(sp.ng, sp.wo), sqr(hit.t));
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     t.places.push_back({hit, sp.position, sp.ng, false});
