@@ -1,7 +1,6 @@
 // Tests the energy in cells of the spatially hashed radiance cache, in scenes with known light.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -10,12 +9,14 @@
 #include "builtin_scenes/builtin.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/sharc/testing/sharc_sessions.h"
+#include "techniques/reuse/restir_di/testing/over_seeds.h"
 
 namespace relume {
 namespace {
 
 using testing::closed_furnace;
 using testing::mean_of_frames;
+using testing::Measured;
 using testing::sharc_settings;
 using testing::skip_frames;
 
@@ -66,25 +67,14 @@ TEST(SharcFurnace, WithoutFeedbackThePropagationDepthCountsBounces) {
   }
 }
 
-/// Mean over images of several seeds, and its standard error.
-struct SeedMean {
-  double value = 0;
-  double error = 0;
-};
-
-SeedMean over_seeds(const Scene& scene, const RenderSettings& settings, int seeds, int skipped, int frames) {
+/// Mean luminance of `frames` frames after `skipped` others, over seeds.
+Measured over_seeds(const Scene& scene, const RenderSettings& settings, int seeds, int skipped, int frames) {
   Session session(Scene(scene), settings);
-  double sum = 0;
-  double squares = 0;
-  for (int seed = 1; seed <= seeds; ++seed) {
+  return testing::mean_over_seeds(seeds, [&](int seed) {
     session.restart(seed);
     skip_frames(session, skipped);
-    const double mean = mean_of_frames(session, frames);
-    sum += mean;
-    squares += mean * mean;
-  }
-  const double mean = sum / seeds;
-  return {mean, std::sqrt(std::max(squares / seeds - mean * mean, 0.0) / (seeds - 1))};
+    return mean_of_frames(session, frames);
+  });
 }
 
 /// `variants`: settings of one image size, with the cache. `skipped`: frames in which the cells learn. `frames`:
@@ -97,14 +87,14 @@ void expect_mean_of_paths(const char* name, const std::vector<RenderSettings>& v
   reference.path.max_bounces = 32;
   reference.cache = CacheChoice::none;
   reference.estimator = EstimatorChoice::bdpt;  // the same mean, with less noise
-  const SeedMean paths = over_seeds(scene, reference, kSeeds, 0, frames + frames / 2);
+  const Measured paths = over_seeds(scene, reference, kSeeds, 0, frames + frames / 2);
   for (size_t i = 0; i < variants.size(); ++i) {
     RenderSettings settings = variants[i];
     settings.path.max_bounces = reference.path.max_bounces;
-    const SeedMean cached = over_seeds(scene, settings, kSeeds, skipped, frames);
-    const double error = std::hypot(cached.error, paths.error) / paths.value;
+    const Measured cached = over_seeds(scene, settings, kSeeds, skipped, frames);
+    const double error = std::hypot(cached.error, paths.error) / paths.mean;
     ASSERT_LT(error, most_error) << name << ", variant " << i << ": too much noise for a comparison";
-    EXPECT_NEAR(cached.value / paths.value, 1.0, bias + 4.5 * error) << name << ", variant " << i;
+    EXPECT_NEAR(cached.mean / paths.mean, 1.0, bias + 4.5 * error) << name << ", variant " << i;
   }
 }
 
@@ -125,6 +115,48 @@ TEST(SharcEnergy, TheCorridorHasTheMeanOfPaths) {
   settings.sharc.cell_size = 1;
   settings.sharc.frames = 8;
   expect_mean_of_paths("corridor", {settings}, 96, 48, 0.06, 0.12);
+}
+
+/// Mean luminance of images after `frames` frames, and as many after a move of the camera.
+Measured after_moves(const Scene& scene, const RenderSettings& settings, int seeds, int frames) {
+  Session session(Scene(scene), settings);
+  const CameraPose end = session.camera();
+  CameraPose start = end;
+  start.to_world[3] -= 0.1f * start.to_world[0];
+  return testing::mean_over_seeds(seeds, [&](int seed) {
+    session.set_camera(start);
+    session.restart(seed);
+    skip_frames(session, frames);
+    session.set_camera(end);
+    skip_frames(session, frames);
+    return testing::mean_luminance(session.image());
+  });
+}
+
+/// On surfaces that depend on the view, with and without reservoirs at primary hits.
+TEST(SlowSharcEnergy, ForwardReprojectionKeepsTheMeanUnderAMovingCamera) {
+  Scene scene = find_builtin_scene("cornell")->build();
+  for (Material& m : scene.materials) {
+    m.roughness = 0.5f;
+    m.specular = 0.5f;
+  }
+  RenderSettings settings = sharc_settings(32, 32);
+  settings.path.max_bounces = 32;  // cells have light of any number of bounces
+  RenderSettings reference = settings;
+  reference.cache = CacheChoice::none;
+  reference.estimator = EstimatorChoice::bdpt;
+  const Measured paths = over_seeds(scene, reference, 8, 0, 48);
+  settings.history = HistoryChoice::reproject;
+  settings.reproject.stored = StoredSampleChoice::one;
+  settings.reproject.max_distance = 0.1f;  // a pixel covers 2 % of its depth
+  for (const ReuseChoice reuse : {ReuseChoice::none, ReuseChoice::ris, ReuseChoice::restir_di}) {
+    settings.reuse = reuse;
+    const Measured cached = after_moves(scene, settings, 32, 8);
+    const double error = std::hypot(cached.error, paths.error) / paths.mean;
+    ASSERT_LT(error, 0.01) << static_cast<int>(reuse);
+    // 3 % of the cache, 2 % of the reprojection.
+    EXPECT_NEAR(cached.mean / paths.mean, 1.0, 0.05 + 4.5 * error) << static_cast<int>(reuse);
+  }
 }
 
 TEST(SharcEnergy, ALightSwitchedOffDecays) {

@@ -52,6 +52,7 @@ const std::vector<Choices>& all_choices() {
       {.name = "restir_di_gi", .reuse = ReuseChoice::restir_di_gi},
       {.name = "restir_pt", .reuse = ReuseChoice::restir_pt},
       {.name = "psf_ris", .cache = CacheChoice::psf, .reuse = ReuseChoice::ris},
+      {.name = "sharc_restir_di", .cache = CacheChoice::sharc, .reuse = ReuseChoice::restir_di},
       {.name = "psf_restir_di", .cache = CacheChoice::psf, .reuse = ReuseChoice::restir_di},
       {.name = "apsf_apg_restir_di", .cache = CacheChoice::apsf_apg, .reuse = ReuseChoice::restir_di},
   };
@@ -366,7 +367,7 @@ Mean mean_of(const RenderSettings& settings, int frames, bool moves) {
   return mean;
 }
 
-/// Cells of sharc have light of more bounces than paths.
+/// Cells of sharc have light of more bounces than paths; SlowSharcEnergy compares their mean.
 class ForwardOfSomeBounces : public ForwardOfChoice {};
 INSTANTIATE_TEST_SUITE_P(All, ForwardOfSomeBounces, ::testing::ValuesIn(indices_of([](const Choices& c) {
                            return c.cache != CacheChoice::sharc;
