@@ -64,8 +64,8 @@ using ReservoirScatterOutput = OptionalOutput<FirstScatterOutput>;
 template <typename Cache>
 using CellPathsKernel = PathKernel<CellsOutput<Cache>, ReservoirScatterOutput>;
 
-/// The same for paths from which regions or chains learn. Either kind of records may have no vertices. One kernel
-/// serves both, because each is compiled for hosts and devices.
+/// Traces one path per pixel, fills the cells, and records samples for regions and states for chains. Either kind of
+/// records may have no vertices. One kernel serves both, because each is compiled for hosts and devices.
 template <typename Cache>
 using RecordedCellPathsKernel =
     PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<Cache>, ReservoirScatterOutput>;

@@ -82,7 +82,7 @@ struct VerifiedCellsOutput {
 template <typename Cache>
 using VerifiedCellPathsKernel = PathKernel<VerifiedCellsOutput<Cache>, ReservoirScatterOutput>;
 
-/// The same for paths from which regions or chains learn.
+/// Traces one path per pixel, fills the cells, and records first vertices, samples for regions and states for chains.
 template <typename Cache>
 using RecordedVerifiedCellPathsKernel =
     PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<Cache>, ReservoirScatterOutput>;

@@ -116,14 +116,16 @@ RELUME_HD inline CellEnd CellEnds::policy(const SampleIndex& index, uint32_t x, 
 /// Traces the camera paths.
 using CellEndsKernel = PathKernel<RadianceOutput, CellEnds>;
 
-/// The same with records of first vertices. Cells are behind them, so their light is part of that along the directions.
+/// Traces the camera paths and records first vertices. Cells are behind them, so their light is part of that along the
+/// recorded directions.
 using RecordedCellEndsKernel = PathKernel<RadianceOutput, FirstVertexOutput, CellEnds>;
 
-/// The same two for reservoirs, which add the direct light of primary hits. No cell holds light of primary hits.
+/// These two kernels with records of first scattering events, for reservoirs that add the direct light of primary hits.
+/// No cell holds light of primary hits.
 using ReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, CellEnds>;
 using RecordedReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterOutput, FirstVertexOutput, CellEnds>;
 
-/// All four for paths from which regions or chains learn.
+/// Traces the camera paths and records samples for regions and states for chains, beside the records of the other four.
 using LearningCellEndsKernel =
     PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, OptionalOutput<FirstScatterOutput>,
                OptionalOutput<FirstVertexOutput>, CellEnds>;

@@ -34,8 +34,8 @@ struct ChainPolicyWith : NoPolicy {
 
 using ChainPolicy = ChainPolicyWith<GuideRecorder>;
 
-/// The same for paths of which a cache replaces parts. Scores of lights are those of single vertices, which no cell
-/// changes.
+/// Records the first vertices of a path of which a cache replaces parts: the light of a cell is part of the score of
+/// directions. Scores of lights are those of single vertices, which no cell changes.
 struct CachedChainPolicy : ChainPolicyWith<CachedGuideRecorder> {
   RELUME_HD void ended_in_cell(const Rgb& radiance) { guide.ended_in_cell(radiance); }
 };
@@ -68,7 +68,7 @@ struct ChainOutput {
   }
 };
 
-/// The same for paths of which a later output, that of a cache, replaces parts.
+/// Output of the states of each path of which a later output, that of a cache, replaces parts.
 struct CachedChainOutput {
   using Policy = CachedChainPolicy;
 

@@ -19,7 +19,7 @@ struct RecordingOutput {
   RELUME_HD void leave_out(uint32_t pixel) const { recording.skip(pixel); }
 };
 
-/// The same for paths of which a later output, that of a cache, replaces parts.
+/// Records the first vertices of each path of which a later output, that of a cache, replaces parts.
 struct CachedRecordingOutput {
   using Policy = CachedPathRecorder;
 

@@ -8,7 +8,7 @@
 
 namespace relume::testing {
 
-/// A frame shows its own sample only.
+/// Settings of path tracing with the cache. A frame shows its own sample only.
 inline RenderSettings sharc_settings(int width, int height) {
   RenderSettings settings;
   settings.width = width;
@@ -19,7 +19,7 @@ inline RenderSettings sharc_settings(int width, int height) {
   return settings;
 }
 
-/// The same with light selection and path guiding that learn in many regions.
+/// `settings` with light selection and path guiding that learn in many regions.
 inline RenderSettings with_learned_regions(RenderSettings settings) {
   settings.lights = LightSelectionChoice::vlc;
   settings.guide = GuideChoice::cdq;
@@ -27,13 +27,14 @@ inline RenderSettings with_learned_regions(RenderSettings settings) {
   return settings;
 }
 
-/// The same with light selection and path guiding that learn in chains.
+/// `settings` with light selection and path guiding that learn in chains.
 inline RenderSettings with_chains(RenderSettings settings) {
   settings.lights = LightSelectionChoice::mcls;
   settings.guide = GuideChoice::mcpg;
   return settings;
 }
 
+/// Renders `count` frames.
 inline void skip_frames(Session& session, int count) {
   for (int i = 0; i < count; ++i) session.render_frame();
 }
