@@ -1,5 +1,5 @@
-// Last step of a denoiser: averages images over time. Samples of a pixel fall on either side of an edge, so the average
-// smooths it.
+// Last step of a denoiser: averages images over time. The average is antialiased, because the samples of a pixel at an
+// edge fall on either side of it.
 #pragma once
 
 #include <type_traits>
@@ -15,7 +15,7 @@ struct SpecularImages {
   View<const Rgb> shown;
   View<const Rgb> before;
   View<const Vec2> motion;
-  View<Rgb> image;                    ///< empty: not kept apart
+  View<Rgb> image;                    ///< empty: part of the image of all light
   View<const uint32_t> samples = {};  ///< as in ImageHistoryKernel
 };
 
@@ -47,9 +47,11 @@ struct ImageOrigin {
 /// Averages this frame's filtered image with earlier ones. While nothing changes, filtered images improve and get
 /// growing weights. Unfiltered pixels, such as lamps and sky, and the part of a pixel that these cover, are averaged
 /// with equal weights: unequal ones would add noise at edges. With upscaling, the average of filtered images begins
-/// with the first frame after which every pixel has a sample. Where something moves, the previous image is looked up
-/// along the motion and clamped to the range of this frame's surrounding pixels. What has just come into view has no
-/// previous image. This frame's image, smoothed, takes its place: else small dark or bright surfaces would be dots.
+/// with the first frame after which every pixel has a sample.
+///
+/// Where something moves, the previous image is looked up along the motion and clamped to the range of this frame's
+/// surrounding pixels. Surfaces that have just come into view have no previous image. This frame's image, smoothed over
+/// 3 × 3 pixels, replaces it: small dark or bright surfaces would otherwise become dots.
 struct ImageHistoryKernel {
   View<const Rgb> shown;  ///< filtered image of this frame
   View<const Rgb> before;
@@ -62,7 +64,8 @@ struct ImageHistoryKernel {
   View<float> filtered_share;         ///< fraction of frames since then that filtered the pixel; updated
   View<Rgb> image;
   SpecularImages specular;
-  /// Sample count of each pixel's light, where 1 means no earlier samples; empty: does not tell that.
+  /// Number of samples in each pixel's light; 1: a surface that has just come into view. Empty: no surface counts as
+  /// new.
   View<const uint32_t> samples;
   float newest = 1;       ///< weight of this frame where something moves; 1: discards earlier images
   uint32_t frames = 1;    ///< frames since the last change, including this one
@@ -193,8 +196,8 @@ struct ImageHistoryKernel {
     w[3] = (0.5f * t - 0.5f) * t * t;
   }
 
-  /// Whether the surfaces of a pixel and of most of the 3 × 3 pixels around have just come into view. A lone surface
-  /// without a history does not suffice: the image has one where a small window appears in a wall.
+  /// Whether the surfaces of a pixel and of most of the 3 × 3 pixels around it have just come into view. A single new
+  /// pixel, such as a distant window, keeps the history of the image, which contains its surface.
   RELUME_HD bool is_new(const View<const uint32_t>& counts, uint32_t x, uint32_t y) const {
     if (counts.empty() || counts[y * width + x] != 1) return false;
     uint32_t fresh = 0;
@@ -222,8 +225,8 @@ struct ImageHistoryKernel {
     return true;
   }
 
-  /// Finds kLanes pixels. Returns false if they were apart, if one is new, or if columns around them, then or now, lie
-  /// outside the image.
+  /// Finds kLanes pixels in the previous frame. Returns false if they were not side by side there, if one is new, or if
+  /// columns around them lie outside the image in either frame.
   RELUME_HD_INLINE bool find(const View<const Vec2>& by, const View<const uint32_t>& counts, uint32_t x, uint32_t y,
                              ImageOrigin<Lanes>& origin) const {
     RowOrigin row;
@@ -249,8 +252,8 @@ struct ImageHistoryKernel {
     return history + (now.at<T>(y * width + x) - history) * T(newest);
   }
 
-  /// Previous light at the origin, clamped to the range of this frame's light in the 3 × 3 pixels around (x, y). If it
-  /// is unknown, this frame's light there, smoothed.
+  /// Previous light at the origin, clamped to the range of this frame's light in the 3 × 3 pixels around (x, y). If the
+  /// origin is unknown, this frame's smoothed light at (x, y).
   template <typename T>
   RELUME_HD_INLINE Triple<T> moved(uint32_t x, uint32_t y, const ImageOrigin<T>& origin, const MovingLight& now,
                                    const MovingLight& past) const {

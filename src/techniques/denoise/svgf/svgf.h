@@ -103,8 +103,8 @@ struct SvgfPrepareKernel {
   /// Means over the surrounding pixels with samples. T: float, or Lanes for kLanes pixels in a row.
   template <typename T>
   struct Surroundings {
-    T light[3];  ///< of those on the pixel's plane; of all if there are none
-    T variance;  ///< of a single sample; of all pixels if fewer than two are on the plane: one tells no variance
+    T light[3];  ///< mean light of the pixels on the plane of the center; of all if none is
+    T variance;  ///< variance of a sample among the pixels on the plane; among all if fewer than two are
     T count;     ///< number of pixels on the plane
   };
 

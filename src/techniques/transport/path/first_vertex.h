@@ -1,5 +1,5 @@
-// Record of a sample at its first vertex: the directions taken from there, and the light from them. Histories use it to
-// evaluate a sample for another viewpoint or under moved lights.
+// Record of a sample at its first vertex: directions from there, and the light that arrives along them. Histories use
+// it to evaluate a sample for another viewpoint or under moved lights.
 #pragma once
 
 #include "framebuffer/buffer_key.h"
@@ -8,10 +8,10 @@
 namespace relume {
 
 struct FirstVertex {
-  Vec3 scatter{0};   ///< direction sampled from the BSDF; zero: none
+  Vec3 scatter{0};   ///< direction sampled by the path, or one of several that represents them; zero: none
   Rgb indirect{0};   ///< arriving radiance · cos / pdf along `scatter`; the BSDF scales it to the reflected light
   Vec3 to_light{0};  ///< direction of next event estimation; zero: none
-  Rgb direct{0};     ///< the same along `to_light`
+  Rgb direct{0};     ///< arriving radiance · cos / pdf along `to_light`, with its MIS weight
   LightId light = kNoLight;
   Vec2 light_u{0};        ///< random numbers that chose the point on `light`; of reservoirs: the point's coordinates
   float light_value = 0;  ///< luminance of radiance · cos / pdf_w at that point; 0 if hidden

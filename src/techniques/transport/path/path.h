@@ -114,7 +114,7 @@ RELUME_HD inline uint32_t ray_id_of(const PathContext& c, const PathState& path,
 
 /// Sampler dimension of the wavelength, beyond those of the longest camera and light paths.
 inline constexpr uint32_t kWavelengthDimension = 8192;
-/// First dimension of lights among which a primary hit chooses, beyond that.
+/// First sampler dimension of the candidate lights at a primary hit, beyond that of the wavelength.
 inline constexpr uint32_t kCandidateDimension = kWavelengthDimension + 64;
 
 /// Wavelength of a pixel's sample, nanometres. In bidirectional tracing both subpaths share it.
