@@ -81,8 +81,8 @@ struct CausticPrepareKernel {
 
   /// Means over the pixels around one that have samples.
   struct Surroundings {
-    Rgb light{0};     ///< of those on the pixel's plane; of all if there are none
-    float noise = 0;  ///< of those on the pixel's plane
+    Rgb light{0};     ///< mean light of the pixels on the plane of the center; of all if none is
+    float noise = 0;  ///< mean noise of the pixels on the plane
     float count = 0;  ///< number of pixels on the plane
   };
 

@@ -41,7 +41,7 @@ class LightTreeArrays {
 /// Bounds of one finite light.
 LightBounds bounds_of(const LightsView& lights, LightId id);
 
-/// Leaves out lights without emission. Takes O(n log n) in the number of lights.
+/// Builds the tree of all lights with emission, in O(n log n) of their number.
 LightTreeData build_light_tree(const LightsView& lights, LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
 }  // namespace relume

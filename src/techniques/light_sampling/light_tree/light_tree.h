@@ -1,5 +1,5 @@
-// Light selection by random descent of a light tree ([Conty18], [Moreau19]). Each step goes by a bound on the light
-// that a child could send to the point. Visibility is ignored.
+// Light selection by random descent of a light tree ([Conty18], [Moreau19]). Each step chooses a child in proportion to
+// a bound on the light that it could send to the point. Visibility is ignored.
 #pragma once
 
 #include "core/lanes.h"

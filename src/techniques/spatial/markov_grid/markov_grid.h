@@ -1,6 +1,6 @@
 // Hashed grids whose cells each hold the state of one Markov chain ([Alber25]). Paths draw several cells at random at
-// each vertex. Cells of the adaptive grid are as large as pixels seen from the camera, those of the static grid have
-// one size.
+// each vertex. Edges of cells of the adaptive grid cover about a fixed number of pixels. Cells of the static grid have
+// one size in metres.
 #pragma once
 
 #include "core/hash.h"
@@ -15,7 +15,7 @@ inline constexpr uint32_t kNoSlot = 0xffffffffu;
 inline constexpr uint32_t kMostDrawnCells = 6;
 inline constexpr uint32_t kMostChainVertices = 4;
 
-/// Place of a cell in the table, and a number that tells it from other cells with the same slot.
+/// Place of a cell in the table, and a number that distinguishes it from other cells with the same slot.
 struct MarkovCell {
   uint32_t slot = kNoSlot;  ///< kNoSlot: no cell
   uint32_t check = 0;

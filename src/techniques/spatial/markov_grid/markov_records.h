@@ -34,7 +34,7 @@ struct MarkovRecords {
   }
 };
 
-/// Order of the records that want to write one cell: the least key wins. Keys of later frames are less than all earlier
+/// Order of the records of one slot: the least key wins. Keys of later frames are less than all earlier
 /// ones, so winners need not be cleared between frames.
 struct MarkovPriority {
   static constexpr uint64_t kNone = ~uint64_t{0};
