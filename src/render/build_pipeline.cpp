@@ -167,8 +167,10 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
                                .cells = looks_up_cells(settings)};
   if (settings.history == HistoryChoice::reproject) {
     if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
-    const HistoryContents contents{
-        .m2_rgb = parts.m2_rgb, .cells = parts.cells, .light_points = records_light_points(settings)};
+    const HistoryContents contents{.m2_rgb = parts.m2_rgb,
+                                   .cells = parts.cells,
+                                   .light_points = records_light_points(settings),
+                                   .indirect_apart = resamples_indirect_light(settings.reuse)};
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), contents);
     if (settings.reproject.method == ReprojectionMethod::forward)
       builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);

@@ -92,10 +92,10 @@ void check_restir_pt(const RenderSettings& s) {
 
 /// Throws if reservoirs do not combine with the radiance cache.
 void check_reuse_with_cache(const RenderSettings& s) {
-  if (resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt) {
+  if (s.reuse == ReuseChoice::restir_pt) {
     throw Error(
-        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with a radiance cache: reservoirs of paths "
-        "that end in cells are not implemented; use reuse 'restir-di', or cache 'none'");
+        "reuse 'restir-pt' does not combine with a radiance cache: repeating a path that has ended in a cell is not "
+        "implemented; use reuse 'restir-di+gi', or cache 'none'");
   }
 }
 

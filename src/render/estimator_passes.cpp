@@ -41,7 +41,8 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
     builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
   };
   const auto add_indirect = [&] {
-    builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, !learns(settings));
+    const bool repeats = !learns(settings) && settings.cache == CacheChoice::none;
+    builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, repeats);
   };
   switch (settings.reuse) {
     case ReuseChoice::none: break;
@@ -56,12 +57,13 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
   }
 }
 
-/// Adds path tracing with the spatially hashed radiance cache. Its cells lie behind primary hits, whose direct light
+/// Adds path tracing with the spatially hashed radiance cache. Its cells lie behind primary hits, whose light
 /// reservoirs can add.
 void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const LearningRecords& learning) {
   const CellPathUsers users{.history = needs_first_vertices(settings),
-                            .reservoirs = resamples_direct_light(settings.reuse)};
+                            .reservoirs = resamples_direct_light(settings.reuse),
+                            .indirect = resamples_indirect_light(settings.reuse)};
   auto& cells =
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, users, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
@@ -145,7 +147,9 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   const CellPathUsers users{.history = needs_first_vertices(settings),
-                            .reservoirs = settings.reuse == ReuseChoice::restir_di};
+                            .reservoirs = resamples_direct_light(settings.reuse) && settings.reuse != ReuseChoice::ris,
+                            .indirect = resamples_indirect_light(settings.reuse)};
+  const bool has_reservoirs = users.reservoirs || users.indirect;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
   if (has_splats) {
     add_light_paths_with_cells(builder, settings, source, learning.samples, learning.chains, cells);
@@ -153,9 +157,9 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
     add_paths_with_cells(builder, settings, source, learning, cells);
   }
   // Before the cells are read: with that, the part of the frame that can be stopped ends.
-  if (users.reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
+  if (has_reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none,
-                                        has_splats || users.reservoirs);
+                                        has_splats || has_reservoirs);
 }
 
 }  // namespace

@@ -85,12 +85,13 @@ class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
 /// Whether a cell stands for paths that no single choice has. These fill cells, and choose among lights themselves or
-/// leave direct light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or
+/// leave light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or
 /// are subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
-  return (direct && s.cache == CacheChoice::psf) ||
+  const bool takes_cells = s.cache == CacheChoice::psf || s.cache == CacheChoice::apg || s.cache == CacheChoice::sharc;
+  return (direct && s.cache == CacheChoice::psf) || (s.reuse == ReuseChoice::restir_gi && takes_cells) ||
          (s.lights == LightSelectionChoice::mcls && s.guide == GuideChoice::cdq) ||
          (s.guide == GuideChoice::mcpg && (s.cache == CacheChoice::apg || s.estimator == EstimatorChoice::bdpt));
 }
@@ -247,7 +248,7 @@ TEST(FewerPaths, OnlyChoicesOfPixelsAreRefused) {
 
 TEST(QuickCombinations, HaveEachKindOfPathsOfTheirOwn) {
   const std::vector<size_t> quick = indices(true);
-  EXPECT_EQ(std::count_if(quick.begin(), quick.end(), [](size_t i) { return has_paths_of_its_own(cells()[i]); }), 5);
+  EXPECT_EQ(std::count_if(quick.begin(), quick.end(), [](size_t i) { return has_paths_of_its_own(cells()[i]); }), 8);
 }
 
 TEST(CombinationTable, ErrorsNameWorkingAlternatives) {

@@ -183,8 +183,7 @@ class Combinations(RefusalTest):
 
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
-            (FAILED, "--cache psf --reuse restir-pt", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'restir-di', or cache 'none'"),
-            (FAILED, "--cache sharc --reuse restir-gi", "reuse 'restir-gi', 'restir-di\\+gi' and 'restir-pt' .* radiance cache.*; use reuse 'restir-di', or cache 'none'"),
+            (FAILED, "--cache sharc --reuse restir-pt", "reuse 'restir-pt' .* radiance cache.*; use reuse 'restir-di\\+gi', or cache 'none'"),
             (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--reuse restir-pt --lights neeat", "reuse 'restir-pt' .* lights 'vlc', 'neeat' and 'mcls'.*; use lights 'light-tree' and guide 'bsdf'"),
@@ -203,11 +202,11 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator bdpt --cache psf --history reproject", "'bdpt' and 'vcm' with a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
-            (FAILED, "--preset restir-gi-rtxdi --cache psf", "reuse 'restir-gi', .* radiance cache"),
+            (FAILED, "--preset restir-pt-2022 --cache psf", "reuse 'restir-pt' .* radiance cache"),
             (FAILED, "--preset paper-001 --history none", "allocation 'adaptive' .* history 'none'"),
         ])
-        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "restir-gi"}')
-        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'restir-gi', .* radiance cache")
+        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "restir-pt"}')
+        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'restir-pt' .* radiance cache")
 
     def test_values(self):
         self.refuse_each(self.render("-o", "out.exr"), [
@@ -296,7 +295,7 @@ class Commands(RefusalTest):
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is common to all contenders; give it as --width"),
-            (FAILED, "--reference-settings cache:psf,reuse:restir-gi", "reuse 'restir-gi', .* radiance cache"),
+            (FAILED, "--reference-settings cache:psf,reuse:restir-pt", "reuse 'restir-pt' .* radiance cache"),
         ])
 
     def test_experiment(self):

@@ -43,8 +43,8 @@ TEST(SettingRules, IncompatibleChoicesGiveAReason) {
   for (const char* cache : {"psf", "apsf", "apg", "apsf+apg"})
     EXPECT_EQ(refusal(settings, "cache", cache), "") << cache;
   settings.render = {};
-  settings.render.reuse = ReuseChoice::restir_gi;
-  EXPECT_NE(refusal(settings, "cache", "psf").find("reuse 'restir-gi'"), std::string::npos);
+  settings.render.reuse = ReuseChoice::restir_pt;
+  EXPECT_NE(refusal(settings, "cache", "psf").find("reuse 'restir-pt'"), std::string::npos);
   settings.render = {};
   settings.render.history = HistoryChoice::none;
   EXPECT_NE(refusal(settings, "allocation", "adaptive").find("history 'none'"), std::string::npos);

@@ -113,6 +113,8 @@ class AdaptiveVertex : public NoPolicy {
     const bool before = vertex_.reached();
     vertex_.arrived(sp, path, earlier);
     if (before || !vertex_.reached()) return true;
+    // A cell that lacks the light of reservoirs does not tell whether they need the path.
+    if (context_->filter.indirect_apart && path.bounce == 0) return true;
     FilteredPixel& pixel = vertex_.pixel();
     View<OtherCells> others;
     if (pixel.split) others = view_of_one(vertex_.others());

@@ -20,6 +20,7 @@ RELUME_HD inline bool guarded(float edge, float segment, float footprint) { retu
 /// Constants of all paths.
 struct PathGraphContext {
   using Policy = PathGraph;
+  static constexpr bool fills_samples = true;  ///< as for kFillsSamples
 
   FilterContext filter;
   AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
@@ -35,6 +36,10 @@ struct PathGraphContext {
 
 /// The policy of one path. Between two vertices with cells ("anchors"), the path's throughput and radiance are relative
 /// to the demodulated first of them.
+///
+/// If reservoirs take the light beyond second vertices (FilterContext::indirect_apart), primary hits are no anchors.
+/// The graph of that light begins at the vertex where it is found. The light becomes the radiance of the finished path,
+/// for the policy that takes it.
 class PathGraph : public NoPolicy {
  public:
   static constexpr bool resamples_lights = true;
@@ -54,15 +59,17 @@ class PathGraph : public NoPolicy {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     demodulation_ = {};
+    if (context_->filter.indirect_apart && path.bounce == 0) return true;
     if (context_->guards) {
       segment_ += glm::length(sp.position - path.ray.origin);
-      footprint_ = sp.footprint;
+      // Such light has no cone before it scatters again: other pixels may show it.
+      footprint_ = sampled_ && path.bounce == 1 ? kInfinity : sp.footprint;
     }
     if (path.dispersed) return true;  // as in FilterVertex
     demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
     if (!demodulation_.filtered) return true;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);
-    const bool first = !pixel_.filtered;
+    const bool first = shows_first_cell();
     point_ = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), demodulation_.glossy,
                                first ? uint16_t{0} : context_->deep_coarsening, demodulation_.roughness);
     address_ = grid().keys.address(point_);
@@ -77,26 +84,27 @@ class PathGraph : public NoPolicy {
     const bool first = !pixel_.filtered;
     const uint32_t slot = grid().find(address_);
     const Rgb found = path.radiance;
+    const bool shows = shows_first_cell();
     const bool ends = first && !begin(slot, path);
     if (!first) advance(path);
-    earlier.rebased(found, arriving_ * d.albedo);
+    earlier.rebased(found, unit_ * arriving_ * d.albedo);
     if constexpr (kHasEarlier<Earlier>) {
-      if (first) report_decision(grid(), pixel_, {}, earlier);
+      if (shows) report_decision(grid(), pixel_, {}, earlier);
     }
     // Beyond the first vertex no other cell replaces an undersampled one. Rarely reached cells would receive the light
     // of frequently reached ones, and their own would be lost.
-    const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
+    const CellMoments cell = shows ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
     if (path.bounce == 0) scatter_chance_ = chance_at_first(cell);
     if (ends) return false;
     at_first_ = first;
     before_ = now_;
-    const bool passes = !first && context_->guards && guarded(edge(), segment_, footprint_);
+    const bool passes = !shows && context_->guards && guarded(edge(), segment_, footprint_);
     segment_ = 0.0f;
     if (!passes && !grid().undersampled(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
-      earlier.ended_in_cell(arriving_ * d.albedo * cell.mean);
+      earlier.ended_in_cell(unit_ * arriving_ * d.albedo * cell.mean);
       if (now_.share <= 0.0f && !follows(d, earlier)) return false;
     }
     const bool wanted = now_.share > 0.0f || feeds_;
@@ -104,7 +112,7 @@ class PathGraph : public NoPolicy {
     has_own_ = wanted && (closed_ || open_count_ < kMaxOpen);
     if (wanted && !has_own_) ++skipped_;
     if (has_own_) {
-      own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight(), !first};
+      own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight(), !shows};
       grid().prefetch_sums(address_);
     }
     at_anchor_ = true;
@@ -116,6 +124,7 @@ class PathGraph : public NoPolicy {
 
   template <typename Earlier>
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path, Earlier& earlier) {
+    if (path.bounce == 1) sampled_ = context_->filter.indirect_apart && !path.delta;
     if (!at_anchor_) return;
     at_anchor_ = false;
     if (!path.delta) {
@@ -123,7 +132,7 @@ class PathGraph : public NoPolicy {
       return;
     }
     // Cells exclude the light of delta lobes. The sample is complete, and the path continues as if without a cell.
-    earlier.rebased(path.radiance, arriving_);
+    earlier.rebased(path.radiance, unit_ * arriving_);
     settle(path);
     closed_ = false;
     if (has_own_) insert(own_);
@@ -138,8 +147,26 @@ class PathGraph : public NoPolicy {
     path.rr_reference *= max_component(divisor_);
   }
 
+  /// Reservoirs take the light from the current vertex on.
+  RELUME_HD void rebased(const Rgb& found, const Rgb& unit) {
+    kept_ = found;
+    unit_ = unit;
+    taken_ = true;
+  }
+
   /// Adds all waiting samples to their cells.
   RELUME_HD void finished(PathState& path) {
+    finish(path);
+    if (!taken_) return;
+    if (pixel_.filtered) path.radiance = pixel_.unfiltered + pixel_.traced;
+    pixel_.filtered = false;
+    pixel_.traced = Rgb(0);
+    pixel_.unfiltered = kept_;
+    if (!is_finite(path.radiance)) pixel_.unfiltered += path.radiance;  // is counted there
+  }
+
+ private:
+  RELUME_HD void finish(PathState& path) {
     if (!pixel_.filtered) {
       pixel_.unfiltered = path.radiance;
       if (!scatters_) pixel_.seen = path.radiance;
@@ -157,7 +184,6 @@ class PathGraph : public NoPolicy {
     pixel_.traced = is_finite(traced) ? traced : Rgb(0);
   }
 
- private:
   /// A sample for a cell. While the next anchor's cell is undersampled, it waits for the rest of the path. Has no
   /// initial values, because a path has space for many and uses few.
   struct Sample {
@@ -177,6 +203,8 @@ class PathGraph : public NoPolicy {
   };
 
   RELUME_HD const HashGridView& grid() const { return context_->filter.grid; }
+  /// Whether the current vertex is the first anchor, and the pixel may show its cell.
+  RELUME_HD bool shows_first_cell() const { return !pixel_.filtered && !sampled_; }
   /// Edge of the cell of the current vertex.
   RELUME_HD float edge() const { return power_of_two(grid().keys.level_of(point_)); }
 
@@ -192,7 +220,7 @@ class PathGraph : public NoPolicy {
     path.radiance = Rgb(0);
     path.rr_reference = 1.0f;
     path.eta_scale = 1.0f;
-    return context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
+    return sampled_ || context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
   }
 
   /// Advances from the last anchor to the current vertex.
@@ -317,7 +345,10 @@ class PathGraph : public NoPolicy {
   float footprint_ = 0;  ///< width of the path's ray cone
   Rgb contribution_{0};
   Rgb beside_{0};    ///< part of it sampled before the path left the first anchor through a delta lobe
-  Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
+  Rgb arriving_{1};  ///< throughput from the camera, or from where reservoirs take the light, to the last anchor,
+                     ///< without its albedo
+  Rgb unit_{1};      ///< factor of this throughput in the image
+  Rgb kept_{0};      ///< radiance of the path up to where reservoirs take the light
   Rgb albedo_{1};    ///< ρ of the last anchor
   Rgb divisor_{1};   ///< divisor of the last anchor's radiance
   float limit_ = kInfinity;
@@ -325,6 +356,8 @@ class PathGraph : public NoPolicy {
   Progress now_;
   Progress before_;        ///< progress on arrival at the last anchor
   bool scatters_ = false;  ///< whether the path has hit a surface
+  bool sampled_ = false;   ///< whether reservoirs take light from the path, if it hits a surface
+  bool taken_ = false;     ///< whether they take it from the current or an earlier vertex on
   bool at_anchor_ = false;
   bool at_first_ = false;   ///< whether the last anchor is the first one
   bool past_cell_ = false;  ///< whether the path left the first anchor through a delta lobe

@@ -31,9 +31,8 @@ struct CellsOutput {
 
   Cache cache;
   View<FilteredPixel> pixels;
-  // Only if reservoirs add the direct light of primary hits; else empty.
-  View<float> scatter_chances = {};
-  View<Rgb> radiance = {};  ///< cleared for that light
+  View<float> scatter_chances = {};  ///< only if reservoirs add the direct light of primary hits; else empty
+  View<Rgb> radiance = {};           ///< only if reservoirs add light, for which it is cleared; else empty
 
   RELUME_HD Policy policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
     return cache.policy(index, x, y);
@@ -50,9 +49,8 @@ struct CellsOutput {
  private:
   /// Prepares the pixel for reservoirs.
   RELUME_HD void prepare(uint32_t pixel, float scatter_chance) const {
-    if (scatter_chances.empty()) return;
-    scatter_chances[pixel] = scatter_chance;
-    radiance[pixel] = Rgb(0);
+    if (!scatter_chances.empty()) scatter_chances[pixel] = scatter_chance;
+    if (!radiance.empty()) radiance[pixel] = Rgb(0);
   }
 };
 

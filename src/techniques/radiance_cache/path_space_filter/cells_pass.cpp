@@ -50,7 +50,8 @@ bool CellsPass::run(const FrameContext& frame) {
              .refine = refine() > 0.0f,
              .others = others_.mutable_view(),
              .width = frame.width(),
-             .direct_apart = users_.reservoirs};
+             .direct_apart = users_.reservoirs,
+             .indirect_apart = users_.indirect};
   return true;
 }
 
@@ -193,6 +194,7 @@ PassDeclaration cell_paths_declaration(const CellsPass& cells) {
     declaration.owns.push_back(
         {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"});
   }
+  if (cells.users().indirect) declaration.owns.push_back(indirect_samples_buffer());
   return declaration;
 }
 

@@ -9,6 +9,7 @@
 #include "core/array.h"
 #include "frame/pass.h"
 #include "techniques/radiance_cache/path_space_filter/path_space_filter.h"
+#include "techniques/radiance_cache/path_space_filter/sampled_cells.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
 #include "techniques/radiance_cache/path_space_filter/verified_cells.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
@@ -35,6 +36,7 @@ struct CellDepths {
 struct CellPathUsers {
   bool history = false;     ///< a history that verifies pixels
   bool reservoirs = false;  ///< reservoirs that add the direct light of primary hits, which paths leave out
+  bool indirect = false;    ///< the same for their indirect light
 };
 
 /// Owns the cells. Its longest_epoch() is 0: all frames continue one low-discrepancy sequence per pixel, because images
@@ -96,7 +98,7 @@ class CellsPass final : public Pass {
 class ResolveCellsPass final : public Pass {
  public:
   /// `sharpens_edges`: whether this pass traces more camera rays at edges of light sources. Denoisers trace their own.
-  /// `adds`: whether kRadiance holds splats of light paths or the direct light of reservoirs, to which this pass adds
+  /// `adds`: whether kRadiance holds splats of light paths or the light of reservoirs, to which this pass adds
   /// the light of the cells.
   ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges, bool adds)
       : source_(source), cells_(cells), sharpens_edges_(sharpens_edges), adds_(adds) {}
@@ -119,7 +121,8 @@ class ResolveCellsPass final : public Pass {
 BufferDescription filtered_pixels_buffer();
 
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels, and
-/// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs kFirstScatters and kScatterChances.
+/// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs kFirstScatters and kScatterChances,
+/// or kIndirectSamples.
 PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
 /// Destinations of what paths record for learning: samples for regions, and states for chains; nullptr: none.
@@ -151,10 +154,19 @@ bool trace_into_cells(const PathSource& source, const FrameContext& frame, const
   if (cells.users().reservoirs) {
     traced.first_nee_bounce = 1;
     output.scatter_chances = frame.write(kScatterChances);
-    output.radiance = frame.write(kRadiance);
     scatters = {{frame.write(kFirstScatters)}, true};
   }
+  traced.indirect_to_reservoirs = cells.users().indirect;
+  if (cells.users().reservoirs || cells.users().indirect) output.radiance = frame.write(kRadiance);
   const auto trace = [&](const auto& paths) {
+    if (cells.users().indirect) {
+      const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
+      if constexpr (kFillsSamples<Cache>) {
+        return trace_recorded_paths(traced, frame, records, paths, samples, scatters);
+      } else {
+        return trace_recorded_paths(traced, frame, records, samples, paths, scatters);
+      }
+    }
     if (records.any()) return trace_recorded_paths(traced, frame, records, paths, scatters);
     return trace_paths(traced, frame, nullptr, paths, scatters);
   };

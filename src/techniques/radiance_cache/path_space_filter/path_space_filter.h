@@ -30,8 +30,10 @@ struct FilterContext {
                                ///< lobe, weights depend on its vertex, so no vertex there is filtered
   bool direct_apart = false;   ///< whether primary hits have cells of their own, because reservoirs add their direct
                                ///< light
+  bool indirect_apart =
+      false;  ///< the same for their indirect light; no vertex at which reservoirs find it is filtered
 
-  RELUME_HD bool separates_primary() const { return by_prefix || direct_apart; }
+  RELUME_HD bool separates_primary() const { return by_prefix || direct_apart || indirect_apart; }
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
@@ -55,7 +57,7 @@ class FilterVertex : public NoPolicy {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     // Paths behind a dispersive interface differ in wavelength, over which a cell would average.
-    if (reached() || path.dispersed || (context_->by_prefix && widened_)) return true;
+    if (reached() || path.dispersed || (context_->by_prefix && widened_) || left_to_reservoirs_) return true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
     if (!d.filtered) return true;
     pixel_.filtered = true;
@@ -83,6 +85,7 @@ class FilterVertex : public NoPolicy {
 
   template <typename Earlier>
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path, Earlier& earlier) {
+    left_to_reservoirs_ = left_to_reservoirs_ || (context_->indirect_apart && path.bounce == 1 && !path.delta);
     if (!reached()) widened_ = widened_ || (!path.delta && s.alpha >= context_->narrow_alpha);
     if (!reached() || left_) return;
     left_ = true;
@@ -178,8 +181,9 @@ class FilterVertex : public NoPolicy {
   FilteredPixel pixel_;
   Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
-  bool scatters_ = false;  ///< whether the path has hit a surface
-  bool widened_ = false;   ///< whether the path left an earlier vertex through a wide lobe
+  bool scatters_ = false;            ///< whether the path has hit a surface
+  bool widened_ = false;             ///< whether the path left an earlier vertex through a wide lobe
+  bool left_to_reservoirs_ = false;  ///< whether reservoirs take the light of later vertices
   bool left_ = false;
   bool apart_ = false;  ///< whether the path left through a delta lobe
 };
@@ -217,7 +221,7 @@ struct ResolveCellsKernel {
   View<const OtherCells> others;         ///< as FilterContext::others
   View<const uint32_t> allocation = {};  ///< paths of the pixel, 0 or 1; empty: 1
   bool adds = false;                     ///< whether `radiance` holds light that no cell contains: splats of light
-                                         ///< paths, or the direct light of reservoirs
+                                         ///< paths, or the light of reservoirs
   View<Rgb> from_cells = {};             ///< part of the radiance that comes from cells; may be empty
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {

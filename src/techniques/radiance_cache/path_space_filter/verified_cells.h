@@ -32,6 +32,7 @@ struct VerifiedCellPath : PathPolicies<typename Cache::Policy, FirstVertexPolicy
     if (after.bounce == 1) at_hit = this->first.pixel().filtered;
     Policies::scattered(sp, s, after, earlier);
   }
+  RELUME_HD void rebased(const Rgb& found, const Rgb& unit) { this->first.rebased(found, unit); }
 };
 
 /// As CellsOutput, with records of first vertices. `Cache::Policy` also has
@@ -56,7 +57,8 @@ struct VerifiedCellsOutput {
     const FilteredPixel& p = policy.first.pixel();
     FirstVertex& vertex = first_vertices[pixel];
     cells_at_hit[pixel] = p.filtered && (policy.at_hit || path.bounce == 0) ? 1u : 0u;
-    if (!p.filtered) return;  // the path kept its units
+    // The path kept its units. Reservoirs may have taken light after the record was complete.
+    if (!p.filtered) return policy.record().finish_with(path.radiance);
     // Paths that are followed represent those that are not.
     const float weight = 1.0f / p.survival;
     if (cells_at_hit[pixel] == 0) return policy.record().finish_with(p.unfiltered + p.traced * weight);

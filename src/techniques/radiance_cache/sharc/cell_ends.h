@@ -5,6 +5,7 @@
 #include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/first_scatter.h"
 #include "techniques/transport/path/first_vertex.h"
+#include "techniques/transport/path/indirect_sample.h"
 #include "techniques/transport/path/optional_output.h"
 #include "techniques/transport/path/path_kernel.h"
 #include "techniques/transport/path/recording_output.h"
@@ -129,5 +130,14 @@ using RecordedReservoirCellEndsKernel = PathKernel<RadianceOutput, FirstScatterO
 using LearningCellEndsKernel =
     PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, OptionalOutput<FirstScatterOutput>,
                OptionalOutput<FirstVertexOutput>, CellEnds>;
+
+/// All four for reservoirs of indirect light: the samples that they take from paths end in cells.
+using IndirectCellEndsKernel = PathKernel<RadianceOutput, OptionalOutput<FirstScatterOutput>, IndirectSampleOutput,
+                                          OptionalOutput<FirstVertexOutput>, CellEnds>;
+
+/// The same for paths from which regions or chains learn.
+using LearningIndirectCellEndsKernel =
+    PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, OptionalOutput<FirstScatterOutput>,
+               IndirectSampleOutput, OptionalOutput<FirstVertexOutput>, CellEnds>;
 
 }  // namespace relume

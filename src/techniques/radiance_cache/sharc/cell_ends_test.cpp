@@ -111,7 +111,7 @@ class EndingPath : public ::testing::Test {
 
   /// Traces the path, which leaves the first vertex by `s` and then finds emission 2. Returns whether it continues at
   /// the second vertex.
-  bool trace(const SurfacePoint& first, BsdfSample s) {
+  bool trace(const SurfacePoint& first, const BsdfSample& s) {
     CellEnds ends;
     ends.cells.grid = grid_.view(grid_camera());
     const SampleIndex index;
@@ -119,6 +119,23 @@ class EndingPath : public ::testing::Test {
     const CachedChainOutput chains{chains_};
     Policies policies{recording.policy(index, 0, 0, 0),
                       {chains.policy(index, 0, 0, 0), {ends.policy(index, 0, 0, 0), {}}}};
+    return trace_with(policies, first, s);
+  }
+
+  /// The same for a path from which reservoirs take a sample.
+  bool trace_sample(IndirectSample& sample) {
+    CellEnds ends;
+    ends.cells.grid = grid_.view(grid_camera());
+    const SampleIndex index;
+    const CachedRecordingOutput recording{recording_};
+    const IndirectSampleOutput samples{view_of_one(sample)};
+    PathPolicies<CachedPathRecorder, IndirectSamplePolicy, CellEnd> policies{
+        recording.policy(index, 0, 0, 0), {samples.policy(index, 0, 0, 0), {ends.policy(index, 0, 0, 0), {}}}};
+    return trace_with(policies, first_, {});
+  }
+
+  template <typename Traced>
+  bool trace_with(Traced& policies, const SurfacePoint& first, BsdfSample s) {
     path_ = {};
     SurfacePoint sp = first;
     EXPECT_TRUE(policies.arrived(sp, path_));
@@ -166,6 +183,17 @@ TEST_F(EndingPath, TeachesChainsTheMeanOfTheCell) {
   EXPECT_NEAR(directions_[0].state.weight, 0.25f * (2 + kAlbedo * 3), 1e-4f);
   EXPECT_NEAR(glm::distance(mean_target(directions_[0].state), second_.position), 0, 1e-4f);
   EXPECT_EQ(directions_[1].cells[0].slot, kNoSlot) << "no direction was sampled there";
+}
+
+/// The sample has the light of the cell, in units of no pixel. The path keeps the emission, and records both.
+TEST_F(EndingPath, GivesTheMeanOfTheCellToTheSample) {
+  IndirectSample sample;
+  EXPECT_FALSE(trace_sample(sample));
+  EXPECT_NEAR(path_.radiance.g, 0.25f * 2, 1e-4f);
+  EXPECT_NEAR(sample.vertex.radiance.g, kAlbedo * 3, 1e-4f);
+  EXPECT_NEAR(sample.weight, 1 / 0.5f, 1e-4f);
+  EXPECT_NEAR(records_[0].value, (2 + kAlbedo * 3) * shading_cosine(first_, path_.ray.direction) / 0.5f, 1e-4f);
+  EXPECT_EQ(records_[1].weight, 0.0f);
 }
 
 TEST_F(EndingPath, GuidedDirectionsHaveTheConeOfTheNarrowestLobe) {

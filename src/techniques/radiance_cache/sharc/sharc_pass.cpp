@@ -28,6 +28,7 @@ PassDeclaration SharcPass::declaration() const {
   declaration.owns.push_back({.id = kCellTermination, .help = kCellTerminationHelp, .display = BufferDisplay::value});
   if (cells_.users().history) declaration.owns.push_back(first_vertices_buffer());
   if (cells_.users().reservoirs) declaration.owns.push_back(first_scatters_buffer());
+  if (cells_.users().indirect) declaration.owns.push_back(indirect_samples_buffer());
   return declaration;
 }
 
@@ -47,6 +48,12 @@ bool SharcPass::trace(const FrameContext& frame) const {
   if (cells_.users().reservoirs) scatters = {{frame.write(kFirstScatters)}, true};
   OptionalOutput<FirstVertexOutput> vertices;
   if (cells_.users().history) vertices = {{frame.write(kFirstVertices)}, true};
+  if (cells_.users().indirect) {
+    const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
+    if (learning_.any())
+      return trace_recorded_paths(source_, frame, learning_, radiance, scatters, samples, vertices, ends);
+    return trace_paths(source_, frame, nullptr, radiance, scatters, samples, vertices, ends);
+  }
   if (learning_.any()) return trace_recorded_paths(source_, frame, learning_, radiance, scatters, vertices, ends);
   const auto trace_with = [&](const auto&... outputs) {
     if (!vertices.active) return trace_paths(source_, frame, nullptr, outputs..., ends);
@@ -61,6 +68,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
   kernel.context = make_path_context(source_, frame);
   kernel.context.indirect = {};         // every update path continues
   kernel.context.first_nee_bounce = 0;  // cells receive all direct light, which reservoirs only add to pixels
+  kernel.context.indirect_to_reservoirs = false;
   kernel.context.max_bounces = std::max(kernel.context.max_bounces, kLeastUpdateBounces);
   kernel.update = {.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
                    .depth = static_cast<uint32_t>(settings_.propagation_depth),

@@ -14,12 +14,13 @@ CellDepths cell_depths(const SharcSettings& settings);
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  /// `learning`: destinations of what camera paths record. They also record first vertices and first scattering events
-  /// for the users of `cells`.
+  /// `learning`: destinations of what camera paths record. They also record first vertices, first scattering events
+  /// and indirect samples for the users of `cells`.
   SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells,
             const LearningRecords& learning)
       : settings_(settings), source_(source), cells_(cells), learning_(learning) {
     if (cells.users().reservoirs) source_.first_nee_bounce = 1;
+    source_.indirect_to_reservoirs = cells.users().indirect;
   }
 
   void configure(const SharcSettings& settings) { settings_ = settings; }

@@ -67,7 +67,8 @@ TEST(Sharc, UnknownCellsChangeNoBit) {
 }
 
 TEST(Sharc, UnknownCellsChangeNoBitOfReservoirs) {
-  for (const ReuseChoice reuse : {ReuseChoice::ris, ReuseChoice::restir_di}) {
+  for (const ReuseChoice reuse :
+       {ReuseChoice::ris, ReuseChoice::restir_di, ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
     RenderSettings settings = sharc_settings(32, 32);
     settings.sharc.min_samples = 4096;
     settings.reuse = reuse;
@@ -89,6 +90,9 @@ TEST(Sharc, ReservoirsLeaveDirectLightToTheCells) {
   };
   const double expected = mean_with(ReuseChoice::none);
   EXPECT_NEAR(mean_with(ReuseChoice::ris), expected, 0.03 * expected);
+  settings.restir.cap = settings.restir_gi.cap = 4;
+  EXPECT_NEAR(mean_with(ReuseChoice::restir_gi), expected, 0.03 * expected);
+  EXPECT_NEAR(mean_with(ReuseChoice::restir_di_gi), expected, 0.03 * expected);
 }
 
 TEST(Sharc, CellsLargerThanTheRoomChangeNoBit) {

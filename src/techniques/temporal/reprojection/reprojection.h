@@ -35,8 +35,9 @@ struct DepthVoteKernel {
   float exposure = 1;         ///< factor from radiance to display units
   uint32_t max_samples_changed = 1;  ///< limit of the sample count for changes of light up to max_light_error
   bool lights_changed = false;
-  bool light_points = false;  ///< whether light samples are those of reservoirs
-  uint32_t seed = 0;          ///< seed of stochastic alpha
+  bool light_points = false;    ///< whether light samples are those of reservoirs
+  bool indirect_apart = false;  ///< whether reservoirs add indirect light, which cells of primary hits then lack
+  uint32_t seed = 0;            ///< seed of stochastic alpha
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -102,9 +103,10 @@ struct DepthVoteKernel {
     if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
     const ViewError error = same_view ? ViewError{} : view_error(sp, p, sample, pixel);
     const bool differs = error.largest > max_error;
-    // A pixel of several surfaces could only move as one of them, with the light of its cells. The direct light of
-    // reservoirs is in no cell.
-    const bool in_cells = pixel.cells && !pixel.mixed && !(light_points && error.direct > max_error);
+    // A pixel of several surfaces could only move as one of them, with the light of its cells. The light of reservoirs
+    // is in no cell.
+    const bool in_cells = pixel.cells && !pixel.mixed && !(light_points && error.direct > max_error) &&
+                          !(indirect_apart && error.indirect > max_error);
     if (differs && !in_cells) return RejectReason::view_dependent;
     if (hidden(ray, sp, index)) return RejectReason::occluded;
     if (lights_changed && !limit_samples(sp, index)) return RejectReason::relit;
@@ -136,9 +138,10 @@ struct DepthVoteKernel {
            p.before == p.now;
   }
 
-  /// ε of eq. 15: the largest, and that of the direction of next event estimation.
+  /// ε of eq. 15: the largest, and those of the directions of scattering and of next event estimation.
   struct ViewError {
     float largest = 0;
+    float indirect = 0;
     float direct = 0;
   };
 
@@ -150,13 +153,11 @@ struct DepthVoteKernel {
     const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
     const Mat3 turn = previous_to_current(scene, sample.hit);
     ViewError error;
-    if (sample.scatter) {
-      error.largest =
-          relume::max(error.largest, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
-    }
+    if (sample.scatter) error.indirect = eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect);
     if (sample.to_light) error.direct = eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct);
-    error.largest = relume::max(error.largest, error.direct) * exposure;
+    error.indirect *= exposure;
     error.direct *= exposure;
+    error.largest = relume::max(error.indirect, error.direct);
     return error;
   }
 

@@ -16,9 +16,10 @@ inline constexpr BufferKey<uint32_t> kHistoryRejectReason{"history-reject-reason
 
 /// Contents of the histories besides mean, variance and count.
 struct HistoryContents {
-  bool m2_rgb = false;        ///< this member of the moments
-  bool cells = false;         ///< a separate mean of the part from a radiance cache (forward)
-  bool light_points = false;  ///< light samples of reservoirs in place of random numbers (forward)
+  bool m2_rgb = false;          ///< this member of the moments
+  bool cells = false;           ///< a separate mean of the part from a radiance cache (forward)
+  bool light_points = false;    ///< light samples of reservoirs in place of random numbers (forward)
+  bool indirect_apart = false;  ///< indirect light of reservoirs, which cells lack (forward)
 };
 
 /// Moves the moments of pixels, and all buffers that follow surfaces, to the surfaces' pixels in this frame. Changes of

@@ -50,6 +50,7 @@ inline constexpr float kLeastVertexCosine = 2.0f * kMinShadingCosine;
 struct IndirectSamplePolicy : NoPolicy {
   IndirectSample* sample;  ///< empty at the start
   Rgb scattered_throughput{0};
+  Rgb base{1};  ///< factor of the throughput in the image
   Rgb unit{1};  ///< throughput at the second vertex
   Rgb kept{0};  ///< radiance that stays with the path
   float weight = 0;
@@ -66,7 +67,7 @@ struct IndirectSamplePolicy : NoPolicy {
   RELUME_HD bool arrived(const SurfacePoint& sp, PathState& path, Earlier& earlier) {
     if (!candidate || path.bounce != 1) return true;
     take(sp, path);
-    earlier.rebased(kept, unit);
+    earlier.rebased(kept, base * unit);
     return true;
   }
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample& s, PathState& after) {
@@ -77,6 +78,8 @@ struct IndirectSamplePolicy : NoPolicy {
     after.cone_width = 0;
     after.cone_spread = 0;
   }
+  /// A later cache has changed the units of the path at its primary hit.
+  RELUME_HD void rebased(const Rgb&, const Rgb& next) { base = next; }
   RELUME_HD void finished(PathState& path) {
     if (!taken) return;
     const Rgb found = path.radiance;
@@ -123,7 +126,8 @@ struct IndirectSamplePolicy : NoPolicy {
 };
 
 /// Output of the sample of each path. Must follow outputs whose policies need whole paths; these learn of the change of
-/// units by PathEvents::rebased(). Later outputs see the complete path without the sample.
+/// units by PathEvents::rebased(). Later outputs see the complete path without the sample. Cells of primary hits
+/// follow, since they hold no light of samples. Path graphs, which find the light of samples, precede.
 struct IndirectSampleOutput {
   using Policy = IndirectSamplePolicy;
 

@@ -24,6 +24,10 @@ BufferDescription first_scatters_buffer() {
   return {.id = kFirstScatters, .help = "direction sampled at the primary hit, and the light source that it meets"};
 }
 
+BufferDescription indirect_samples_buffer() {
+  return {.id = kIndirectSamples, .help = "surface point met from the primary hit, and the light that it reflects"};
+}
+
 PathContext make_path_context(const PathSource& source, const FrameContext& frame) {
   PathContext context;
   context.scene = frame.scene;
@@ -56,10 +60,7 @@ PassDeclaration PathPass::declaration() const {
                               .only_sampled_pixels = true};
   if (records_.first_vertices) declaration.owns.push_back(first_vertices_buffer());
   if (records_.first_scatters) declaration.owns.push_back(first_scatters_buffer());
-  if (records_.indirect_samples) {
-    declaration.owns.push_back(
-        {.id = kIndirectSamples, .help = "surface point met from the primary hit, and the light that it reflects"});
-  }
+  if (records_.indirect_samples) declaration.owns.push_back(indirect_samples_buffer());
   if (records_.specular) {
     declaration.owns.push_back({.id = kRadianceSpecular,
                                 .help = "part of radiance scattered by specular lobes of the first surface",

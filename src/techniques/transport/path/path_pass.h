@@ -84,8 +84,9 @@ class PathPass final : public Pass {
 /// Buffers owned by every estimator: kRadiance and kRays of this frame's sample.
 std::vector<BufferDescription> estimator_buffers();
 
-/// kFirstVertices and kFirstScatters. The pass that traces paths owns them if later passes need them.
+/// kFirstVertices, kFirstScatters and kIndirectSamples. The pass that traces paths owns them if later passes need them.
 BufferDescription first_vertices_buffer();
 BufferDescription first_scatters_buffer();
+BufferDescription indirect_samples_buffer();
 
 }  // namespace relume

@@ -1,0 +1,165 @@
+// Reservoirs of indirect light beside radiance caches: the light of samples ends in cells behind primary hits, and
+// counts once.
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "builtin_scenes/builtin.h"
+#include "render/session.h"
+#include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/reuse/restir_di/testing/over_seeds.h"
+
+namespace relume {
+namespace {
+
+using testing::mean_over_seeds;
+using testing::Measured;
+
+constexpr int kSize = 20;
+constexpr size_t kPixels = size_t{kSize} * kSize;
+
+RenderSettings settings_of(ReuseChoice reuse, CacheChoice cache, int bounces) {
+  RenderSettings settings;
+  settings.width = settings.height = kSize;
+  settings.threads = 1;
+  settings.path.max_bounces = bounces;
+  settings.path.russian_roulette = false;
+  settings.reuse = reuse;
+  settings.restir.radius = settings.restir_gi.radius = 6;
+  settings.cache = cache;
+  settings.psf.edge_rays = 0;
+  return settings;
+}
+
+/// The Cornell box without gloss.
+Scene matte_cornell() {
+  Scene scene = find_builtin_scene("cornell")->build();
+  for (Material& m : scene.materials) {
+    m.roughness = 1;
+    m.metallic = 0;
+    m.specular = 0;
+  }
+  return scene;
+}
+
+template <typename T>
+std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
+  const View<const T> view = buffer_table(session).read(buffer);
+  return {view.begin(), view.end()};
+}
+
+/// A buffer of the third frame.
+template <typename T>
+std::vector<T> third_frame(const RenderSettings& settings, const BufferKey<T>& buffer) {
+  Session session(matte_cornell(), settings);
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  return copy_of(session, buffer);
+}
+
+bool near(const Rgb& a, const Rgb& b) { return max_component(abs(a - b)) <= 1e-3f * (1e-3f + max_component(b)); }
+
+class RestirGiWithCache : public ::testing::TestWithParam<CacheChoice> {};
+INSTANTIATE_TEST_SUITE_P(Caches, RestirGiWithCache,
+                         ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg, CacheChoice::apsf_apg,
+                                           CacheChoice::sharc));
+
+/// Vertices, densities and light are those of paths, in units that depend on no primary hit.
+TEST_P(RestirGiWithCache, SamplesAreThoseOfPathsWithoutKnownCells) {
+  RenderSettings settings = settings_of(ReuseChoice::restir_gi, GetParam(), 3);
+  settings.psf.grid.min_count = settings.sharc.min_samples = 4096;
+  const std::vector<IndirectSample> cached = third_frame(settings, kIndirectSamples);
+  settings.cache = CacheChoice::none;
+  const std::vector<IndirectSample> plain = third_frame(settings, kIndirectSamples);
+  int lit = 0;
+  for (size_t i = 0; i < kPixels; ++i) {
+    const IndirectSample& a = cached[i];
+    const IndirectSample& b = plain[i];
+    ASSERT_EQ(a.vertex.instance, b.vertex.instance) << i;
+    ASSERT_EQ(a.vertex.primitive, b.vertex.primitive) << i;
+    EXPECT_NEAR(a.weight, b.weight, 1e-3f * b.weight) << i;
+    EXPECT_TRUE(near(a.vertex.radiance, b.vertex.radiance)) << i;
+    lit += is_black(b.vertex.radiance) ? 0 : 1;
+  }
+  EXPECT_GT(lit, 100);
+}
+
+/// They have direct light alone, or nothing if other reservoirs add that, too.
+TEST(RestirGiWithFilter, CellsOfPrimaryHitsLackTheLightOfReservoirs) {
+  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
+    const auto with_both = third_frame(settings_of(ReuseChoice::restir_di_gi, cache, 4), kFilteredPixels);
+    const auto with_indirect = third_frame(settings_of(ReuseChoice::restir_gi, cache, 4), kFilteredPixels);
+    RenderSettings direct = settings_of(ReuseChoice::none, cache, 1);
+    direct.apsf.survival = SurvivalFunction::one;
+    const auto only_direct = third_frame(direct, kFilteredPixels);
+    int lit = 0;
+    for (size_t i = 0; i < kPixels; ++i) {
+      EXPECT_TRUE(is_black(with_both[i].traced)) << i;
+      EXPECT_EQ(with_indirect[i].filtered, only_direct[i].filtered) << i;
+      EXPECT_TRUE(near(with_indirect[i].traced, only_direct[i].traced)) << i;
+      lit += is_black(only_direct[i].traced) ? 0 : 1;
+    }
+    EXPECT_GT(lit, 100);
+  }
+}
+
+/// Cells replace the rest of the paths of samples, and pixels show no cell.
+TEST_P(RestirGiWithCache, SamplesEndInCells) {
+  const bool filters = GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf;
+  RenderSettings settings = settings_of(ReuseChoice::restir_gi, GetParam(), 8);
+  settings.restir_gi.cap = settings.restir_gi.neighbours = 0;
+  settings.psf.grid.min_count = settings.sharc.min_samples = 1;
+  settings.apg.variance_constant = 0;
+  settings.apg.feed = 0;
+  const auto rays_with = [&](CacheChoice cache) {
+    settings.cache = cache;
+    Session session(testing::closed_furnace(0.9f), settings);
+    for (int i = 0; i < 16; ++i) session.render_frame();
+    const uint64_t before = session.statistics().rays;
+    session.render_frame();
+    if (cache == CacheChoice::apg || cache == CacheChoice::apsf_apg) {
+      const std::vector<FilteredPixel> pixels = copy_of(session, kFilteredPixels);
+      EXPECT_TRUE(std::none_of(pixels.begin(), pixels.end(), [](const FilteredPixel& p) { return p.filtered; }));
+    }
+    return static_cast<double>(session.statistics().rays - before);
+  };
+  const double plain = rays_with(CacheChoice::none);
+  const double cached = rays_with(GetParam());
+  if (filters) {
+    EXPECT_EQ(cached, plain) << "its cells are those of primary hits";
+  } else {
+    EXPECT_LT(cached, 0.8 * plain);
+  }
+}
+
+class RestirGiInFurnace : public ::testing::TestWithParam<std::tuple<ReuseChoice, CacheChoice>> {};
+INSTANTIATE_TEST_SUITE_P(Caches, RestirGiInFurnace,
+                         ::testing::Combine(::testing::Values(ReuseChoice::restir_gi, ReuseChoice::restir_di_gi),
+                                            ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg,
+                                                              CacheChoice::apsf_apg)));
+
+/// Light of every bounce counts once. Cells of sharc have light of more bounces than paths.
+TEST_P(RestirGiInFurnace, HasTheMean) {
+  constexpr float kAlbedo = 0.5f;
+  constexpr int kBounces = 3;
+  constexpr int kFrames = 16;
+  const auto [reuse, cache] = GetParam();
+  RenderSettings settings = settings_of(reuse, cache, kBounces);
+  settings.apsf.min_samples = 8;
+  Session session(testing::closed_furnace(kAlbedo), settings);
+  const Measured mean = mean_over_seeds(8, [&](int seed) {
+    session.restart(seed);
+    for (int i = 0; i < kFrames; ++i) session.render_frame();
+    double sum = 0;
+    for (const Rgb& pixel : session.image().pixels) sum += static_cast<double>(luminance(pixel));
+    return sum / static_cast<double>(kPixels);
+  });
+  const double expected = testing::closed_furnace_radiance(static_cast<double>(kAlbedo), kBounces);
+  EXPECT_LT(mean.error, 0.01 * expected);
+  EXPECT_NEAR(mean.mean, expected, 0.01 * expected + 4.5 * mean.error);
+}
+
+}  // namespace
+}  // namespace relume
