@@ -25,7 +25,7 @@ namespace relume::support {
 namespace {
 
 constexpr int kSeeds = 10;
-/// Of 316 cells and four means each, with random seeds, normal errors would exceed this in one of 120 runs. Few seeds
+/// Of 326 cells and four means each, with random seeds, normal errors would exceed this in one of 110 runs. Few seeds
 /// estimate their error less well, so false alarms are more frequent. Seeds are fixed: an alarm can only follow a
 /// change of bits, and the slow tests, with longer references, decide.
 constexpr double kStandardErrors = 4.5;

@@ -109,16 +109,18 @@ float score_of(const MarkovRecord<ChainState>& record) {
 
 class RecordedPaths : public ::testing::TestWithParam<CacheKind> {};
 
-/// Without cells, caches only change the units of paths.
-TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) {
+/// Compares the records of a frame, in which cells are empty, with those of paths without a cache.
+void expect_records_of_paths(const CachedFrameSettings& settings) {
+  CachedFrameSettings without = settings;
+  without.kind = CacheKind::none;
   Scene coated = find_builtin_scene("cornell")->build();
   for (Material& m : coated.materials) {
     m.clearcoat = 1;
     m.clearcoat_roughness = 0;
   }
   for (const Scene& scene : {coated, find_builtin_scene("cornell-spheres")->build()}) {
-    CachedFrames cached(scene, recorded(GetParam(), 48));
-    CachedFrames plain(scene, recorded(CacheKind::none, 48));
+    CachedFrames cached(scene, settings);
+    CachedFrames plain(scene, without);
     cached.trace();
     plain.trace();
     ASSERT_EQ(cached.records().size(), plain.records().size());
@@ -143,6 +145,40 @@ TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) {
     EXPECT_GT(lit, plain.records().size() / 20);
     EXPECT_GT(compared, plain.records().size() / 20);
   }
+}
+
+/// Without cells, caches only change the units of paths.
+TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) { expect_records_of_paths(recorded(GetParam(), 48)); }
+
+/// So do samples for reservoirs, in paths whose units a cache has changed or will change.
+TEST_P(RecordedPaths, EqualThoseWithoutACacheBesideSamplesForReservoirs) {
+  CachedFrameSettings settings = recorded(GetParam(), 48);
+  settings.sampled = true;
+  expect_records_of_paths(settings);
+}
+
+/// With cells, in a furnace: the light of each sample and vertex, and the pixels without the light of samples.
+TEST_P(RecordedPaths, HaveTheAnalyticMeanBesideSamplesForReservoirs) {
+  constexpr int kFrames = 200;
+  CachedFrameSettings settings = recorded(GetParam(), 24);
+  settings.sampled = true;
+  CachedFrames cached(testing::closed_furnace(0.5f), settings);
+  Records records;
+  double light = 0;
+  double image = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    cached.render();
+    const size_t pixels = cached.samples().size();
+    for (size_t i = 0; i < cached.records().size(); ++i) records[i / pixels].add(cached.records()[i]);
+    for (const IndirectSample& s : cached.samples())
+      light += static_cast<double>(luminance(s.vertex.radiance)) / static_cast<double>(pixels * kFrames);
+    for (const Rgb& p : cached.radiance())
+      image += static_cast<double>(luminance(p)) / static_cast<double>(pixels * kFrames);
+  }
+  EXPECT_NEAR(records[0].mean_value() / furnace_value(0), 1.0, 0.05);
+  EXPECT_NEAR(records[1].mean_value() / furnace_value(1), 1.0, 0.05);
+  EXPECT_NEAR(light, testing::closed_furnace_radiance(0.5, kBounces - 1) - 1, 0.03);
+  EXPECT_NEAR(image, 1.5, 0.03) << "emission and its reflection";
 }
 
 TEST_P(RecordedPaths, HaveTheAnalyticMeanInAFurnace) {

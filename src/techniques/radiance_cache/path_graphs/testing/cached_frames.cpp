@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "scene/world_triangles.h"
+#include "techniques/radiance_cache/path_space_filter/sampled_cells.h"
 #include "techniques/spatial/markov_grid/testing/filled_table.h"
 #include "techniques/transport/path/recording_output.h"
 
@@ -32,6 +33,7 @@ CachedFrames::CachedFrames(Scene scene, const CachedFrameSettings& settings)
     directions_.resize(records_.size());
     lights_.resize(records_.size());
   }
+  if (settings.sampled) samples_.resize(pixels);
   rays_.resize(pixels);
   radiance_.resize(pixels);
 }
@@ -56,6 +58,15 @@ ChainOutput CachedFrames::chains() {
 template <typename Cache>
 void CachedFrames::trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache) {
   const CellsOutput<Cache> cells{cache, mutable_view_of(pixels_)};
+  if (settings_.sampled) {
+    const CachedRecordingOutput records{recording()};
+    const IndirectSampleOutput samples{mutable_view_of(samples_)};
+    if constexpr (kFillsSamples<Cache>) {
+      return trace(context, index, records, CachedChainOutput{chains()}, cells, samples);
+    } else {
+      return trace(context, index, records, CachedChainOutput{chains()}, samples, cells);
+    }
+  }
   if (settings_.recorded)
     return trace(context, index, CachedRecordingOutput{recording()}, CachedChainOutput{chains()}, cells);
   if (!settings_.watched) return trace(context, index, cells);
@@ -94,8 +105,9 @@ void CachedFrames::trace() {
   context.selector.power = {{view_of(power_)}};
   context.max_bounces = settings_.max_bounces;
   context.russian_roulette = settings_.russian_roulette;
-  const FilterContext filter{grid_.view(view.camera),     sqr(settings_.psf.min_roughness), settings_.psf.split,
-                             settings_.psf.refine > 0.0f, mutable_view_of(others_),         width()};
+  FilterContext filter{grid_.view(view.camera),     sqr(settings_.psf.min_roughness), settings_.psf.split,
+                       settings_.psf.refine > 0.0f, mutable_view_of(others_),         width()};
+  filter.indirect_apart = settings_.sampled;
   const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
   AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
   switch (settings_.kind) {

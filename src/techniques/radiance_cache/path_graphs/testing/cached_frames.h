@@ -14,6 +14,7 @@
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/path/chain_output.h"
 #include "techniques/transport/path/first_vertex.h"
+#include "techniques/transport/path/indirect_sample.h"
 #include "techniques/transport/path/specular_part.h"
 
 namespace relume::testing {
@@ -36,6 +37,7 @@ struct CachedFrameSettings {
   bool russian_roulette = true;
   bool watched = false;   ///< whether two policies observe the paths that the cache modifies
   bool recorded = false;  ///< whether paths leave records for regions and chains; excludes `watched`
+  bool sampled = false;   ///< whether paths with cells leave light to reservoirs; needs `recorded`
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
@@ -61,6 +63,8 @@ class CachedFrames {
   /// The same for chains, of which none has a state: each score above 0 starts one.
   const std::vector<MarkovRecord<GuideState>>& directions() const { return directions_; }
   const std::vector<MarkovRecord<LightState>>& lights() const { return lights_; }
+  /// Sample of each pixel for reservoirs. Only with `sampled`.
+  const std::vector<IndirectSample>& samples() const { return samples_; }
   uint64_t rays() const {
     uint64_t sum = 0;
     for (const uint32_t r : rays_) sum += r;
@@ -100,6 +104,7 @@ class CachedFrames {
   std::vector<VertexSample> records_;
   std::vector<MarkovRecord<GuideState>> directions_;
   std::vector<MarkovRecord<LightState>> lights_;
+  std::vector<IndirectSample> samples_;
   std::vector<FirstVertex> first_vertices_;
   std::vector<Rgb> specular_;
   CellLayers layers_;
