@@ -55,7 +55,7 @@ Comparing::Comparing(const Scene& scene, const ComparisonOptions& options, const
 std::optional<Comparison> Comparing::run() {
   prepare();
   const bool done = shared_ ? share_references() && share_contenders() : make_references() && measure_contenders();
-  if (!done || (shared_ && !shared_->is_first())) return std::nullopt;
+  if (!done || (shared_ && !shared_->is_first() && !options().on_all_ranks)) return std::nullopt;
   measure_images();
   judge_references();
   result_.reference = std::move(references_.back());

@@ -34,6 +34,9 @@ struct ComparisonOptions {
   std::string program = {};  ///< identifies the build: references of another build are rendered again
   FrameClock clock = {};     ///< measures the contenders' times; empty: wall_clock()
   bool keep_images = false;  ///< whether to keep the images of every repetition
+  /// Whether times count at equal samples, too: contenders then alternate on one rank of each machine.
+  bool timed = false;
+  bool on_all_ranks = false;  ///< whether all ranks return the comparison, instead of the first one alone
 };
 
 inline bool is_animation(const ComparisonOptions& options) { return options.times_s.size() > 1; }
@@ -113,7 +116,7 @@ using ComparisonProgress = std::function<void(const std::string& stage, double f
 ///
 /// With `shared`, all of its ranks call this with equal arguments, and the first one returns the comparison, with the
 /// images and errors of one process. Tasks are the halves of references, then the repetitions: at equal samples of one
-/// contender, at equal time of all contenders in alternation, on one rank per machine.
+/// contender, at equal time or if `timed` of all contenders in alternation, on one rank per machine.
 std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
                                   const ComparisonProgress& progress, SharedWork* shared = nullptr);
 

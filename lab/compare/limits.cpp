@@ -70,7 +70,7 @@ std::vector<std::string> large_shares(const Comparison& c, const ContenderResult
 std::vector<std::string> limits_of(const Comparison& c) {
   std::vector<std::string> notes;
   if (c.options.budget_s > 0) note_times(c, notes);
-  if (c.options.budget_s <= 0 && c.ranks > 1 && c.threads > 0) {
+  if (c.options.budget_s <= 0 && !c.options.timed && c.ranks > 1 && c.threads > 0) {
     notes.push_back(fmt::format(
         "The times were measured under parallel load, while {} ranks rendered; they do not rank the contenders.",
         c.ranks));

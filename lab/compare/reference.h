@@ -71,6 +71,9 @@ class ReferenceRenderer {
   /// Removes checkpoints of halves that another process has combined.
   void remove_checkpoints(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;
 
+  /// Frees the memory of the session, which the next half creates again.
+  void close_session() { session_.reset(); }
+
   const RenderSettings& settings() const { return settings_; }
   /// File in which this reference is, or will be, cached.
   std::filesystem::path file(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "compare/comparing.h"
+#include "compare/shared_references.h"
 #include "compare/shared_results.h"
-#include "core/clock.h"
 #include "relume/error.h"
 #include "relume/version.h"
 #include "settings/settings_json.h"
@@ -33,37 +33,15 @@ bool Comparing::begin_sharing() {
 bool Comparing::share_references() {
   if (!begin_sharing()) return false;
   if (!references_.empty()) return true;  // a file, which all ranks read
-  const bool is_first = shared_->is_first();
   ReferenceRenderer renderer = reference_renderer();
   const std::vector<float> times = reference_times();
-  const auto previous = [&](size_t i) { return times[i > 0 ? i - 1 : 0]; };
-  std::vector<std::optional<Reference>> known(times.size());
-  SharedTasks halves{.tasks = {}, .run = {}, .progress = stage("reference")};
-  for (size_t i = 0; i < times.size() && is_first; ++i) {
-    known[i] = renderer.find(times[i], previous(i), std::nullopt);
-    if (!known[i]) halves.tasks.insert(halves.tasks.end(), {2 * i, 2 * i + 1});
-  }
-  halves.run = [&](size_t task, const std::stop_token& stop, const SharedTasks::Progress& progress) {
-    const size_t i = task / 2;
-    const std::optional<ReferenceHalf> half =
-        renderer.render_half(static_cast<int>(task % 2), times[i], previous(i), std::nullopt, stop, progress);
-    return half ? std::optional(to_bytes(*half)) : std::nullopt;
-  };
-  const double start_s = now_s();
-  const std::optional<std::vector<std::string>> results = shared_->gather(halves, stop_);
-  if (!results) return false;
-  for (size_t k = 0; k + 1 < results->size(); k += 2) {
-    const size_t i = halves.tasks[k] / 2;
-    known[i] = renderer.combine(times[i], previous(i), std::nullopt,
-                                {reference_half_from((*results)[k]), reference_half_from((*results)[k + 1])});
-    known[i]->render_s = 2 * (now_s() - start_s) / static_cast<double>(results->size());
-  }
-  for (size_t i = 0; i < times.size() && is_first; ++i) references_.push_back(std::move(*known[i]));
-  const std::optional<std::string> shared = shared_->share(is_first ? to_bytes(references_) : std::string());
-  if (!shared) return false;
-  if (is_first) return true;
-  references_ = references_from(*shared);
-  for (size_t i = 0; i < times.size(); ++i) renderer.remove_checkpoints(times[i], previous(i), std::nullopt);
+  std::vector<ReferenceView> views;
+  for (size_t i = 0; i < times.size(); ++i)
+    views.push_back({.renderer = &renderer, .time_s = times[i], .previous_time_s = times[i > 0 ? i - 1 : 0]});
+  std::optional<std::vector<Reference>> references =
+      relume::share_references(*shared_, views, stop_, stage("reference"));
+  if (!references) return false;
+  references_ = std::move(*references);
   return true;
 }
 
@@ -92,12 +70,12 @@ bool Comparing::share_contenders() {
   FramePlan plan{.frames = {}, .samples = static_cast<double>(o.spp)};
   if (!share_plan(plan)) return false;
   // Times are only comparable if contenders alternate on one machine, so a timed task has all of them.
-  const bool timed = o.budget_s > 0;
+  const bool timed = o.budget_s > 0 || o.timed;
   const size_t group_size = timed ? settings_.size() : 1;
   const size_t groups = settings_.empty() ? 0 : settings_.size() / group_size;
   const auto repetitions = static_cast<size_t>(o.repetitions);
   SharedTasks runs{.tasks = std::vector<size_t>(groups * repetitions),
-                   .one_per_host = timed,
+                   .ranks = timed ? TaskRanks::one_per_host : TaskRanks::all,
                    .run = {},
                    .progress = stage("contenders")};
   std::iota(runs.tasks.begin(), runs.tasks.end(), size_t{0});
@@ -120,7 +98,13 @@ bool Comparing::share_contenders() {
   };
   const std::optional<std::vector<std::string>> results = shared_->gather(runs, stop_);
   if (!results) return false;
-  if (shared_->is_first()) keep_results(*results);
+  if (!o.on_all_ranks) {
+    if (shared_->is_first()) keep_results(*results);
+    return true;
+  }
+  const std::optional<std::string> shared = shared_->share(shared_->is_first() ? to_bytes(*results) : std::string());
+  if (!shared) return false;
+  keep_results(shared_->is_first() ? *results : texts_from(*shared));
   return true;
 }
 

@@ -1,6 +1,4 @@
 // Two threads as ranks that share a comparison: all values but times equal those of one process.
-#include <atomic>
-#include <barrier>
 #include <filesystem>
 #include <thread>
 
@@ -10,63 +8,13 @@
 #include "builtin_scenes/builtin.h"
 #include "compare/comparison.h"
 #include "compare/shared_results.h"
+#include "compare/testing/thread_ranks.h"
 #include "relume/error.h"
 
 namespace relume {
 namespace {
 
 using nlohmann::json;
-
-/// What two ranks have in common.
-struct Room {
-  std::barrier<> barrier{2};
-  std::string bytes;
-  std::vector<size_t> tasks;
-  std::vector<std::string> results;
-  std::atomic<size_t> next = 0;
-};
-
-/// A rank of a Room. The second one runs the first task of each stage, so that no stage is the first rank's alone.
-class ThreadRank : public SharedWork {
- public:
-  ThreadRank(Room& room, bool is_first) : room_(room), is_first_(is_first) {}
-
-  int ranks() const override { return 2; }
-  bool is_first() const override { return is_first_; }
-  std::optional<std::vector<std::string>> gather(const SharedTasks& work, const std::stop_token& stop) override {
-    if (is_first_) {
-      room_.tasks = work.tasks;
-      room_.results.assign(work.tasks.size(), {});
-      room_.next = 0;
-    }
-    room_.barrier.arrive_and_wait();
-    if (!is_first_) run_next(work, stop);
-    room_.barrier.arrive_and_wait();
-    if (!work.one_per_host || !is_first_) {
-      while (run_next(work, stop)) continue;
-    }
-    room_.barrier.arrive_and_wait();
-    return is_first_ ? room_.results : std::vector<std::string>();
-  }
-  std::optional<std::string> share(std::string bytes) override {
-    if (is_first_) room_.bytes = std::move(bytes);
-    room_.barrier.arrive_and_wait();
-    std::string shared = room_.bytes;
-    room_.barrier.arrive_and_wait();
-    return shared;
-  }
-
- private:
-  bool run_next(const SharedTasks& work, const std::stop_token& stop) {
-    const size_t position = room_.next++;
-    if (position >= room_.tasks.size()) return false;
-    room_.results[position] = work.run(room_.tasks[position], stop, [](double) {}).value();
-    return true;
-  }
-
-  Room& room_;
-  bool is_first_;
-};
 
 /// One microsecond per ray, independent of machine and load.
 double ray_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
@@ -99,15 +47,20 @@ class SharedComparisonTest : public testing::Test {
   }
 
   Comparison run_on_two(const Scene& scene, const ComparisonOptions& o) const {
-    Room room;
+    RankRoom room;
     ThreadRank first(room, true);
     ThreadRank second(room, false);
-    std::optional<Comparison> none;
-    std::thread thread([&] { none = run(scene, o, "second", &second); });
+    std::optional<Comparison> other;
+    std::thread thread([&] { other = run(scene, o, "second", &second); });
     std::optional<Comparison> comparison = run(scene, o, "first", &first);
     thread.join();
-    EXPECT_FALSE(none);
     EXPECT_TRUE(comparison);
+    EXPECT_EQ(other.has_value(), o.on_all_ranks);
+    if (other) {
+      EXPECT_EQ(to_json(*other, {}), to_json(*comparison, {}));
+      EXPECT_EQ(other->reference.image.pixels, comparison->reference.image.pixels);
+      EXPECT_EQ(other->contenders.back().image.pixels, comparison->contenders.back().image.pixels);
+    }
     EXPECT_TRUE(std::filesystem::is_empty(folder_ / "second")) << "a checkpoint remains";
     return std::move(comparison.value());
   }
@@ -138,6 +91,20 @@ class SharedComparisonTest : public testing::Test {
 
 TEST_F(SharedComparisonTest, EqualSamples) {
   expect_equal(find_builtin_scene("cornell")->build(), options("few=max-bounces:1,all=seed:7"));
+}
+
+TEST_F(SharedComparisonTest, OnAllRanks) {
+  ComparisonOptions o = options("few=max-bounces:1,all=seed:7");
+  o.on_all_ranks = true;
+  expect_equal(find_builtin_scene("cornell")->build(), o);
+}
+
+TEST_F(SharedComparisonTest, TimedAtEqualSamples) {
+  ComparisonOptions o = options("few=max-bounces:1,all=seed:7");
+  o.timed = true;
+  expect_equal(find_builtin_scene("cornell")->build(), o);
+  for (const std::string& note : run_on_two(find_builtin_scene("cornell")->build(), o).notes)
+    EXPECT_EQ(note.find("parallel load"), std::string::npos) << note;
 }
 
 TEST_F(SharedComparisonTest, EqualTime) {

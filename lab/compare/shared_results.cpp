@@ -1,7 +1,9 @@
 #include "compare/shared_results.h"
 
+#include <concepts>
 #include <cstdint>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 #include "core/stream_io.h"
@@ -9,6 +11,9 @@
 
 namespace relume {
 namespace {
+
+template <typename Any, typename T>
+concept SameOrConst = std::same_as<std::remove_const_t<Any>, T>;
 
 void check_complete(const std::istream& in) {
   if (!in) throw Error("a result of another rank is incomplete; give all ranks the same version of relume");
@@ -45,9 +50,17 @@ Image read_image(std::istream& in) {
   return image;
 }
 
-/// Calls `visit` with each member of fixed size. `AnyRepetition`: Repetition, const or not.
-template <typename AnyRepetition, typename Visit>
-void visit_numbers(AnyRepetition& r, const Visit& visit) {
+/// Calls `visit` with each member of fixed size.
+template <typename Visit>
+void visit_numbers(SameOrConst<Reference> auto& r, const Visit& visit) {
+  visit(r.mse);
+  visit(r.rel_mse);
+  visit(r.spp);
+  visit(r.cached);
+  visit(r.render_s);
+}
+template <typename Visit>
+void visit_numbers(SameOrConst<Repetition> auto& r, const Visit& visit) {
   visit(r.seed);
   visit(r.frames);
   visit(r.samples);
@@ -144,6 +157,8 @@ std::string to_bytes(const std::vector<Reference>& references) {
   write_value(out, uint64_t{references.size()});
   for (const Reference& reference : references) {
     write_image(out, reference.image);
+    write_image(out, reference.squared_error);
+    visit_numbers(reference, [&](const auto& value) { write_value(out, value); });
     write_vector(out, reference.surface.motion);
     write_vector(out, reference.surface.depth);
     write_vector(out, reference.surface.normal);
@@ -158,6 +173,8 @@ std::vector<Reference> references_from(const std::string& bytes) {
   for (size_t i = 0; i < count && in; ++i) {
     Reference reference;
     reference.image = read_image(in);
+    reference.squared_error = read_image(in);
+    visit_numbers(reference, [&](auto& value) { read_value(in, value); });
     read_vector(in, reference.surface.motion);
     read_vector(in, reference.surface.depth);
     read_vector(in, reference.surface.normal);
@@ -181,6 +198,22 @@ EqualTime equal_time_from(const std::string& bytes) {
   read_vector(in, equal.time_s);
   check_complete(in);
   return equal;
+}
+
+std::string to_bytes(const std::vector<std::string>& texts) {
+  std::ostringstream out;
+  write_value(out, uint64_t{texts.size()});
+  for (const std::string& text : texts) write_text(out, text);
+  return out.str();
+}
+
+std::vector<std::string> texts_from(const std::string& bytes) {
+  std::istringstream in(bytes);
+  std::vector<std::string> texts;
+  const size_t count = read_size(in);
+  for (size_t i = 0; i < count && in; ++i) texts.push_back(read_text(in));
+  check_complete(in);
+  return texts;
 }
 
 }  // namespace relume

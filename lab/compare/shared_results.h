@@ -17,14 +17,15 @@ struct RunResult {
 
 std::string to_bytes(const RunResult& result);
 std::string to_bytes(const ReferenceHalf& half);
-/// Without the members that only the first rank reads: errors and times.
 std::string to_bytes(const std::vector<Reference>& references);
 std::string to_bytes(const EqualTime& equal);
+std::string to_bytes(const std::vector<std::string>& texts);
 
 // All throw Error if the bytes end early.
 RunResult run_result_from(const std::string& bytes);
 ReferenceHalf reference_half_from(const std::string& bytes);
 std::vector<Reference> references_from(const std::string& bytes);
 EqualTime equal_time_from(const std::string& bytes);
+std::vector<std::string> texts_from(const std::string& bytes);
 
 }  // namespace relume

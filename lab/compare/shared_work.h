@@ -10,12 +10,19 @@
 
 namespace relume {
 
+/// The ranks that run the tasks of a stage.
+enum class TaskRanks {
+  all,
+  one_per_host,  ///< one of each machine, for times
+  first,         ///< the first rank alone, for times that are compared with each other
+};
+
 /// Independent tasks of one stage.
 struct SharedTasks {
   using Progress = std::function<void(double fraction)>;
 
   std::vector<size_t> tasks;  ///< of the first rank, dealt out in this order; ignored on others
-  bool one_per_host = false;  ///< whether only one rank of each machine works, for times
+  TaskRanks ranks = TaskRanks::all;
   /// Runs a task on this rank. Returns its result as bytes; std::nullopt if `stop` was requested first.
   std::function<std::optional<std::string>(size_t task, const std::stop_token& stop, const Progress& progress)> run;
   Progress progress = {};  ///< of all tasks; called on the first rank, on another thread

@@ -16,10 +16,19 @@ bool TaskDealer::is_first_of_host(size_t rank) const {
   return first != arrivals_.end() && *first == rank;
 }
 
+bool TaskDealer::gets_tasks(size_t rank) const {
+  switch (workers_) {
+    case TaskRanks::all: return true;
+    case TaskRanks::one_per_host: return is_first_of_host(rank);
+    case TaskRanks::first: return rank == 0;
+  }
+  return false;
+}
+
 std::vector<TaskDealer::Deal> TaskDealer::deal() {
   std::vector<Deal> deals;
   for (size_t rank = 0; rank < ranks_.size() && next_ < tasks_ && !cancelled_; ++rank) {
-    if (ranks_[rank].state != State::waits || (one_per_host_ && !is_first_of_host(rank))) continue;
+    if (ranks_[rank].state != State::waits || !gets_tasks(rank)) continue;
     ranks_[rank].state = State::works;
     deals.push_back({static_cast<int>(rank), next_++});
   }

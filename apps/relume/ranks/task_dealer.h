@@ -5,13 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "compare/shared_work.h"
+
 namespace relume::ranks {
 
 class TaskDealer {
  public:
-  /// `one_per_host`: only the first rank of each machine that waits gets tasks.
-  TaskDealer(size_t tasks, int ranks, bool one_per_host)
-      : tasks_(tasks), one_per_host_(one_per_host), ranks_(static_cast<size_t>(ranks)) {}
+  /// `workers`: the ranks that get tasks. With TaskRanks::one_per_host, the first of each machine that waits.
+  TaskDealer(size_t tasks, int ranks, TaskRanks workers)
+      : tasks_(tasks), workers_(workers), ranks_(static_cast<size_t>(ranks)) {}
 
   /// A rank waits for a task.
   void wait(int rank, const std::string& host);
@@ -45,10 +47,11 @@ class TaskDealer {
     std::string host = {};
     double fraction = 0;
   };
+  bool gets_tasks(size_t rank) const;
   bool is_first_of_host(size_t rank) const;
 
   size_t tasks_;
-  bool one_per_host_;
+  TaskRanks workers_;
   std::vector<Rank> ranks_;
   std::vector<size_t> arrivals_ = {};  ///< ranks in the order of their first wait()
   size_t next_ = 0;

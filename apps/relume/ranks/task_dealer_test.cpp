@@ -6,7 +6,7 @@ namespace relume::ranks {
 namespace {
 
 TEST(TaskDealer, EachRankGetsTheNextTask) {
-  TaskDealer dealer(3, 2, false);
+  TaskDealer dealer(3, 2, TaskRanks::all);
   EXPECT_TRUE(dealer.deal().empty()) << "no rank waits so far";
   dealer.wait(1, "a");
   const auto first = dealer.deal();
@@ -29,7 +29,7 @@ TEST(TaskDealer, EachRankGetsTheNextTask) {
 }
 
 TEST(TaskDealer, TimedTasksGoToOneRankOfEachHost) {
-  TaskDealer dealer(4, 4, true);
+  TaskDealer dealer(4, 4, TaskRanks::one_per_host);
   dealer.wait(2, "b");
   dealer.wait(1, "a");
   dealer.wait(0, "a");
@@ -45,8 +45,26 @@ TEST(TaskDealer, TimedTasksGoToOneRankOfEachHost) {
   EXPECT_EQ(next[0].task, 2u);
 }
 
+TEST(TaskDealer, TasksOfTheFirstRankWaitForIt) {
+  TaskDealer dealer(2, 3, TaskRanks::first);
+  dealer.wait(1, "a");
+  dealer.wait(2, "b");
+  EXPECT_TRUE(dealer.deal().empty());
+  EXPECT_FALSE(dealer.is_over());
+  for (size_t task = 0; task < 2; ++task) {
+    dealer.wait(0, "a");
+    const auto deals = dealer.deal();
+    ASSERT_EQ(deals.size(), 1u);
+    EXPECT_EQ(deals[0].rank, 0);
+    EXPECT_EQ(deals[0].task, task);
+    dealer.note_result();
+  }
+  dealer.wait(0, "a");
+  EXPECT_TRUE(dealer.is_over());
+}
+
 TEST(TaskDealer, ACancelledStageWaitsForWorkingRanks) {
-  TaskDealer dealer(5, 3, false);
+  TaskDealer dealer(5, 3, TaskRanks::all);
   for (const int rank : {0, 1}) dealer.wait(rank, "a");
   EXPECT_EQ(dealer.deal().size(), 2u);
   dealer.leave(2);
@@ -60,7 +78,7 @@ TEST(TaskDealer, ACancelledStageWaitsForWorkingRanks) {
 }
 
 TEST(TaskDealer, AStageWithoutTasksEndsWhenAllRanksHaveReported) {
-  TaskDealer dealer(0, 2, false);
+  TaskDealer dealer(0, 2, TaskRanks::all);
   dealer.wait(0, "a");
   EXPECT_FALSE(dealer.is_over());
   dealer.wait(1, "b");

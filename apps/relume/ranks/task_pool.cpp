@@ -38,7 +38,7 @@ std::optional<std::vector<std::string>> TaskPool::gather(const SharedTasks& work
   link_->on_interrupt([&source](const Message& message) {
     if (message.kind == MessageKind::cancel) source.request_stop();
   });
-  Stage stage{.dealer = TaskDealer(work.tasks.size(), link_->size(), work.one_per_host),
+  Stage stage{.dealer = TaskDealer(work.tasks.size(), link_->size(), work.ranks),
               .results = std::vector<std::string>(work.tasks.size())};
   std::thread server;
   if (is_first()) server = std::thread([&] { serve(work, stop, stage); });
