@@ -1,6 +1,7 @@
 // [Schipek22 §6.3]: measures the bounce at which cells terminate paths, and how radiance converges, in a corridor with
 // its lamp behind three bends.
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/references.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 #include "render/session.h"
@@ -82,33 +84,46 @@ double mean_of_second_half(const std::vector<double>& values) {
   return mean({values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end()});
 }
 
+/// Frames of one session.
+struct ArrivalRun {
+  std::vector<double> share = {};
+  std::vector<double> mse = {};
+  Image first = {};
+  Image last = {};
+};
+constexpr auto members_of(const ArrivalRun*) {
+  return std::tuple(&ArrivalRun::share, &ArrivalRun::mse, &ArrivalRun::first, &ArrivalRun::last);
+}
+
 Arrival measure_arrival(const ExperimentContext& context, const ExperimentScene& scene, std::string name,
                         CacheChoice cache, const Reference& reference) {
-  Arrival result{std::move(name)};
   Session session(scene.scene, settings_of(context, scene, cache));
   session.set_camera(scene.camera);
-  for (int seed = 1; seed <= context.choose(6, 2); ++seed) {
-    session.restart(seed);
-    std::vector<double> share;
-    std::vector<double> mse;
-    for (int frame = 0; frame < context.choose(64, 6); ++frame) {
-      context.check_stop();
+  const auto measure = [&](const ExperimentContext& own, int seed) {
+    session.restart(1 + seed);
+    ArrivalRun run;
+    for (int frame = 0; frame < own.choose(64, 6); ++frame) {
+      own.check_stop();
       session.render_frame();
-      const Image image = session.image();
-      const Metrics m = compute_metrics(image, reference.image, {.flip = false});
-      share.push_back((m.mean_a[0] + m.mean_a[1] + m.mean_a[2]) / (m.mean_b[0] + m.mean_b[1] + m.mean_b[2]));
-      mse.push_back(m.mse - reference.mse);
-      if (seed > 1) continue;
-      if (frame == 0) result.first = image;
-      result.last = image;
+      run.last = session.image();
+      if (frame == 0) run.first = run.last;
+      const Metrics m = compute_metrics(run.last, reference.image, {.flip = false});
+      run.share.push_back((m.mean_a[0] + m.mean_a[1] + m.mean_a[2]) / (m.mean_b[0] + m.mean_b[1] + m.mean_b[2]));
+      run.mse.push_back(m.mse - reference.mse);
     }
-    result.first_share.push_back(mean_of_first(share));
-    result.later_share.push_back(mean_of_second_half(share));
-    result.later_mse.push_back(mean_of_second_half(mse));
-    if (seed > 1) continue;
-    result.share = std::move(share);
-    result.mse = std::move(mse);
+    return run;
+  };
+  std::vector<ArrivalRun> runs = deal_parts(context, name, context.choose(6, 2), measure);
+  Arrival result{std::move(name)};
+  for (const ArrivalRun& run : runs) {
+    result.first_share.push_back(mean_of_first(run.share));
+    result.later_share.push_back(mean_of_second_half(run.share));
+    result.later_mse.push_back(mean_of_second_half(run.mse));
   }
+  result.share = std::move(runs.front().share);
+  result.mse = std::move(runs.front().mse);
+  result.first = std::move(runs.front().first);
+  result.last = std::move(runs.front().last);
   return result;
 }
 

@@ -53,7 +53,8 @@ Case measure(const ExperimentContext& context, ExperimentScene scene, int bounce
                            "bdpt.connection-roulette:0,path.russian-roulette:false",
                        .spp = context.choose(8, 4),
                        .repetitions = 5,
-                       .reference_spp = 2};  // errors are not evaluated
+                       .reference_spp = 2,  // errors are not evaluated
+                       .timed = true};
   use_square(context, kSide, options);
   const Comparison c = study(context, scene, options);
   return {scene.name, bounces, rays_of(c, "path"), rays_of(c, "bdpt"), rays_of(c, "all"), time_of(c)};

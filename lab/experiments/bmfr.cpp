@@ -13,6 +13,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
 #include "experiments/setup/named.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 #include "render/session.h"
@@ -65,13 +66,15 @@ Image independent_image(const ExperimentContext& context, const ExperimentScene&
   settings.estimator = estimator;
   settings.seed = 77;
   settings.device = context.device;
-  Session session(scene.scene, settings);
-  session.set_camera(scene.camera);
-  for (int i = 0; i < context.choose(256, 16); ++i) {
-    context.check_stop();
-    session.render_frame();
-  }
-  return session.image();
+  return measure_on_first(context, scene.name + ", without a denoiser", [&](const ExperimentContext& own) {
+    Session session(scene.scene, settings);
+    session.set_camera(scene.camera);
+    for (int i = 0; i < own.choose(256, 16); ++i) {
+      own.check_stop();
+      session.render_frame();
+    }
+    return session.image();
+  });
 }
 
 Still measure_still(const ExperimentContext& context, const std::string& name) {
@@ -169,6 +172,26 @@ Claim claim_time(const ExperimentContext& context, const std::vector<double>& fi
       threshold, verdict_of_all({verdict_of(of_fit, 0, 40), verdict_of(of_all, 0, 100)}));
 }
 
+/// Milliseconds of each pass, by frame after the first.
+std::map<std::string, std::vector<double>> pass_times(const ExperimentContext& context, const ExperimentScene& scene,
+                                                      int frames) {
+  const auto list = measure_on_first(context, scene.name + ", times", [&](const ExperimentContext& own) {
+    TimedSession session(scene.scene, scene.settings);
+    session.session().on_pass([](const std::string&) {});
+    std::map<std::string, std::vector<double>> times;
+    for (int i = 0; i <= frames; ++i) {
+      own.check_stop();
+      const std::vector<PassTime> before = session.passes();
+      session.render_frame();
+      if (i == 0) continue;
+      for (const PassTime& pass : pass_times_since(session.passes(), before))
+        times[pass.name].push_back(1000 * pass.seconds);
+    }
+    return std::vector<std::pair<std::string, std::vector<double>>>(times.begin(), times.end());
+  });
+  return {list.begin(), list.end()};
+}
+
 /// Measures denoising time per frame at 1280 × 720 (160 × 90 in a quick run) by pass, including features and lamp
 /// edges. Every pixel shows a surface. A hook makes the features pass evaluate the surfaces. Without a hook, path
 /// tracing provides them, and the time of the features would count as tracing.
@@ -188,17 +211,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
     scene.settings.threads = 2;
     scene.settings.device = context.device;
     scene.settings.denoise = name == kDenoisers[0] ? DenoiseChoice::bmfr : DenoiseChoice::svgf;
-    TimedSession session(scene.scene, scene.settings);
-    session.session().on_pass([](const std::string&) {});
-    std::map<std::string, std::vector<double>> times;  // per frame
-    for (int i = 0; i <= frames; ++i) {
-      context.check_stop();
-      const std::vector<PassTime> before = session.passes();
-      session.render_frame();
-      if (i == 0) continue;
-      for (const PassTime& pass : pass_times_since(session.passes(), before))
-        times[pass.name].push_back(1000 * pass.seconds);
-    }
+    std::map<std::string, std::vector<double>> times = pass_times(context, scene, frames);
     Bar bar{name, {}};
     std::vector<double> sums(static_cast<size_t>(frames), 0.0);  // per frame
     for (auto& [pass, values] : times) {

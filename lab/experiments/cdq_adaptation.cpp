@@ -86,7 +86,6 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
   const int warm_up = context.choose(128, 8);
   const auto prepare = [&](Session& s, int frame) {
     if (frame > 0) return;
-    s.set_time(0);
     for (int i = 0; i < warm_up; ++i) {
       context.check_stop();
       s.render_frame();
@@ -94,8 +93,8 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
     s.set_time(degrees / kDegreesPerSecond);
   };
   const std::string stage = fmt::format("{:.0f}°, {}", degrees, variation.name());
-  result.adaptation =
-      measure_adaptation(context, stage, session, runs, context.choose(64, 28), goal.reference, goal.region, prepare);
+  result.adaptation = measure_adaptation(context, stage, session, runs, context.choose(64, 28), goal.reference,
+                                         goal.region, {.start = [](Session& s) { s.set_time(0); }, .before = prepare});
   result.adaptation.name = variation.name();
   return result;
 }

@@ -15,6 +15,8 @@
 
 namespace relume {
 
+class SharedWork;
+
 /// Thrown from an experiment on a stop request. Partial references are continued in the next run.
 class ExperimentStopped : public std::exception {};
 
@@ -28,6 +30,8 @@ struct ExperimentContext {
   std::string device = "cpu";  ///< RenderSettings::device of the measured sessions and of references
   std::stop_token stop = {};
   std::function<void(const std::string& stage, double fraction)> progress = {};
+  /// Ranks that all run the experiment and share its parts (shared_parts.h); nullptr: this process measures all.
+  SharedWork* ranks = nullptr;
 
   /// Whether the setting chooses the processor.
   bool measures_host() const { return device == "cpu"; }

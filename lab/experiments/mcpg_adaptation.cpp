@@ -48,7 +48,6 @@ std::vector<Adaptation> measure(const ExperimentContext& context, const Experime
   const int warm_up = context.choose(128, 8);
   const auto prepare = [&](Session& session, int frame) {
     if (frame > 0) return;
-    session.set_time(0);
     for (int i = 0; i < warm_up; ++i) {
       context.check_stop();
       session.render_frame();
@@ -60,7 +59,8 @@ std::vector<Adaptation> measure(const ExperimentContext& context, const Experime
     Session session(Scene(scene.scene), contender.settings);
     session.set_camera(scene.camera);
     list.push_back(measure_adaptation(context, fmt::format("{:.0f}°, {}", degrees, contender.name), session,
-                                      context.choose(32, 2), context.choose(64, 28), reference, region, prepare));
+                                      context.choose(32, 2), context.choose(64, 28), reference, region,
+                                      {.start = [](Session& s) { s.set_time(0); }, .before = prepare}));
     list.back().name = contender.name;
   }
   return list;

@@ -1,6 +1,7 @@
 // [Schipek22 §6.1], figures 6.1 to 6.4: measures the error of one-sample frames, with and without cells from earlier
 // frames.
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
+#include "experiments/shared_parts.h"
 #include "render/session.h"
 
 namespace relume {
@@ -110,18 +112,22 @@ struct FirstFrames {
 
 FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene& scene, const RenderSettings& settings,
                          const Reference& reference, const PixelMask& surfaces) {
-  const int count = context.choose(16, 4);
   const PixelMask all = mask_of({"image"}, reference.image.width, reference.image.height);
   Session session(scene.scene, settings);
   session.set_camera(scene.camera);
-  FirstFrames errors;
-  for (int seed = 1; seed <= count; ++seed) {
-    context.check_stop();
-    session.restart(seed);
+  const auto measure = [&](const ExperimentContext& own, int seed) {
+    own.check_stop();
+    session.restart(1 + seed);
     session.render_frame();
     const Image image = session.image();
-    errors.all.push_back(frame_mse(image, reference.image, all) - reference_noise(reference, all));
-    errors.away.push_back(frame_mse(image, reference.image, surfaces) - reference_noise(reference, surfaces));
+    return std::array{frame_mse(image, reference.image, all) - reference_noise(reference, all),
+                      frame_mse(image, reference.image, surfaces) - reference_noise(reference, surfaces)};
+  };
+  FirstFrames errors;
+  for (const auto& [whole, away] :
+       deal_parts(context, "first frames of " + scene.name, context.choose(16, 4), measure)) {
+    errors.all.push_back(whole);
+    errors.away.push_back(away);
   }
   return errors;
 }

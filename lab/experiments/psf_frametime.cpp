@@ -4,6 +4,7 @@
 #include <ctime>
 #include <memory>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/named.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -37,6 +39,11 @@ struct FrameFigures {
   double probes = 0;
 };
 
+constexpr auto members_of(const FrameFigures*) {
+  return std::tuple(&FrameFigures::name, &FrameFigures::frame_ms, &FrameFigures::frame_s, &FrameFigures::passes,
+                    &FrameFigures::rays, &FrameFigures::cells, &FrameFigures::table_mb, &FrameFigures::probes);
+}
+
 struct Timing {
   std::string scene;
   int bounces = 0;
@@ -46,6 +53,7 @@ struct Timing {
     return time_ratio(named(list, "contender", a).frame_s, named(list, "contender", b).frame_s);
   }
 };
+constexpr auto members_of(const Timing*) { return std::tuple(&Timing::scene, &Timing::bounces, &Timing::list); }
 
 /// Warm-up frames, in which cells fill and their variance estimates become reliable.
 int skipped_frames(const ExperimentContext& context) { return context.choose(24, 2); }
@@ -87,8 +95,8 @@ FrameFigures figures_of(std::string name, const TimedSession& session, int skip,
 }
 
 /// Measures contenders, which take turns frame by frame.
-Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
-               std::vector<NamedSettings> contenders) {
+Timing measure_alone(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
+                     std::vector<NamedSettings> contenders) {
   Timing result{scene.name, bounces, {}};
   const int skip = skipped_frames(context);
   const int count = skip + counted_frames(context);
@@ -114,6 +122,13 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
   for (size_t i = 0; i < sessions.size(); ++i)
     result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, starts[i], pixels));
   return result;
+}
+
+/// The same on the first rank.
+Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
+               const std::vector<NamedSettings>& contenders) {
+  return measure_on_first(context, fmt::format("{}, {} bounces", scene.name, bounces),
+                          [&](const ExperimentContext& own) { return measure_alone(own, scene, bounces, contenders); });
 }
 
 /// Path tracing, psf, apsf, and apg with equal and with coarser cells beyond the first vertex. Path graphs have
@@ -260,7 +275,7 @@ void measure_options(const ExperimentContext& context, const ExperimentScene& sc
   list.pop_back();  // apg+apsf is the basis of no option
   for (NamedSettings& contender : option_contenders(context, scene)) list.push_back(std::move(contender));
   for (NamedSettings& contender : list) contender.settings.apg.feed = PathGraphSettings().feed;
-  const Timing t = measure(context, scene, 6, std::move(list));
+  const Timing t = measure(context, scene, 6, list);
   for (const CacheOption& option : kCacheOptions) {
     const Ratio path = t.ratio(option.name, "path");
     result.claims.push_back(judged_within(option_id(option, scene.name), kOurs, option_text(option, scene.name),

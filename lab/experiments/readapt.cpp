@@ -98,7 +98,6 @@ Settling measure(const ExperimentContext& context, Session& session, const Rende
   session.set_settings(settings);
   const auto change_at_first = [&](Session& s, int frame) {
     if (frame > 0) return;
-    bring(s, change.before, change.node);
     for (int i = 0; i < warm_up_of(context); ++i) {
       context.check_stop();
       s.render_frame();
@@ -106,14 +105,13 @@ Settling measure(const ExperimentContext& context, Session& session, const Rende
     bring(s, change.after, change.node);
   };
   const std::string stage = fmt::format("{}, {}", change.id, contender.name);
+  const auto begin = [&](Session& s) { bring(s, change.before, change.node); };
   Settling result{measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region,
-                                     change_at_first)};
+                                     {.start = begin, .before = change_at_first})};
   if (contender.denoised) {
-    const auto stay = [&](Session& s, int frame) {
-      if (frame == 0) bring(s, change.after, change.node);
-    };
-    result.fresh =
-        measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region, stay);
+    const auto stay = [&](Session& s) { bring(s, change.after, change.node); };
+    result.fresh = measure_adaptation(context, stage, session, runs_of(context), frames_of(context), reference, region,
+                                      {.start = stay});
   }
   result.after.name = contender.name;
   result.fresh.name = fmt::format("{}, new session", contender.name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
 #include "experiments/setup/scenes.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -45,6 +47,10 @@ struct Overhead {
   double one_bytes = 0;   ///< per pixel, in addition to restarted accumulation
   double four_bytes = 0;  ///< same, with four
 };
+constexpr auto members_of(const Overhead*) {
+  return std::tuple(&Overhead::scene, &Overhead::moving, &Overhead::anew_ms, &Overhead::one_ms, &Overhead::four_ms,
+                    &Overhead::one, &Overhead::four, &Overhead::one_bytes, &Overhead::four_bytes);
+}
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, int samples_per_step,
                          StoredSampleChoice stored, float error) {
@@ -111,7 +117,7 @@ float aside_at(int frame) {
   return kEyeStep_m * static_cast<float>(std::abs((frame + kThereAndBack / 2) % kThereAndBack - kThereAndBack / 2));
 }
 
-Overhead measure_overhead(const ExperimentContext& context, const ExperimentScene& scene, bool moving) {
+Overhead measure_overhead_alone(const ExperimentContext& context, const ExperimentScene& scene, bool moving) {
   const int frames = context.quick ? 40 : 250;
   using enum StoredSampleChoice;
   std::vector<std::unique_ptr<TimedSession>> sessions;
@@ -149,6 +155,12 @@ Overhead measure_overhead(const ExperimentContext& context, const ExperimentScen
           time_ratio(four_s, anew_s),
           pixel_bytes(*sessions[1]) - anew_bytes,
           pixel_bytes(*sessions[2]) - anew_bytes};
+}
+
+/// The same on the first rank.
+Overhead measure_overhead(const ExperimentContext& context, const ExperimentScene& scene, bool moving) {
+  return measure_on_first(context, scene.name + ", overhead",
+                          [&](const ExperimentContext& own) { return measure_overhead_alone(own, scene, moving); });
 }
 
 TableBlock overhead_table(const std::vector<Overhead>& list) {

@@ -14,6 +14,7 @@
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
+#include "experiments/shared_parts.h"
 #include "metrics/ensemble.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
@@ -146,12 +147,9 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
     RenderSettings settings = base;
     settings_from_json(describe(settings), mode.json, mode.name);
     session.set_settings(settings);
-    std::vector<Image> runs;
-    const int count = context.choose(32, 3);
-    for (int seed = 1; seed <= count; ++seed) {
-      runs.push_back(render_run(context, scene, session, seed, moving));
-      context.report(fmt::format("{}, {}", scene.name, mode.name), static_cast<double>(seed) / count);
-    }
+    const std::vector<Image> runs = deal_parts(
+        context, fmt::format("{}, {}", scene.name, mode.name), context.choose(32, 3),
+        [&](const ExperimentContext& own, int run) { return render_run(own, scene, session, 1 + run, moving); });
     result.modes.push_back(bias_of(mode, runs, result.reference));
   }
   return result;

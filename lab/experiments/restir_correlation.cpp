@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
+#include "experiments/shared_parts.h"
 #include "metrics/estimate.h"
 #include "render/session.h"
 #include "report/images.h"
@@ -119,26 +121,35 @@ double estimated_variance(const Session& session, const std::vector<size_t>& pix
   return sum / static_cast<double>(pixels.size());
 }
 
+/// Values of Runs for one run.
+struct Run {
+  RunFrames frames;
+  std::vector<double> estimates;
+  Image mean;
+};
+constexpr auto members_of(const Run*) { return std::tuple(&Run::frames, &Run::estimates, &Run::mean); }
+
 Runs render(const ExperimentContext& context, Session& session, const Mode& mode, const std::vector<size_t>& pixels) {
   const std::vector<size_t> at = checkpoints(context);
-  const int count = context.choose(24, 3);
-  Runs runs;
-  for (int seed = 1; seed <= count; ++seed) {
-    session.restart(seed);
-    runs.frames.emplace_back();
-    runs.estimates.emplace_back();
-    Image before;
+  const auto measure = [&](const ExperimentContext& own, int seed) {
+    session.restart(1 + seed);
+    Run run;
     for (size_t frame = 1; frame <= at.back(); ++frame) {
-      context.check_stop();
+      own.check_stop();
       session.render_frame();
       Image after = session.image();
-      runs.frames.back().push_back(frame_values(before, after, frame, pixels));
+      run.frames.push_back(frame_values(run.mean, after, frame, pixels));
       if (std::find(at.begin(), at.end(), frame) != at.end())
-        runs.estimates.back().push_back(estimated_variance(session, pixels));
-      before = std::move(after);
+        run.estimates.push_back(estimated_variance(session, pixels));
+      run.mean = std::move(after);
     }
-    runs.mean = std::move(before);
-    context.report(mode.name, static_cast<double>(seed) / count);
+    return run;
+  };
+  Runs runs;
+  for (Run& run : deal_parts(context, mode.name, context.choose(24, 3), measure)) {
+    runs.frames.push_back(std::move(run.frames));
+    runs.estimates.push_back(std::move(run.estimates));
+    runs.mean = std::move(run.mean);
   }
   return runs;
 }

@@ -84,7 +84,6 @@ ModeAdaptations adapt_to_change(const ExperimentContext& context) {
     session.set_settings(with);
     const auto prepare = [&](Session& s, int frame) {
       if (frame > 0) return;
-      s.set_time(0);
       for (int i = 0; i < context.choose(64, 8); ++i) {
         context.check_stop();
         s.render_frame();
@@ -92,7 +91,7 @@ ModeAdaptations adapt_to_change(const ExperimentContext& context) {
       s.set_time(kChanged_s);
     };
     return measure_adaptation(context, name, session, context.choose(64, 2), context.choose(64, 20), reference,
-                              surfaces, prepare);
+                              surfaces, {.start = [](Session& s) { s.set_time(0); }, .before = prepare});
   };
   ModeAdaptations found{measure("vlc", settings), {}};
   for (const LearningMode& mode : modes_to_measure(context, cache_modes())) {

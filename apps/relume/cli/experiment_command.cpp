@@ -20,6 +20,7 @@
 #include "compare/reference.h"
 #include "core/clock.h"
 #include "experiments/output/results.h"
+#include "experiments/shared_parts.h"
 #include "files/atomic_file.h"
 #include "frame/cuda/device_choice.h"
 #include "frame/launch.h"
@@ -142,10 +143,15 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
                            : ", measured by another build of relume; run without --continue to measure it again"));
 }
 
-/// The machine with its device, and the number of threads used.
-std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
+/// The machine with its device, and the numbers of threads and ranks used.
+std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o, const SharedWork* ranks) {
   auto machine = machine_description({o.device});
   if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
+  if (ranks) {
+    machine.emplace_back("Ranks", fmt::format("{}; times at equal samples were measured under parallel load, unless "
+                                              "claims are about them",
+                                              ranks->ranks()));
+  }
   return machine;
 }
 
@@ -156,7 +162,8 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
   const std::string name(experiment.name);
   const double start_s = now_s();
   const ExperimentResult result = experiment.run(context);
-  const ExperimentRun run{machine_of(o), o.quick, now_s() - start_s, !o.scenes.empty(), context.program, o.device};
+  const ExperimentRun run{
+      machine_of(o, context.ranks), o.quick, now_s() - start_s, !o.scenes.empty(), context.program, o.device};
   printer.clear();
   write_files({{folder / (name + ".html"), to_html(experiment_page(experiment, result, run))},
                {folder / (name + ".json"), to_json(experiment, result, run)}});
@@ -200,6 +207,33 @@ std::optional<std::string> run_task(const Experiment& experiment, const Experime
   }
 }
 
+/// Runs this rank's part of an experiment whose parts all ranks share. Only the first one writes and prints.
+int run_on_all_ranks(const Experiment& experiment, const ExperimentOptions& o, ExperimentContext context,
+                     ProgressPrinter& printer, const Verbosity& verbosity, SharedWork& ranks) {
+  const std::filesystem::path folder = o.output;
+  const bool stays = ranks.is_first() && result_that_stays(o, folder, experiment).has_value();
+  context.ranks = &ranks;
+  const std::optional<std::string> first_stays = ranks.share(stays ? "stays" : "");
+  if (!first_stays) return kExitFailed;
+  if (first_stays->empty()) {
+    check_step(context, fmt::format("{} {} on {}{}{}", experiment.name, context.program, o.device,
+                                    o.quick ? ", quick" : "", o.scenes.empty() ? "" : ", with scenes"));
+  }
+  if (ranks.is_first()) {
+    const bool done =
+        run_task(experiment, o, context, folder, printer, verbosity, {.throws = true, .writes_index = false})
+            .has_value();
+    if (done) write_index(folder);
+    return done ? kExitDone : kExitInterrupted;
+  }
+  try {
+    if (first_stays->empty()) experiment.run(context);
+  } catch (const ExperimentStopped&) {
+    return kExitInterrupted;
+  }
+  return kExitDone;
+}
+
 int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(wanted);
   ExperimentOptions o = wanted;
@@ -215,6 +249,10 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
   const InterruptGuard interrupts(is_first_rank ? interrupt_notice(verbosity, "this step") : "");
   ProgressPrinter printer(!verbosity.quiet && is_first_rank);
   ExperimentContext context = make_context(o, printer);
+  if (list.size() == 1 && pool.ranks() > 1) {
+    if (is_first_rank) context.stop = interrupts.token();  // it decides what an interrupt ends
+    return pool.run_and_end([&] { return run_on_all_ranks(*list.front(), o, context, printer, verbosity, pool); });
+  }
   SharedTasks tasks{.tasks = std::vector<size_t>(list.size()), .run = {}};
   std::iota(tasks.tasks.begin(), tasks.tasks.end(), size_t{0});
   // Its result is the name of an experiment that failed.

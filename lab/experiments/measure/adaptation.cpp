@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "experiments/shared_parts.h"
+
 namespace relume {
 namespace {
 
@@ -37,21 +39,21 @@ Ratio Adaptation::over_plateau(size_t begin, size_t count) const {
 
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
                               int frames, const Reference& reference, const PixelMask& region,
-                              const std::function<void(Session&, int)>& before) {
-  Adaptation result{name, {}};
+                              const AdaptationSteps& steps) {
   const double noise = reference_noise(reference, region);
-  for (int run = 0; run < runs; ++run) {
+  const auto measure = [&](const ExperimentContext& own, int run) {
+    if (steps.start) steps.start(session);
     session.restart(run + 1);
-    result.runs.emplace_back();
+    std::vector<double> errors;
     for (int frame = 0; frame < frames; ++frame) {
-      context.check_stop();
-      if (before) before(session, frame);
+      own.check_stop();
+      if (steps.before) steps.before(session, frame);
       session.render_frame();
-      result.runs.back().push_back(frame_mse(session.image(), reference.image, region) - noise);
+      errors.push_back(frame_mse(session.image(), reference.image, region) - noise);
     }
-    context.report(name, (run + 1.0) / runs);
-  }
-  return result;
+    return errors;
+  };
+  return {name, deal_parts(context, name, runs, measure)};
 }
 
 std::string adaptation_text(const Adaptation& adaptation, size_t adapted) {

@@ -23,11 +23,18 @@ struct Adaptation {
   Ratio over_plateau(size_t begin, size_t count) const;
 };
 
-/// Runs a session `runs` times with different seeds. `before` is called with the frame number before each of `frames`
-/// frames. Errors are taken over `region`. Throws ExperimentStopped.
+/// Changes a session's scene during a run.
+struct AdaptationSteps {
+  /// Brings the state in which a run starts, so that runs do not depend on earlier ones.
+  std::function<void(Session&)> start = {};
+  std::function<void(Session&, int frame)> before = {};  ///< called before each frame
+};
+
+/// Runs a session `runs` times with different seeds, for `frames` frames each. Ranks share the runs. Errors are taken
+/// over `region`. Throws ExperimentStopped.
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
                               int frames, const Reference& reference, const PixelMask& region,
-                              const std::function<void(Session&, int frame)>& before = {});
+                              const AdaptationSteps& steps = {});
 
 /// Number of averaged frames in the adaptation test: single frames are too noisy.
 inline constexpr size_t kFramesThatTell = 8;

@@ -9,6 +9,7 @@
 #include "compare/timed_session.h"
 #include "experiments/measure/adapted_file.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/shared_parts.h"
 #include "render/build_pipeline.h"
 #include "report/images.h"
 
@@ -93,11 +94,9 @@ std::vector<Running> begin(const ExperimentContext& context, const ExperimentSce
   return running;
 }
 
-}  // namespace
-
-std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
-                                          const std::vector<NamedSettings>& contenders, const Reference& reference,
-                                          const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
+std::vector<AdaptedError> measure_alone(const ExperimentContext& context, const ExperimentScene& scene,
+                                        const std::vector<NamedSettings>& contenders, const Reference& reference,
+                                        const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
   const std::filesystem::path file = adapted_file(context, scene, contenders, regions, options);
   if (std::optional<std::vector<AdaptedError>> kept = load_adapted(file)) return std::move(*kept);
   std::vector<Running> running = begin(context, scene, contenders, regions.size(), options.seed);
@@ -128,6 +127,16 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
   }
   if (!file.empty()) save_adapted(file, results);
   return results;
+}
+
+}  // namespace
+
+std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
+                                          const std::vector<NamedSettings>& contenders, const Reference& reference,
+                                          const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
+  return measure_on_first(context, scene.name, [&](const ExperimentContext& own) {
+    return measure_alone(own, scene, contenders, reference, regions, options);
+  });
 }
 
 Ratio time_ratio(const AdaptedError& a, const AdaptedError& b) { return time_ratio(a.frame_s, b.frame_s); }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -43,11 +44,16 @@ struct AdaptedError {
   double mean_mse(size_t region = 0) const { return mean(mse[region]); }
   double median_s() const { return median(frame_s); }
 };
+constexpr auto members_of(const PassStatistic*) { return std::tuple(&PassStatistic::name, &PassStatistic::value); }
+constexpr auto members_of(const AdaptedError*) {
+  return std::tuple(&AdaptedError::name, &AdaptedError::mse, &AdaptedError::frame_s, &AdaptedError::rays,
+                    &AdaptedError::pass_s, &AdaptedError::figures, &AdaptedError::last);
+}
 
 /// Renders every contender from scratch, without a history. Contenders take turns frame by frame, so that disturbances
 /// affect all equally. Techniques that neither learn nor reuse samples skip warm-up, except one frame for their
-/// preparation. If the preparation is not random, a single session is rendered. Results of an interrupted experiment
-/// are reused. Throws ExperimentStopped.
+/// preparation. If the preparation is not random, a single session is rendered. The first rank measures. Results of an
+/// interrupted experiment are reused. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);

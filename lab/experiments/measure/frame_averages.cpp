@@ -1,6 +1,7 @@
 #include "experiments/measure/frame_averages.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "experiments/shared_parts.h"
 #include "metrics/ensemble.h"
 #include "render/session.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
@@ -81,26 +83,30 @@ Estimate frame_variance(const std::vector<FrameSums>& repetitions, const PixelMa
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
                              const NamedSettings& contender, const FramePlanOfAverages& plan,
                              const Reference& reference, const PixelMask& surfaces) {
-  Session session(scene.scene, contender.settings);
-  session.set_camera(scene.camera);
+  std::optional<Session> session;  // of a rank that measures
+  const auto measure = [&](const ExperimentContext& own, int repetition) {
+    if (!session) session.emplace(scene.scene, contender.settings).set_camera(scene.camera);
+    session->restart(1 + repetition);
+    std::pair<FrameSums, double> measured;  // with the mean termination
+    for (int frame = 0; frame < plan.skip + plan.count; ++frame) {
+      own.check_stop();
+      session->render_frame();
+      if (frame < plan.skip) continue;
+      measured.first.add(session->image());
+      measured.second += mean_termination(*session) / plan.count;
+    }
+    return measured;
+  };
+  FrameAverages result{.name = contender.name};
   std::vector<Image> means;
   std::vector<FrameSums> repetitions;
-  FrameAverages result{.name = contender.name};
   std::vector<double> terminations;
-  for (int repetition = 0; repetition < plan.repetitions; ++repetition) {
-    session.restart(1 + repetition);
-    FrameSums& sums = repetitions.emplace_back();
-    terminations.push_back(0);
-    for (int frame = 0; frame < plan.skip + plan.count; ++frame) {
-      context.check_stop();
-      session.render_frame();
-      if (frame < plan.skip) continue;
-      sums.add(session.image());
-      terminations.back() += mean_termination(session) / plan.count;
-    }
+  const std::string stage = fmt::format("{}, {}", scene.name, contender.name);
+  for (auto& [sums, termination] : deal_parts(context, stage, plan.repetitions, measure)) {
     means.push_back(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
     result.light.push_back(mean_light(means.back()));
-    context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
+    repetitions.push_back(std::move(sums));
+    terminations.push_back(termination);
   }
   result.bias2 = squared_bias(means, reference.image, reference.mse);
   result.variance =

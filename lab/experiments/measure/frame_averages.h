@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "compare/reference.h"
@@ -27,6 +28,9 @@ struct FrameSums {
 
   void add(const Image& image);
 };
+constexpr auto members_of(const FrameSums*) {
+  return std::tuple(&FrameSums::values, &FrameSums::squares, &FrameSums::count);
+}
 
 /// Variance of a frame, averaged over the region's pixels and channels: mean square minus square of the mean. The
 /// latter uses products of different repetitions. Frames of one repetition share cell contents, so their spread about

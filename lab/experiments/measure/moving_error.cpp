@@ -11,6 +11,7 @@
 #include "experiments/setup/apply_settings.h"
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 
@@ -84,20 +85,19 @@ struct Walk {
 
 std::vector<Reference> render_references(const ExperimentContext& context, const ExperimentScene& scene,
                                          const MovingOptions& options) {
-  std::vector<Reference> references;
   ExperimentScene seen = plainly_sampled(scene);
   apply_settings(options.reference, scene.name, seen.settings);
+  std::vector<ReferencePose> poses;
   for (int view = 0; view < options.views; ++view) {
-    seen.camera = moved_camera(scene, options, static_cast<float>(view));
-    seen.settings.time_s = moved_time(scene, options, static_cast<float>(view));
-    references.push_back(make_reference(context, seen, options.reference_spp));
+    const auto steps = static_cast<float>(view);
+    poses.push_back({moved_camera(scene, options, steps), moved_time(scene, options, steps)});
   }
-  return references;
+  return make_references(context, seen, poses, options.reference_spp);
 }
 
 MovingErrors measure(const ExperimentContext& context, const ExperimentScene& scene,
-                     const std::vector<MovingContender>& contenders, const MovingOptions& options) {
-  const std::vector<Reference> references = render_references(context, scene, options);
+                     const std::vector<MovingContender>& contenders, const MovingOptions& options,
+                     const std::vector<Reference>& references) {
   RenderSettings first = contenders.front().settings;
   set_size_and_device(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
@@ -152,10 +152,14 @@ MovingErrors measure(const ExperimentContext& context, const ExperimentScene& sc
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options) {
   const std::filesystem::path file = moving_file(context, scene, contenders, options);
-  if (std::optional<MovingErrors> kept = load_moving(file)) return std::move(*kept);
-  MovingErrors errors = measure(context, scene, contenders, options);
-  if (!file.empty()) save_moving(file, errors);
-  return errors;
+  const auto load = [&](const ExperimentContext&) { return load_moving(file); };
+  if (std::optional<MovingErrors> kept = measure_on_first(context, scene.name, load)) return std::move(*kept);
+  const std::vector<Reference> references = render_references(context, scene, options);
+  return measure_on_first(context, scene.name, [&](const ExperimentContext& own) {
+    MovingErrors errors = measure(own, scene, contenders, options, references);
+    if (!file.empty()) save_moving(file, errors);
+    return errors;
+  });
 }
 
 }  // namespace relume

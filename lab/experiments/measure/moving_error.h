@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "compare/timed_session.h"
@@ -45,12 +46,21 @@ struct MovingError {
   Image last = {};                 ///< last view of the last repetition
 };
 
+constexpr auto members_of(const MovingError*) {
+  return std::tuple(&MovingError::name, &MovingError::frames, &MovingError::time_share, &MovingError::mse,
+                    &MovingError::flip, &MovingError::mses, &MovingError::flips, &MovingError::last);
+}
+
 struct MovingErrors {
   std::string scene;
   std::vector<MovingError> contenders;
   Image reference;           ///< last view
   double reference_mse = 0;  ///< of the references themselves: mean over the views
 };
+constexpr auto members_of(const MovingErrors*) {
+  return std::tuple(&MovingErrors::scene, &MovingErrors::contenders, &MovingErrors::reference,
+                    &MovingErrors::reference_mse);
+}
 
 /// Moves the camera from view to view, by turned_ahead(). The first view is the scene's, and the motion begins a step
 /// before it. The animation then is at the time of the scene's settings. By default, each step takes all contenders the

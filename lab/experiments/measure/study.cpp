@@ -63,10 +63,14 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.cache_folder = context.cache_folder;
   o.program = context.program;
   o.keep_images = true;
-  std::optional<Comparison> result =
-      compare(with_camera(scene), o, context.stop, [&](const std::string& stage, double fraction) {
+  o.timed = options.timed;
+  o.on_all_ranks = true;
+  std::optional<Comparison> result = compare(
+      with_camera(scene), o, context.stop,
+      [&](const std::string& stage, double fraction) {
         context.report(fmt::format("{}, {}", scene.name, stage), fraction);
-      });
+      },
+      context.ranks);
   if (!result) throw ExperimentStopped();
   return std::move(*result);
 }

@@ -25,6 +25,7 @@ struct StudyOptions {
   std::vector<float> times_s = {};
   int repetitions = 5;
   int reference_spp = 1024;
+  bool timed = false;  ///< whether times count at equal samples, too: ranks of one machine then take turns
 };
 
 /// Runs the comparison. A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference,

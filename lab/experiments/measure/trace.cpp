@@ -12,6 +12,7 @@
 
 #include "core/srgb.h"
 #include "experiments/measure/trace_file.h"
+#include "experiments/shared_parts.h"
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
 #include "report/images.h"
@@ -103,36 +104,9 @@ void end_repetition(Runner& runner, const TraceOptions& options) {
     runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), options));
 }
 
-}  // namespace
-
-double distance_spread(const Image& image, const Image& reference) {
-  check_same_size(image, reference);
-  double sum = 0;
-  double squares = 0;
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    const Rgb a = glm::clamp(image.pixels[i], Rgb(0), Rgb(1));
-    const Rgb b = glm::clamp(reference.pixels[i], Rgb(0), Rgb(1));
-    const double distance = glm::distance(a, b);
-    sum += distance;
-    squares += distance * distance;
-  }
-  const double n = static_cast<double>(image.pixels.size());
-  return squares / n - sum / n * sum / n;
-}
-
-double display_error(const Image& image, const Image& reference) {
-  check_same_size(image, reference);
-  double sum = 0;
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    const Rgb a = srgb_from_linear(glm::clamp(image.pixels[i], Rgb(0), Rgb(1)));
-    const Rgb b = srgb_from_linear(glm::clamp(reference.pixels[i], Rgb(0), Rgb(1)));
-    sum += static_cast<double>(glm::dot(a - b, a - b)) / 3;
-  }
-  return sum / static_cast<double>(image.pixels.size());
-}
-
-std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
-                         const std::vector<TraceContender>& contenders, const TraceOptions& options) {
+std::vector<Trace> measure_traces(const ExperimentContext& context, const std::string& stage,
+                                  const ExperimentScene& scene, const std::vector<TraceContender>& contenders,
+                                  const TraceOptions& options) {
   const std::filesystem::path file = trace_file(context, scene, contenders, options);
   if (std::optional<std::vector<Trace>> kept = load_traces(file)) return std::move(*kept);
   std::vector<Runner> runners;
@@ -174,6 +148,41 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
   }
   if (!file.empty() && options.image_frame > 0) save_traces(file, traces);
   return traces;
+}
+
+}  // namespace
+
+double distance_spread(const Image& image, const Image& reference) {
+  check_same_size(image, reference);
+  double sum = 0;
+  double squares = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const Rgb a = glm::clamp(image.pixels[i], Rgb(0), Rgb(1));
+    const Rgb b = glm::clamp(reference.pixels[i], Rgb(0), Rgb(1));
+    const double distance = glm::distance(a, b);
+    sum += distance;
+    squares += distance * distance;
+  }
+  const double n = static_cast<double>(image.pixels.size());
+  return squares / n - sum / n * sum / n;
+}
+
+double display_error(const Image& image, const Image& reference) {
+  check_same_size(image, reference);
+  double sum = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const Rgb a = srgb_from_linear(glm::clamp(image.pixels[i], Rgb(0), Rgb(1)));
+    const Rgb b = srgb_from_linear(glm::clamp(reference.pixels[i], Rgb(0), Rgb(1)));
+    sum += static_cast<double>(glm::dot(a - b, a - b)) / 3;
+  }
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
+                         const std::vector<TraceContender>& contenders, const TraceOptions& options) {
+  return measure_on_first(context, stage, [&](const ExperimentContext& own) {
+    return measure_traces(own, stage, scene, contenders, options);
+  });
 }
 
 TracePoints median_points(const std::vector<TracePoints>& repetitions) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "compare/timed_session.h"
@@ -68,9 +69,14 @@ struct TraceOptions {
 };
 
 /// Measures all contenders, which take turns frame by frame at the last view. Points are taken after 1, 2, 3, 4, 6, 8,
-/// … frames and after the last. Results of an interrupted run are read from the context's parts folder.
+/// … frames and after the last. The first rank measures. Results of an interrupted run are read from the context's
+/// parts folder.
 std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
                          const std::vector<TraceContender>& contenders, const TraceOptions& options);
+
+constexpr auto members_of(const Trace*) {
+  return std::tuple(&Trace::name, &Trace::repetitions, &Trace::points, &Trace::image, &Trace::image_point, &Trace::map);
+}
 
 using TraceValue = double TracePoint::*;
 

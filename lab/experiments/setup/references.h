@@ -1,6 +1,7 @@
 // Sets image sizes and devices, and renders references.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,8 +18,17 @@ void set_size_and_device(const ExperimentContext& context, RenderSettings& setti
 /// Size set by set_size_and_device(), for ExperimentResult::setup: "192 × 108".
 std::string size_text(const ExperimentContext& context);
 
-/// Renders a reference at the scene's camera with `spp` samples per pixel; 0: the default of common_setup(). Throws
-/// ExperimentStopped.
+/// A view of a scene, which replaces its camera and time.
+struct ReferencePose {
+  std::optional<CameraPose> camera;
+  float time_s = 0;
+};
+
+/// Renders references of the scene with `spp` samples per pixel; 0: the default of common_setup(). Ranks share their
+/// halves. Throws ExperimentStopped.
+std::vector<Reference> make_references(const ExperimentContext& context, const ExperimentScene& scene,
+                                       const std::vector<ReferencePose>& poses, int spp = 0);
+/// The same at the scene's camera and time.
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
 
 /// Conditions of make_reference() and set_size_and_device(), for ExperimentResult::setup.

@@ -183,7 +183,7 @@ void Survey::measure_change(Running& r) {
       if (first && ghosts.count() == 1) *first = s.image();
     };
     return measure_adaptation(context, fmt::format("{}, {}", scene.before.name, r.values.technique.name), session(),
-                              effort.runs, effort.frames, after, all, before_frame);
+                              effort.runs, effort.frames, after, all, {.before = before_frame});
   };
   ChangeValues values;
   Ensemble changed;
