@@ -288,16 +288,6 @@ class Seams(RanksTest):
         self.assertNotIn("relume.warmup", exr_strings(self.folder / "one.0020.exr"))
 
 
-class Experiments(RanksTest):
-    def test_ranks_share_experiments(self):
-        names = ["restir-correlation", "bdpt-cost", "psf-variance"]
-        names = [name for name in names if name in self.succeed("experiment", "list").stdout]
-        self.assertGreater(len(names), 1)
-        self.succeed_on_ranks(2, "experiment", "run", *names, "-o", "results", "--quick", "--threads", "1", "--cache-dir", "cache", timeout=900)
-        results = sorted(file.name for file in (self.folder / "results").iterdir())
-        self.assertEqual(results, sorted(["index.html", "index.md", *(f"{name}{end}" for name in names for end in (".html", ".json"))]))
-
-
 class Comparisons(RanksTest):
     look = ["compare", "cornell", *SMALL, "--techniques", "default,few=max-bounces:1", "--repeat", "3", "--reference-spp", "16"]
 
