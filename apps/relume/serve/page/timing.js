@@ -63,7 +63,8 @@ function drawGraph(frames, target) {
   context.fillRect(0, line, width, 1);
   context.font = "11px system-ui, sans-serif";
   context.fillText(`${target.toFixed(1)} ms`, 4, Math.max(12, line - 3));
-  context.fillText(`${top.toPrecision(3)} ms`, width - 60, 12);
+  context.textAlign = "right";
+  context.fillText(top < 1000 ? `${top.toPrecision(3)} ms` : `${(top / 1000).toPrecision(3)} s`, width - 4, 12);
 }
 
 /// The line over the image.
