@@ -33,6 +33,11 @@ CandidatePaths candidate_paths(EstimatorChoice estimator) {
   return CandidatePaths::traced_paths;
 }
 
+/// Whether the light of samples that reservoirs take from paths ends in cells, whose content differs in each frame.
+bool samples_end_in_cells(CacheChoice cache) {
+  return cache == CacheChoice::apg || cache == CacheChoice::apsf_apg || cache == CacheChoice::sharc;
+}
+
 /// Adds the reservoirs at primary hits.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                const CandidateRecords& records) {
@@ -41,7 +46,7 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
     builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
   };
   const auto add_indirect = [&] {
-    const bool repeats = !learns(settings) && settings.cache == CacheChoice::none;
+    const bool repeats = !learns(settings) && !samples_end_in_cells(settings.cache);
     builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, repeats);
   };
   switch (settings.reuse) {

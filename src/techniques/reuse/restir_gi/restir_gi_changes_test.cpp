@@ -120,6 +120,27 @@ TEST(RestirGiValidation, ChangesNothingAtRest) {
   EXPECT_EQ(at_rest(settings_of(ReuseCorrection::exact, 1)).rays, exact.rays) << "needs no validation";
 }
 
+RenderSettings settings_with(CacheChoice cache, int validate) {
+  RenderSettings settings = settings_of(ReuseCorrection::lagging, validate);
+  settings.cache = cache;
+  return settings;
+}
+
+/// Cells of primary hits do not contain the light of samples.
+TEST(RestirGiValidation, ChangesNothingAtRestBesideCellsOfPrimaryHits) {
+  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
+    const Frames without = at_rest(settings_with(cache, 0));
+    const Frames with = at_rest(settings_with(cache, 1));
+    EXPECT_EQ(with.image.pixels, without.image.pixels);
+    EXPECT_GT(with.rays, without.rays);
+  }
+}
+
+TEST(RestirGiValidation, LeavesOutSamplesThatEndInCells) {
+  for (const CacheChoice cache : {CacheChoice::apg, CacheChoice::apsf_apg, CacheChoice::sharc})
+    EXPECT_EQ(at_rest(settings_with(cache, 1)).rays, at_rest(settings_with(cache, 0)).rays);
+}
+
 /// The image after movements of the camera, each of which gives the frames another seed.
 Image after_moves(int validate) {
   RenderSettings settings = settings_of(ReuseCorrection::lagging, validate);
