@@ -40,16 +40,17 @@ struct AdaptivePsf {
 
   /// Decides at the filter vertex whether the path is followed. Sets slot, survival, blend and culled. A culled pixel
   /// shows its cell with any blend function, because it has no sample. Paths at vertices with delta lobes always
-  /// survive. `u` in [0, 1). `others`: the other cells of a split pixel; else not read.
-  RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u,
-                        const View<OtherCells>& others = {}) const {
+  /// survive. `u` in [0, 1). `others`: the other cells of a split pixel; else not read. `needed`: whether the path
+  /// survives in any case.
+  RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u, const View<OtherCells>& others = {},
+                        bool needed = false) const {
     if (!enabled) return true;
     if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
     // The cell's own moments: all pixels with the same key should have the same probability, or their samples differ in
     // weight.
     const CellMoments cell = grid.own_moments(pixel.slot);
     float v = variance(grid, cell);
-    pixel.survival = pixel.divided ? 1.0f : survival_in(grid, pixel.slot, cell, v);
+    pixel.survival = pixel.divided || needed ? 1.0f : survival_in(grid, pixel.slot, cell, v);
     if (pixel.split) consider_specular(grid, pixel, others[0], v);
     pixel.blend = blend(blend_function, blend_thresholds, v);
     pixel.culled = u >= pixel.survival;
@@ -113,13 +114,13 @@ class AdaptiveVertex : public NoPolicy {
     const bool before = vertex_.reached();
     vertex_.arrived(sp, path, earlier);
     if (before || !vertex_.reached()) return true;
-    // A cell that lacks the light of reservoirs does not tell whether they need the path.
-    if (context_->filter.indirect_apart && path.bounce == 0) return true;
     FilteredPixel& pixel = vertex_.pixel();
     View<OtherCells> others;
     if (pixel.split) others = view_of_one(vertex_.others());
     const HashGridView& grid = context_->filter.grid;
-    const bool follows = context_->adaptive.decide(grid, pixel, u_survival_, others);
+    // A cell that lacks the light of reservoirs does not tell whether they need the path.
+    const bool needed = context_->filter.indirect_apart && path.bounce == 0;
+    const bool follows = context_->adaptive.decide(grid, pixel, u_survival_, others, needed);
     if (path.bounce == 0) scatter_chance_ = pixel.survival;
     if constexpr (kHasEarlier<Earlier>) report_decision(grid, pixel, others, earlier);
     return follows;

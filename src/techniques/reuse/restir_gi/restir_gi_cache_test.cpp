@@ -105,6 +105,27 @@ TEST(RestirGiWithFilter, CellsOfPrimaryHitsLackTheLightOfReservoirs) {
   }
 }
 
+/// Cells of direct light do not tell whether reservoirs need the path. Whether the pixel shows them remains a choice.
+TEST(RestirGiWithFilter, EveryPathSurvivesWithAnyBlend) {
+  for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::one}) {
+    RenderSettings settings = settings_of(ReuseChoice::restir_gi, CacheChoice::apsf, 4);
+    settings.psf.grid.min_count = settings.apsf.min_samples = 1;
+    settings.apsf.blend = blend;
+    const auto culled = [&] {
+      const auto pixels = third_frame(settings, kFilteredPixels);
+      return std::count_if(pixels.begin(), pixels.end(), [](const FilteredPixel& p) { return p.culled; });
+    };
+    for (const FilteredPixel& p : third_frame(settings, kFilteredPixels)) {
+      if (!p.filtered) continue;
+      EXPECT_EQ(p.survival, 1.0f);
+      EXPECT_EQ(p.blend, blend == BlendFunction::zero ? 0.0f : 1.0f);
+    }
+    EXPECT_EQ(culled(), 0);
+    settings.reuse = ReuseChoice::none;
+    EXPECT_GT(culled(), 0);
+  }
+}
+
 /// Cells replace the rest of the paths of samples, and pixels show no cell.
 TEST_P(RestirGiWithCache, SamplesEndInCells) {
   const bool filters = GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf;
