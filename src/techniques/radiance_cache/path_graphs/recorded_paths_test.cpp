@@ -109,10 +109,28 @@ float score_of(const MarkovRecord<ChainState>& record) {
 
 class RecordedPaths : public ::testing::TestWithParam<CacheKind> {};
 
+/// Compares samples for reservoirs, and returns the number of samples with light.
+size_t expect_samples(const std::vector<IndirectSample>& cached, const std::vector<IndirectSample>& plain) {
+  size_t lit = 0;
+  EXPECT_EQ(cached.size(), plain.size());
+  for (size_t i = 0; i < plain.size(); ++i) {
+    const IndirectSample& a = cached[i];
+    const IndirectSample& b = plain[i];
+    EXPECT_EQ(a.vertex.instance, b.vertex.instance) << i;
+    EXPECT_EQ(a.vertex.primitive, b.vertex.primitive) << i;
+    EXPECT_NEAR(a.weight, b.weight, 1e-3f * b.weight) << i;
+    const float light = luminance(b.vertex.radiance);
+    EXPECT_NEAR(luminance(a.vertex.radiance), light, 3e-3f * (1 + light)) << i;
+    lit += light > 0.01f ? 1 : 0;
+  }
+  return lit;
+}
+
 /// Compares the records of a frame, in which cells are empty, with those of paths without a cache.
 void expect_records_of_paths(const CachedFrameSettings& settings) {
   CachedFrameSettings without = settings;
   without.kind = CacheKind::none;
+  without.sampled = false;
   Scene coated = find_builtin_scene("cornell")->build();
   for (Material& m : coated.materials) {
     m.clearcoat = 1;
@@ -144,6 +162,12 @@ void expect_records_of_paths(const CachedFrameSettings& settings) {
     }
     EXPECT_GT(lit, plain.records().size() / 20);
     EXPECT_GT(compared, plain.records().size() / 20);
+    if (!settings.sampled) continue;
+    without.sampled = true;
+    CachedFrames sampling(scene, without);
+    without.sampled = false;
+    sampling.trace();
+    EXPECT_GT(expect_samples(cached.samples(), sampling.samples()), sampling.samples().size() / 20);
   }
 }
 
@@ -157,28 +181,54 @@ TEST_P(RecordedPaths, EqualThoseWithoutACacheBesideSamplesForReservoirs) {
   expect_records_of_paths(settings);
 }
 
-/// With cells, in a furnace: the light of each sample and vertex, and the pixels without the light of samples.
-TEST_P(RecordedPaths, HaveTheAnalyticMeanBesideSamplesForReservoirs) {
-  constexpr int kFrames = 200;
-  CachedFrameSettings settings = recorded(GetParam(), 24);
-  settings.sampled = true;
-  CachedFrames cached(testing::closed_furnace(0.5f), settings);
+/// Sums over frames whose paths leave light to reservoirs.
+struct SampledMeans {
   Records records;
-  double light = 0;
-  double image = 0;
+  double light = 0;  ///< mean light of a pixel's sample
+  double image = 0;  ///< mean of the image without this light
+};
+
+SampledMeans sampled_means(Scene scene, CacheKind kind) {
+  constexpr int kFrames = 200;
+  CachedFrameSettings settings = recorded(kind, 24);
+  settings.sampled = true;
+  CachedFrames cached(std::move(scene), settings);
+  SampledMeans means;
   for (int frame = 0; frame < kFrames; ++frame) {
     cached.render();
     const size_t pixels = cached.samples().size();
-    for (size_t i = 0; i < cached.records().size(); ++i) records[i / pixels].add(cached.records()[i]);
+    for (size_t i = 0; i < cached.records().size(); ++i) means.records[i / pixels].add(cached.records()[i]);
     for (const IndirectSample& s : cached.samples())
-      light += static_cast<double>(luminance(s.vertex.radiance)) / static_cast<double>(pixels * kFrames);
+      means.light += static_cast<double>(luminance(s.vertex.radiance)) / static_cast<double>(pixels * kFrames);
     for (const Rgb& p : cached.radiance())
-      image += static_cast<double>(luminance(p)) / static_cast<double>(pixels * kFrames);
+      means.image += static_cast<double>(luminance(p)) / static_cast<double>(pixels * kFrames);
   }
-  EXPECT_NEAR(records[0].mean_value() / furnace_value(0), 1.0, 0.05);
-  EXPECT_NEAR(records[1].mean_value() / furnace_value(1), 1.0, 0.05);
-  EXPECT_NEAR(light, testing::closed_furnace_radiance(0.5, kBounces - 1) - 1, 0.03);
-  EXPECT_NEAR(image, 1.5, 0.03) << "emission and its reflection";
+  return means;
+}
+
+/// With cells, in a furnace: the light of each sample and vertex, and the pixels without the light of samples.
+TEST_P(RecordedPaths, HaveTheAnalyticMeanBesideSamplesForReservoirs) {
+  const SampledMeans means = sampled_means(testing::closed_furnace(0.5f), GetParam());
+  EXPECT_NEAR(means.records[0].mean_value() / furnace_value(0), 1.0, 0.05);
+  EXPECT_NEAR(means.records[1].mean_value() / furnace_value(1), 1.0, 0.05);
+  EXPECT_NEAR(means.light, testing::closed_furnace_radiance(0.5, kBounces - 1) - 1, 0.03);
+  EXPECT_NEAR(means.image, 1.5, 0.03) << "emission and its reflection";
+}
+
+/// Where delta lobes bypass cells.
+TEST_P(RecordedPaths, HaveTheMeanOfSamplesBelowACoat) {
+  static const SampledMeans expected = sampled_means(coated_furnace(), CacheKind::none);
+  const SampledMeans means = sampled_means(coated_furnace(), GetParam());
+  EXPECT_NEAR(means.light / expected.light, 1.0, 0.03);
+  EXPECT_NEAR(means.image / expected.image, 1.0, 0.03);
+}
+
+/// Where primary hits have no cells in any cache.
+TEST_P(RecordedPaths, HaveTheMeanOfSamplesBehindNarrowLobes) {
+  static const SampledMeans expected = sampled_means(furnace_with_metal(), CacheKind::none);
+  const SampledMeans means = sampled_means(furnace_with_metal(), GetParam());
+  EXPECT_NEAR(means.light / expected.light, 1.0, 0.03);
+  EXPECT_NEAR(means.image / expected.image, 1.0, 0.03);
 }
 
 TEST_P(RecordedPaths, HaveTheAnalyticMeanInAFurnace) {

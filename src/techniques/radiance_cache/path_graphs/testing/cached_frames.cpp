@@ -113,7 +113,10 @@ void CachedFrames::trace() {
   switch (settings_.kind) {
     case CacheKind::none: {
       const RadianceOutput radiance{mutable_view_of(radiance_)};
-      if (settings_.recorded) {
+      if (settings_.sampled) {
+        trace(context, index, radiance, CachedRecordingOutput{recording()}, CachedChainOutput{chains()},
+              IndirectSampleOutput{mutable_view_of(samples_)});
+      } else if (settings_.recorded) {
         trace(context, index, radiance, RecordingOutput{recording()}, chains());
       } else {
         trace(context, index, radiance);

@@ -37,7 +37,7 @@ struct CachedFrameSettings {
   bool russian_roulette = true;
   bool watched = false;   ///< whether two policies observe the paths that the cache modifies
   bool recorded = false;  ///< whether paths leave records for regions and chains; excludes `watched`
-  bool sampled = false;   ///< whether paths with cells leave light to reservoirs; needs `recorded`
+  bool sampled = false;   ///< whether paths leave light to reservoirs; needs `recorded`
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
