@@ -121,8 +121,8 @@ class ResolveCellsPass final : public Pass {
 BufferDescription filtered_pixels_buffer();
 
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels, and
-/// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs kFirstScatters and kScatterChances,
-/// or kIndirectSamples.
+/// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs of direct light kFirstScatters and
+/// kScatterChances, of those of indirect light kIndirectSamples.
 PassDeclaration cell_paths_declaration(const CellsPass& cells);
 
 /// Destinations of what paths record for learning: samples for regions, and states for chains; nullptr: none.
@@ -161,11 +161,9 @@ bool trace_into_cells(const PathSource& source, const FrameContext& frame, const
   const auto trace = [&](const auto& paths) {
     if (cells.users().indirect) {
       const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
-      if constexpr (kFillsSamples<Cache>) {
-        return trace_recorded_paths(traced, frame, records, paths, samples, scatters);
-      } else {
-        return trace_recorded_paths(traced, frame, records, samples, paths, scatters);
-      }
+      return trace_in_order<Cache>(paths, samples, [&](const auto& first, const auto& second) {
+        return trace_recorded_paths(traced, frame, records, first, second, scatters);
+      });
     }
     if (records.any()) return trace_recorded_paths(traced, frame, records, paths, scatters);
     return trace_paths(traced, frame, nullptr, paths, scatters);

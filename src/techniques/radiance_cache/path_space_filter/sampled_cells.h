@@ -1,6 +1,9 @@
 // Paths that fill cells, and leave the light beyond their second vertices to reservoirs.
 #pragma once
 
+#include <type_traits>
+#include <utility>
+
 #include "techniques/radiance_cache/path_space_filter/verified_cells.h"
 #include "techniques/transport/path/indirect_sample.h"
 
@@ -13,30 +16,41 @@ inline constexpr bool kFillsSamples = requires {
   requires Cache::fills_samples;
 };
 
+/// Calls `trace` with the outputs `cells` and `samples` in their order: a cache that finds the light of a sample
+/// finishes before the sample is complete.
+template <typename Cache, typename Cells, typename Trace>
+auto trace_in_order(const Cells& cells, const IndirectSampleOutput& samples, const Trace& trace) {
+  if constexpr (kFillsSamples<Cache>) {
+    return trace(cells, samples);
+  } else {
+    return trace(samples, cells);
+  }
+}
+
 namespace sampled_cells {
 
-/// The outputs in order: a cache that finds the light of a sample finishes before the sample is complete.
-template <typename Cells, bool fills_samples>
-struct KernelOf {
-  using Type =
-      PathKernel<CachedRecordingOutput, CachedChainOutput, IndirectSampleOutput, Cells, ReservoirScatterOutput>;
+/// Gives the kernel of two outputs in their order.
+struct KernelType {
+  template <typename First, typename Second>
+  auto operator()(const First&, const Second&) const {
+    return std::type_identity<
+        PathKernel<CachedRecordingOutput, CachedChainOutput, First, Second, ReservoirScatterOutput>>();
+  }
 };
-template <typename Cells>
-struct KernelOf<Cells, true> {
-  using Type =
-      PathKernel<CachedRecordingOutput, CachedChainOutput, Cells, IndirectSampleOutput, ReservoirScatterOutput>;
-};
+
+template <typename Cache, typename Cells>
+using KernelOf = typename decltype(trace_in_order<Cache>(
+    std::declval<const Cells&>(), std::declval<const IndirectSampleOutput&>(), KernelType()))::type;
 
 }  // namespace sampled_cells
 
 /// Traces one path per pixel, fills the cells and records samples for reservoirs of indirect light. One kernel serves
 /// paths that learn and others, because each is compiled for hosts and devices.
 template <typename Cache>
-using SampledCellPathsKernel = typename sampled_cells::KernelOf<CellsOutput<Cache>, kFillsSamples<Cache>>::Type;
+using SampledCellPathsKernel = sampled_cells::KernelOf<Cache, CellsOutput<Cache>>;
 
 /// The same with records of first vertices.
 template <typename Cache>
-using SampledVerifiedCellPathsKernel =
-    typename sampled_cells::KernelOf<VerifiedCellsOutput<Cache>, kFillsSamples<Cache>>::Type;
+using SampledVerifiedCellPathsKernel = sampled_cells::KernelOf<Cache, VerifiedCellsOutput<Cache>>;
 
 }  // namespace relume

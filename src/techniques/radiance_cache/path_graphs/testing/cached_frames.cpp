@@ -61,11 +61,9 @@ void CachedFrames::trace_cells(const PathContext& context, const SampleIndex& in
   if (settings_.sampled) {
     const CachedRecordingOutput records{recording()};
     const IndirectSampleOutput samples{mutable_view_of(samples_)};
-    if constexpr (kFillsSamples<Cache>) {
-      return trace(context, index, records, CachedChainOutput{chains()}, cells, samples);
-    } else {
-      return trace(context, index, records, CachedChainOutput{chains()}, samples, cells);
-    }
+    return trace_in_order<Cache>(cells, samples, [&](const auto& first, const auto& second) {
+      trace(context, index, records, CachedChainOutput{chains()}, first, second);
+    });
   }
   if (settings_.recorded)
     return trace(context, index, CachedRecordingOutput{recording()}, CachedChainOutput{chains()}, cells);
