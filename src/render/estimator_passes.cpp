@@ -145,6 +145,9 @@ void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settin
   }
 }
 
+/// Whether a pass of reservoirs adds the direct light of primary hits to pixels with cells. With `ris`, paths do.
+bool has_direct_reservoirs(ReuseChoice reuse) { return resamples_direct_light(reuse) && reuse != ReuseChoice::ris; }
+
 /// Adds the estimator with a cache that replaces parts of its paths.
 void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                       const LearningRecords& learning) {
@@ -152,7 +155,7 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   const CellPathUsers users{.history = needs_first_vertices(settings),
-                            .reservoirs = resamples_direct_light(settings.reuse) && settings.reuse != ReuseChoice::ris,
+                            .reservoirs = has_direct_reservoirs(settings.reuse),
                             .indirect = resamples_indirect_light(settings.reuse)};
   const bool has_reservoirs = users.reservoirs || users.indirect;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);

@@ -84,9 +84,10 @@ TEST_P(OtherCombinations, HaveTheCorrectMean) { check(kMostError); }
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
-/// Whether a cell stands for paths that no single choice has. These fill cells, and choose among lights themselves or
-/// leave light to reservoirs. Or they record states of chains, and also samples for regions, end in cells, or
-/// are subpaths from both sides.
+/// Whether a cell stands for paths that no single choice has. These
+/// - fill cells, and resample direct light or leave it to reservoirs,
+/// - use cells, and leave indirect light to reservoirs, or
+/// - record states of chains, and also record samples for regions, end in cells, or are subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;

@@ -147,7 +147,7 @@ class PathGraph : public NoPolicy {
     path.rr_reference *= max_component(divisor_);
   }
 
-  /// Reservoirs take the light from the current vertex on.
+  /// Starts the sample of a reservoir at the current vertex.
   RELUME_HD void rebased(const Rgb& found, const Rgb& unit) {
     kept_ = found;
     unit_ = unit;
@@ -156,7 +156,7 @@ class PathGraph : public NoPolicy {
 
   /// Adds all waiting samples to their cells.
   RELUME_HD void finished(PathState& path) {
-    finish(path);
+    complete_pixel(path);
     if (!taken_) return;
     if (pixel_.filtered) path.radiance = pixel_.unfiltered + pixel_.traced;
     pixel_.filtered = false;
@@ -166,7 +166,7 @@ class PathGraph : public NoPolicy {
   }
 
  private:
-  RELUME_HD void finish(PathState& path) {
+  RELUME_HD void complete_pixel(PathState& path) {
     if (!pixel_.filtered) {
       pixel_.unfiltered = path.radiance;
       if (!scatters_) pixel_.seen = path.radiance;

@@ -30,8 +30,8 @@ struct FilterContext {
                                ///< lobe, weights depend on its vertex, so no vertex there is filtered
   bool direct_apart = false;   ///< whether primary hits have cells of their own, because reservoirs add their direct
                                ///< light
-  bool indirect_apart =
-      false;  ///< the same for their indirect light; no vertex at which reservoirs find it is filtered
+  /// The same for their indirect light. Vertices of samples are not filtered.
+  bool indirect_apart = false;
 
   RELUME_HD bool separates_primary() const { return by_prefix || direct_apart || indirect_apart; }
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
