@@ -200,6 +200,7 @@ TEST_P(RestirGiInFurnace, HasTheMean) {
   const auto [reuse, cache] = GetParam();
   RenderSettings settings = settings_of(reuse, cache, kBounces);
   settings.apsf.min_samples = 8;
+  settings.path.russian_roulette = true;
   Session session(testing::closed_furnace(kAlbedo), settings);
   const Measured mean = mean_over_seeds(8, [&](int seed) {
     session.restart(seed);
@@ -209,7 +210,7 @@ TEST_P(RestirGiInFurnace, HasTheMean) {
     return sum / static_cast<double>(kPixels);
   });
   const double expected = testing::closed_furnace_radiance(static_cast<double>(kAlbedo), kBounces);
-  EXPECT_LT(mean.error, 0.01 * expected);
+  EXPECT_LT(mean.error, 0.003 * expected);
   EXPECT_NEAR(mean.mean, expected, 0.01 * expected + 4.5 * mean.error);
 }
 

@@ -56,6 +56,7 @@ const std::vector<Choices>& all_choices() {
       {.name = "psf_restir_di", .cache = CacheChoice::psf, .reuse = ReuseChoice::restir_di},
       {.name = "apsf_apg_restir_di", .cache = CacheChoice::apsf_apg, .reuse = ReuseChoice::restir_di},
       {.name = "psf_restir_gi", .cache = CacheChoice::psf, .reuse = ReuseChoice::restir_gi},
+      {.name = "apg_restir_gi", .cache = CacheChoice::apg, .reuse = ReuseChoice::restir_gi},
       {.name = "apg_restir_di_gi", .cache = CacheChoice::apg, .reuse = ReuseChoice::restir_di_gi},
       {.name = "sharc_restir_gi", .cache = CacheChoice::sharc, .reuse = ReuseChoice::restir_gi},
   };
@@ -243,7 +244,7 @@ int expect_light_of_samples(const Session& session, const Choices& choices) {
     if (has_cells) {
       const Vec3 to_light = whole_cells ? v.to_light : Vec3(0);                    // of the path
       if (length_squared(v.scatter) + length_squared(to_light) == 0.0f) continue;  // a cell ended the path here
-      const Rgb beside = whole_cells ? Rgb(0) : reflected[i] - pixels[i].unfiltered - cells[i];
+      const Rgb beside = whole_cells ? Rgb(0) : reflected[i] - cells[i];  // no surface here emits light
       reflected[i] = pixels[i].traced / pixels[i].survival + beside;
     }
     const Rgb recorded = albedo[i] * kInvPi * (v.indirect + v.direct);
