@@ -51,23 +51,22 @@ BOUNDS = (
     # The recorders of both kinds of chains: 0.3 KB.
     (r"PathKernel<RadianceOutput, ChainOutput", 1650),
     (r"RisKernel", 1600),
-    (r"CellUpdateKernel", 1800),  # vertices of the path
+    (r"CellUpdateKernel", 1750),  # vertices of the path
     # Path graphs also store units of samples for reservoirs: 0.03 KB.
     (r"PathKernel<CellsOutput<PathGraphContext>", 2150),
     (r"PathKernel<CellsOutput<", 1450),
     # Recorders of samples and of both kinds of chains, here and below: 0.4 KB.
     # With samples for reservoirs, here and below: 0.1 KB.
-    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<PathGraphContext>, IndirectSampleOutput", 2800),
-    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<PathGraphContext>, IndirectSampleOutput", 2900),
-    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, IndirectSampleOutput", 2150),
-    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, .*IndirectSampleOutput", 2100),
-    (r"PathKernel<RadianceOutput, OptionalOutput<FirstScatterOutput>, IndirectSampleOutput, .*CellEnds", 1600),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<PathGraphContext>, IndirectSampleOutput", 2750),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<PathGraphContext>, IndirectSampleOutput", 2800),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, IndirectSampleOutput", 2050),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, .*IndirectSampleOutput", 1900),
     (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<PathGraphContext>", 2700),
     (r"PathKernel<CachedRecordingOutput, CachedChainOutput, CellsOutput<", 1950),
     (r"PathKernel<CachedRecordingOutput, CachedChainOutput, RadianceOutput, .*CellEnds", 1950),
     (r"PathKernel<VerifiedCellsOutput<PathGraphContext>", 2200),  # and an evaluation for mirror reflection
     (r"PathKernel<VerifiedCellsOutput<", 1450),
-    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<PathGraphContext>", 2800),
+    (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<PathGraphContext>", 2750),
     (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<", 2000),
     (r"PathKernel<RadianceOutput> ", 1229),  # the limit of the design
     (r"PathKernel<", 1450),
