@@ -33,7 +33,7 @@ CandidatePaths candidate_paths(EstimatorChoice estimator) {
   return CandidatePaths::traced_paths;
 }
 
-/// Whether the light of samples that reservoirs take from paths ends in cells, whose content differs in each frame.
+/// Whether paths of reservoir samples read cells, whose content changes every frame.
 bool samples_end_in_cells(CacheChoice cache) {
   return cache == CacheChoice::apg || cache == CacheChoice::apsf_apg || cache == CacheChoice::sharc;
 }

@@ -221,7 +221,7 @@ class Page(unittest.TestCase):
         self.assertNotIn("No measurement is stored yet.", text)
         self.assertIn("### Prediction for 8 ranks", text)
         self.assertIn("| `planes` | ", text.split("### Prediction for 8 ranks")[1])
-        self.assertIn("fitted, for a whole core", text)
+        self.assertRegex(text, r"\| fitted: [\d,.]+ ns with 0\.2 cores, times 0\.2 \|")
         self.assertLessEqual(max(len(line) for line in text.splitlines() if not line.startswith("|")), 100)
 
 

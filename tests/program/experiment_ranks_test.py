@@ -60,7 +60,7 @@ class DividedExperiments(RanksTest):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(len(re.findall(r"^relume: .*sponza.gltf", done.stderr, re.MULTILINE)), 1, done.stderr)
 
-    def test_a_lost_rank_ends_the_job_which_continues(self):
+    def test_a_job_resumes_after_the_loss_of_a_rank(self):
         command = ["experiment", "run", "psf-error", *self.look, "-o", "out", "--cache-dir", "cache"]
         process, mark = self.start_on_ranks(2, *command)
         self.wait_for(lambda: any(self.folder.glob("cache/**/reference-*.exr")), "a reference")

@@ -217,7 +217,7 @@ class Silent(RanksTest):
 
     def test_a_silent_rank_0_ends_the_others(self):
         seconds = self.stop(0, "lost the connection to rank 0 and ends; continue from out.ckpt")
-        self.assertLess(seconds, 32, "30 s, and the time until its sentence is here")
+        self.assertLess(seconds, 32, "30 s, and the delay until the message is printed")
         self.assert_resumes()
 
 
@@ -271,7 +271,7 @@ class Seams(RanksTest):
 
         def ratio(name, warmup):
             texts = [exr_strings(self.folder / f"{name}.{i:04}.exr") for i in range(32)]
-            # With at most eight frames before it, a warm one has the same history as in one run.
+            # Frames 0 to 8 have complete histories after warm-up, so they are left out.
             seams = [i for i in range(9, 32) if "relume.warmup" in texts[i]]
             self.assertGreater(len(seams), 2, "segments of 32 frames on two ranks")
             self.assertEqual({texts[i]["relume.warmup"] for i in seams}, {warmup})
@@ -282,7 +282,7 @@ class Seams(RanksTest):
 
         warm, cold = ratio("warm", "8"), ratio("cold", "0")
         print(f"all seams: {warm:.2f} with warm-up, {cold:.2f} without")
-        # A history has at most 16 samples while objects move, a warm one nine, and a cold one one.
+        # A history has at most 16 samples while objects move. At a seam it has nine with warm-up, and one without.
         self.assertLess(warm, 1.2)
         self.assertLess(warm - 1, 0.5 * (cold - 1))
         self.assertNotIn("relume.warmup", exr_strings(self.folder / "one.0020.exr"))

@@ -118,7 +118,7 @@ class Serving(unittest.TestCase):
             if steering.texts["role"]["viewer"] != steering.texts["role"]["steerer"]:
                 steering, other = other, steering
             chosen = "none" if other.texts["values"]["sides"][0]["denoise"] != "none" else "bmfr"
-            until = time.monotonic() + 1  # frames for the one that no longer reads wait
+            until = time.monotonic() + 1  # frames queue for `other`, which does not read
             other.receive_until(lambda: time.monotonic() > until)
             steering.send({"do": "set", "side": 0, "name": "denoise", "value": chosen})
             other.receive_until(lambda: other.texts["values"]["sides"][0]["denoise"] == chosen)
@@ -137,7 +137,7 @@ class Serving(unittest.TestCase):
                 levels.append(payload[1])
                 sizes.append(len(payload))
             self.assertLess(levels[0], 2)
-            self.assertLess(sizes[-1], 0.7 * sizes[0])  # such small frames are headers for a large part
+            self.assertLess(sizes[-1], 0.7 * sizes[0])  # headers are a large part of such small frames
 
     def test_more_viewers_than_permitted(self):
         with Viewer(self.server) as a, Viewer(self.server) as b, Viewer(self.server) as c:

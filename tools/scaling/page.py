@@ -48,8 +48,10 @@ INTRO = """\
 # Scaling over ranks
 
 How long `mpirun -n N relume render` takes on 1 to 512 ranks, by a model of its [ranks](farm.md).
-`tools/scaling_model` writes this page. [A measurement](#measurement) with 1 to 4 ranks fits the
-model's parameters; one with 8 ranks checks them. **No time beyond 8 ranks is measured.**
+`tools/scaling_model` writes this page. The parameters of the test machine are fitted to
+[measurements](#measurement) with 1 to 4 ranks, and checked with 8. For larger machines, only the
+cost of a result comes from the fit; the other values are assumed or defaults. **No time beyond 8
+ranks is measured.**
 
 ## Model
 
@@ -130,9 +132,9 @@ def conditions(measurement):
 def measured(measurement, fit):
     parameters, predictions = fit.intervals()
     text = conditions(measurement) + "\n"
-    text += paragraph(f"Parameters by least squares over {FITTED_RANKS[0]} to {FITTED_RANKS[-1]} ranks, in seconds of a rank with its share. Brackets hold 95 % of resampled repetitions:")
+    text += paragraph(f"The parameters are fitted by least squares to {FITTED_RANKS[0]} to {FITTED_RANKS[-1]} ranks, each with its share of a core. Brackets are 95 % bootstrap intervals over repetitions.")
     text += "\n"
-    labels = {"start_s": ("start and end of one process, s", 1), "mpi_s": ("the same with MPI: more by, s", 1), "rank_s": ("each rank: more by, s", 1),
+    labels = {"start_s": ("start and end of one process, s", 1), "mpi_s": ("additional start and end with MPI, s", 1), "rank_s": ("additional time per rank, s", 1),
               "slowdown": ("slowdown by each further rank on the machine, %", 100), "plane_s": ("a result: preparing or adding it, ns per pixel", 1e9)}  # fmt: skip
     rows = []
     for name, values in parameters.items():
@@ -141,13 +143,14 @@ def measured(measurement, fit):
         else:
             rows.append((f"speed of a rank, `{name.split()[1]}`, million samples per second", interval(*map(math.exp, values), 1e-6)))
     text += table(("parameter", "fitted"), rows)
-    text += "\nMeasured times with their means' intervals, and those of the model:\n\n"
+    text += "\nMean measured times with intervals, and times by the model:\n\n"
     rows = []
     for cell in fit.fitted:
         model = fit.seconds(cell, fit.values)
         rows.append((f"`{cell.job.name}`", cell.ranks, interval(*interval_of_mean(cell.seconds)), number(model), f"{100 * (model / cell.mean - 1):+.1f}"))
     text += table(("job", "ranks", "measured, s", "model, s", "error, %"), rows)
-    text += f"\n### Prediction for {PREDICTED_RANKS} ranks\n\nThe fit does not see these measurements. The error's interval is that of both.\n\n"
+    text += f"\n### Prediction for {PREDICTED_RANKS} ranks\n\n"
+    text += paragraph("These measurements are not part of the fit. The interval of the error includes the uncertainty of the prediction and of the measurement.") + "\n"
     rows = [(f"`{cell.job.name}`", interval(time, low, high), interval(*interval_of_mean(cell.seconds)), f"{100 * error:+.1f} ({100 * error_low:+.1f} to {100 * error_high:+.1f})")
             for cell, time, low, high, error, error_low, error_high in predictions]  # fmt: skip
     text += table(("job", "predicted, s", "measured, s", "error, %"), rows)
@@ -167,10 +170,11 @@ def ratios(measurement):
 
 
 def parameters_table(costs, fit):
+    fitted = f"fitted: {number(1e9 * fit.values['plane_s'])} ns with {fit.share:g} cores, times {fit.share:g}" if fit else ""
     rows = []
     for field, (label, unit, scale, source, _) in COSTS.items():
         value = f"{getattr(costs, field) * scale:.3g} {unit}".strip()
-        rows.append((label, value, "fitted, for a whole core" if fit and field == "plane_s" else source))
+        rows.append((label, value, fitted if fit and field == "plane_s" else source))
     return table(("parameter", "value", "source"), rows)
 
 

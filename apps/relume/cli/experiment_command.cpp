@@ -148,8 +148,8 @@ std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOpti
   auto machine = machine_description({o.device});
   if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
   if (ranks) {
-    machine.emplace_back("Ranks", fmt::format("{}; times at equal samples were measured under parallel load, unless "
-                                              "claims are about them",
+    machine.emplace_back("Ranks", fmt::format("{}; times at equal samples include the load of other ranks, except in "
+                                              "experiments with claims about times",
                                               ranks->ranks()));
   }
   return machine;
@@ -250,7 +250,7 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
   ProgressPrinter printer(!verbosity.quiet && is_first_rank);
   ExperimentContext context = make_context(o, printer);
   if (list.size() == 1 && pool.ranks() > 1) {
-    if (is_first_rank) context.stop = interrupts.token();  // it decides what an interrupt ends
+    if (is_first_rank) context.stop = interrupts.token();  // rank 0 handles interrupts, and stops the other ranks
     return pool.run_and_end([&] { return run_on_all_ranks(*list.front(), o, context, printer, verbosity, pool); });
   }
   SharedTasks tasks{.tasks = std::vector<size_t>(list.size()), .run = {}};

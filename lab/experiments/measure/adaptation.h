@@ -25,7 +25,7 @@ struct Adaptation {
 
 /// Changes a session's scene during a run.
 struct AdaptationSteps {
-  /// Brings the state in which a run starts, so that runs do not depend on earlier ones.
+  /// Sets the scene to its state at the start of a run, so that runs do not depend on earlier ones.
   std::function<void(Session&)> start = {};
   std::function<void(Session&, int frame)> before = {};  ///< called before each frame
 };

@@ -25,7 +25,8 @@ struct StudyOptions {
   std::vector<float> times_s = {};
   int repetitions = 5;
   int reference_spp = 1024;
-  bool timed = false;  ///< whether times count at equal samples, too: ranks of one machine then take turns
+  bool timed = false;  ///< whether times at equal samples count, too; contenders then alternate on one rank of each
+                       ///< machine
 };
 
 /// Runs the comparison. A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference,

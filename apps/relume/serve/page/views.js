@@ -17,8 +17,8 @@ export function make(tag, attributes = {}, ...children) {
 
 const byId = (id) => document.getElementById(id);
 
-/// Makes the children of `element` those of the items. Children stay by their key, so that focus and a press that has
-/// begun outlast a change of the list. `create` makes a child, `refresh` shows what may change in it.
+/// Updates the children of `element` to match the items. Children with the same key are reused, so a change of the list
+/// keeps the focus and a held mouse button. `create` makes a child, `refresh` shows what may change in it.
 function arrange(element, items, { key, create, refresh = () => {} }) {
   const old = new Map([...element.children].map((child) => [child.dataset.key, child]));
   const uses = new Map();

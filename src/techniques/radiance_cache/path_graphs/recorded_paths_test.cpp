@@ -174,7 +174,8 @@ void expect_records_of_paths(const CachedFrameSettings& settings) {
 /// Without cells, caches only change the units of paths.
 TEST_P(RecordedPaths, EqualThoseWithoutACacheWhileCellsAreEmpty) { expect_records_of_paths(recorded(GetParam(), 48)); }
 
-/// So do samples for reservoirs, in paths whose units a cache has changed or will change.
+/// With empty cells, samples for reservoirs also equal those without a cache, whether the cache rebases the path before
+/// or after the sample is taken.
 TEST_P(RecordedPaths, EqualThoseWithoutACacheBesideSamplesForReservoirs) {
   CachedFrameSettings settings = recorded(GetParam(), 48);
   settings.sampled = true;

@@ -185,7 +185,8 @@ TEST_F(EndingPath, TeachesChainsTheMeanOfTheCell) {
   EXPECT_EQ(directions_[1].cells[0].slot, kNoSlot) << "no direction was sampled there";
 }
 
-/// The sample has the light of the cell, in units of no pixel. The path keeps the emission, and records both.
+/// The sample has the light of the cell, without the throughput of the pixel. The path keeps the emission, and records
+/// both.
 TEST_F(EndingPath, GivesTheMeanOfTheCellToTheSample) {
   IndirectSample sample;
   EXPECT_FALSE(trace_sample(sample));

@@ -133,7 +133,7 @@ Measured after_moves(const Scene& scene, const RenderSettings& settings, int see
   });
 }
 
-/// On surfaces that depend on the view, with and without reservoirs at primary hits.
+/// On surfaces whose reflection depends on the view, with and without reservoirs at primary hits.
 TEST(SlowSharcEnergy, ForwardReprojectionKeepsTheMeanUnderAMovingCamera) {
   Scene scene = find_builtin_scene("cornell")->build();
   for (Material& m : scene.materials) {

@@ -1,5 +1,5 @@
-// The choice among several lights at primary hits, beside radiance caches: it keeps the mean of each channel where the
-// candidates differ in more than distance, under textured lamps and behind a dispersive interface.
+// Tests `ris` with radiance caches: the mean of each channel is unchanged under textured lamps, and at a dispersive
+// interface.
 #include <array>
 #include <cstddef>
 #include <utility>

@@ -1,4 +1,4 @@
-// Reservoirs of indirect light beside radiance caches: the light of samples ends in cells behind primary hits, and
+// Reservoirs of indirect light beside radiance caches: paths of samples read cells behind primary hits, and their light
 // counts once.
 #include <algorithm>
 #include <tuple>
