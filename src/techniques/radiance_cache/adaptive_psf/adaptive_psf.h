@@ -118,7 +118,7 @@ class AdaptiveVertex : public NoPolicy {
     View<OtherCells> others;
     if (pixel.split) others = view_of_one(vertex_.others());
     const HashGridView& grid = context_->filter.grid;
-    // A cell that lacks the light of reservoirs does not tell whether they need the path.
+    // The variance of a cell without reservoir light does not show whether reservoirs need the path.
     const bool needed = context_->filter.indirect_apart && path.bounce == 0;
     const bool follows = context_->adaptive.decide(grid, pixel, u_survival_, others, needed);
     if (path.bounce == 0) scatter_chance_ = pixel.survival;

@@ -20,7 +20,7 @@ RELUME_HD inline bool guarded(float edge, float segment, float footprint) { retu
 /// Constants of all paths.
 struct PathGraphContext {
   using Policy = PathGraph;
-  static constexpr bool fills_samples = true;  ///< as for kFillsSamples
+  static constexpr bool fills_samples = true;  ///< paths of reservoir samples read these cells (kFillsSamples)
 
   FilterContext filter;
   AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
@@ -37,7 +37,7 @@ struct PathGraphContext {
 /// The policy of one path. Between two vertices with cells ("anchors"), the path's throughput and radiance are relative
 /// to the demodulated first of them.
 ///
-/// If reservoirs take the light beyond second vertices (FilterContext::indirect_apart), primary hits are no anchors.
+/// If reservoirs take the light from the second vertex on (FilterContext::indirect_apart), primary hits are no anchors.
 /// The graph of that light begins at the vertex where it is found. The light becomes the radiance of the finished path,
 /// for the policy that takes it.
 class PathGraph : public NoPolicy {
@@ -62,7 +62,7 @@ class PathGraph : public NoPolicy {
     if (context_->filter.indirect_apart && path.bounce == 0) return true;
     if (context_->guards) {
       segment_ += glm::length(sp.position - path.ray.origin);
-      // Such light has no cone before it scatters again: other pixels may show it.
+      // The sample may be shown by other pixels, so its path has no ray cone until it scatters again.
       footprint_ = sampled_ && path.bounce == 1 ? kInfinity : sp.footprint;
     }
     if (path.dispersed) return true;  // as in FilterVertex
@@ -162,7 +162,7 @@ class PathGraph : public NoPolicy {
     pixel_.filtered = false;
     pixel_.traced = Rgb(0);
     pixel_.unfiltered = kept_;
-    if (!is_finite(path.radiance)) pixel_.unfiltered += path.radiance;  // is counted there
+    if (!is_finite(path.radiance)) pixel_.unfiltered += path.radiance;  // AccumulateKernel counts it
   }
 
  private:
@@ -347,7 +347,7 @@ class PathGraph : public NoPolicy {
   Rgb beside_{0};    ///< part of it sampled before the path left the first anchor through a delta lobe
   Rgb arriving_{1};  ///< throughput from the camera, or from where reservoirs take the light, to the last anchor,
                      ///< without its albedo
-  Rgb unit_{1};      ///< factor of this throughput in the image
+  Rgb unit_{1};      ///< factor from `arriving_` to the throughput from the camera
   Rgb kept_{0};      ///< radiance of the path up to where reservoirs take the light
   Rgb albedo_{1};    ///< ρ of the last anchor
   Rgb divisor_{1};   ///< divisor of the last anchor's radiance

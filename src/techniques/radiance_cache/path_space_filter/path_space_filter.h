@@ -30,7 +30,8 @@ struct FilterContext {
                                ///< lobe, weights depend on its vertex, so no vertex there is filtered
   bool direct_apart = false;   ///< whether primary hits have cells of their own, because reservoirs add their direct
                                ///< light
-  /// The same for their indirect light. Vertices of samples are not filtered.
+  /// Whether reservoirs add the indirect light of primary hits, which cells of primary hits then lack. Later vertices
+  /// of such paths are not filtered.
   bool indirect_apart = false;
 
   RELUME_HD bool separates_primary() const { return by_prefix || direct_apart || indirect_apart; }

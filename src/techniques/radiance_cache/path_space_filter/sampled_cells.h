@@ -1,4 +1,4 @@
-// Paths that fill cells, and leave the light beyond their second vertices to reservoirs.
+// Paths that fill cells, and leave the light from the second vertex on to reservoirs.
 #pragma once
 
 #include <type_traits>
@@ -9,8 +9,8 @@
 
 namespace relume {
 
-/// Whether the light of samples that reservoirs take from paths is what a cache finds from the second vertex on. Such a
-/// cache says so by a constant `fills_samples`. The others have cells of primary hits, which lack that light.
+/// Whether the cache contributes to the light of reservoir samples, from the second vertex on. Such caches define
+/// `fills_samples`. Other caches have cells at primary hits, without that light.
 template <typename Cache>
 inline constexpr bool kFillsSamples = requires {
   requires Cache::fills_samples;

@@ -40,7 +40,7 @@ struct CellUpdateContext {
   bool feedback = true;       ///< whether paths end in known cells
   float clamp = 0;            ///< as for clamped_share(); 0: no clamping
   bool inherits = false;      ///< whether new cells inherit moments from the next level
-  RegionLookup regions = {};  ///< of vertices; empty: no structure has regions
+  RegionLookup regions = {};  ///< look-up of the region of each vertex; empty without techniques that learn per region
 };
 
 /// The policy of one update path. Between two vertices with cells, the path's throughput and radiance are relative to

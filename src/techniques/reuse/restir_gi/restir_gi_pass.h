@@ -10,8 +10,8 @@ namespace relume {
 /// Adds indirect light at primary hits to the radiance of paths that leave it out (PathRecords::indirect_samples).
 class RestirGiPass final : public Pass {
  public:
-  /// `repeats`: whether random numbers and structures of paths can be repeated; false with techniques that learn,
-  /// and with caches in which the light of samples ends.
+  /// `repeats`: whether random numbers and structures of paths can be repeated. `false` with techniques that learn,
+  /// and with caches that the paths of samples read.
   RestirGiPass(const RestirGiSettings& settings, const PathSource& source, bool repeats)
       : settings_(settings), source_(source), repeats_(repeats) {}
 
