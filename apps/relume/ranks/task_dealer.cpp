@@ -25,7 +25,17 @@ bool TaskDealer::gets_tasks(size_t rank) const {
   return false;
 }
 
+bool TaskDealer::have_all_reported() const {
+  for (size_t rank = 0; rank < ranks_.size(); ++rank) {
+    if (ranks_[rank].state == State::gone) continue;
+    if (std::find(arrivals_.begin(), arrivals_.end(), rank) == arrivals_.end()) return false;
+  }
+  return true;
+}
+
 std::vector<TaskDealer::Deal> TaskDealer::deal() {
+  if (workers_ != TaskRanks::all && !have_all_reported())
+    return {};  // they may still compute, which would change times
   std::vector<Deal> deals;
   for (size_t rank = 0; rank < ranks_.size() && next_ < tasks_ && !cancelled_; ++rank) {
     if (ranks_[rank].state != State::waits || !gets_tasks(rank)) continue;

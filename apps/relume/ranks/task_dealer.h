@@ -30,7 +30,8 @@ class TaskDealer {
     int rank = 0;
     size_t task = 0;  ///< position in the stage
   };
-  /// Tasks for the ranks that wait. These then work.
+  /// Tasks for the ranks that wait. These then work. Unless all ranks get tasks, deals none before each rank has waited
+  /// or left: a rank that still computes would change the times of others.
   std::vector<Deal> deal();
 
   /// Whether no rank works and no task will be dealt.
@@ -47,6 +48,7 @@ class TaskDealer {
     std::string host = {};
     double fraction = 0;
   };
+  bool have_all_reported() const;
   bool gets_tasks(size_t rank) const;
   bool is_first_of_host(size_t rank) const;
 

@@ -45,7 +45,22 @@ TEST(TaskDealer, TimedTasksGoToOneRankOfEachHost) {
   EXPECT_EQ(next[0].task, 2u);
 }
 
+TEST(TaskDealer, TimedTasksWaitUntilAllRanksHaveReported) {
+  TaskDealer dealer(2, 3, TaskRanks::one_per_host);
+  dealer.wait(0, "a");
+  dealer.wait(1, "b");
+  EXPECT_TRUE(dealer.deal().empty()) << "rank 2 may still compute";
+  EXPECT_FALSE(dealer.is_over());
+  dealer.leave(2);
+  EXPECT_EQ(dealer.deal().size(), 2u);
+}
+
 TEST(TaskDealer, TasksOfTheFirstRankWaitForIt) {
+  TaskDealer early(1, 2, TaskRanks::first);
+  early.wait(0, "a");
+  EXPECT_TRUE(early.deal().empty()) << "rank 1 may still compute";
+  early.wait(1, "b");
+  EXPECT_EQ(early.deal().size(), 1u);
   TaskDealer dealer(2, 3, TaskRanks::first);
   dealer.wait(1, "a");
   dealer.wait(2, "b");
