@@ -155,13 +155,20 @@ std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOpti
   return machine;
 }
 
+/// Runs the experiment. Throws Error on a rank that measured less than the first, which others would wait for.
+ExperimentResult measure(const Experiment& experiment, const ExperimentContext& context) {
+  ExperimentResult result = experiment.run(context);
+  if (context.ranks) check_step(context, "end");
+  return result;
+}
+
 /// Measures, and writes the result beside those already in the folder. `writes_index`: on one rank only.
 void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
                     const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity,
                     bool writes_index) {
   const std::string name(experiment.name);
   const double start_s = now_s();
-  const ExperimentResult result = experiment.run(context);
+  const ExperimentResult result = measure(experiment, context);
   const ExperimentRun run{
       machine_of(o, context.ranks), o.quick, now_s() - start_s, !o.scenes.empty(), context.program, o.device};
   printer.clear();
@@ -227,7 +234,7 @@ int run_on_all_ranks(const Experiment& experiment, const ExperimentOptions& o, E
     return done ? kExitDone : kExitInterrupted;
   }
   try {
-    if (first_stays->empty()) experiment.run(context);
+    if (first_stays->empty()) measure(experiment, context);
   } catch (const ExperimentStopped&) {
     return kExitInterrupted;
   }
