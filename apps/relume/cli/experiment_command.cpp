@@ -222,23 +222,21 @@ int run_on_all_ranks(const Experiment& experiment, const ExperimentOptions& o, E
   context.ranks = &ranks;
   const std::optional<std::string> first_stays = ranks.share(stays ? "stays" : "");
   if (!first_stays) return kExitFailed;
-  if (first_stays->empty()) {
-    check_step(context, fmt::format("{} {} on {}{}{}", experiment.name, context.program, o.device,
-                                    o.quick ? ", quick" : "", o.scenes.empty() ? "" : ", with scenes"));
-  }
-  if (ranks.is_first()) {
-    const bool done =
-        run_task(experiment, o, context, folder, printer, verbosity, {.throws = true, .writes_index = false})
-            .has_value();
-    if (done) write_index(folder);
-    return done ? kExitDone : kExitInterrupted;
-  }
+  const std::string start = fmt::format("{} {} on {}{}{}", experiment.name, context.program, o.device,
+                                        o.quick ? ", quick" : "", o.scenes.empty() ? "" : ", with scenes");
   try {
-    if (first_stays->empty()) measure(experiment, context);
+    if (first_stays->empty()) check_step(context, start);
+    if (!ranks.is_first()) {
+      if (first_stays->empty()) measure(experiment, context);
+      return kExitDone;
+    }
   } catch (const ExperimentStopped&) {
     return kExitInterrupted;
   }
-  return kExitDone;
+  const bool done =
+      run_task(experiment, o, context, folder, printer, verbosity, {.throws = true, .writes_index = false}).has_value();
+  if (done) write_index(folder);
+  return done ? kExitDone : kExitInterrupted;
 }
 
 int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
