@@ -59,6 +59,11 @@ class DividedExperiments(RanksTest):
         done = self.on_ranks(2, "experiment", "run", "bdpt-cost", *self.look, "-o", "out", "--cache-dir", "cache", "--scenes", "scenes")
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertEqual(len(re.findall(r"^relume: .*sponza.gltf", done.stderr, re.MULTILINE)), 1, done.stderr)
+        (self.folder / "foreign").mkdir()
+        (self.folder / "foreign/psf-error.json").write_text("{}")
+        done = self.on_ranks(2, "experiment", "run", "bdpt-cost", *self.look, "-o", "foreign", "--cache-dir", "cache")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stderr.count("foreign/psf-error.json: this is not the result"), 1, done.stderr)
 
     def test_a_job_resumes_after_the_loss_of_a_rank(self):
         command = ["experiment", "run", "psf-error", *self.look, "-o", "out", "--cache-dir", "cache"]

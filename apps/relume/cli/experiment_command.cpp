@@ -239,24 +239,34 @@ int run_on_all_ranks(const Experiment& experiment, const ExperimentOptions& o, E
   return done ? kExitDone : kExitInterrupted;
 }
 
+/// Makes the folder of the results. Throws UsageError, and Error for a foreign file: before hours of work, not after.
+void prepare_folder(const ExperimentOptions& o, const std::vector<const Experiment*>& list,
+                    const std::filesystem::path& folder) {
+  make_output_folder(folder);
+  check_outputs(o, list, folder);
+  summaries_in(folder);
+}
+
 int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(wanted);
   ExperimentOptions o = wanted;
   o.device = cuda::resolved_device(wanted.device);  // all results record, and use, the same device
   const std::filesystem::path folder = o.output;
-  make_output_folder(folder);
-  check_outputs(o, list, folder);
-  summaries_in(folder);  // reports a foreign file before hours of work, not after
+  const std::optional<ranks::Launch> launch = ranks::find_launch();
+  const bool is_divided = list.size() == 1 && launch && launch->size > 1;
+  if (!is_divided) prepare_folder(o, list, folder);
   ranks::TaskPool pool("run what is missing again");
   const bool is_first_rank = pool.is_first();
-  const std::optional<ranks::Launch> launch = ranks::find_launch();
   const ThreadLimit limit(o.threads == 0 && launch && launch->size > 1 ? ranks::threads_of_rank(*launch) : o.threads);
   const InterruptGuard interrupts(is_first_rank ? interrupt_notice(verbosity, "this step") : "");
   ProgressPrinter printer(!verbosity.quiet && is_first_rank);
   ExperimentContext context = make_context(o, printer);
-  if (list.size() == 1 && pool.ranks() > 1) {
+  if (is_divided) {
     if (is_first_rank) context.stop = interrupts.token();  // rank 0 handles interrupts, and stops the other ranks
-    return pool.run_and_end([&] { return run_on_all_ranks(*list.front(), o, context, printer, verbosity, pool); });
+    return pool.run_and_end([&] {
+      if (is_first_rank) prepare_folder(o, list, folder);
+      return run_on_all_ranks(*list.front(), o, context, printer, verbosity, pool);
+    });
   }
   SharedTasks tasks{.tasks = std::vector<size_t>(list.size()), .run = {}};
   std::iota(tasks.tasks.begin(), tasks.tasks.end(), size_t{0});
