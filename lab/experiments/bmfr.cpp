@@ -162,6 +162,7 @@ Claim claim_time(const ExperimentContext& context, const std::vector<double>& fi
   const char* const claim = "Denoising is fast enough for interactive images.";
   const char* const threshold = "at most 40 ms and 100 ms on two cores, by the interval";
   if (!context.measures_host()) return unmeasured("time", kOurs, claim, threshold, "needs --device cpu");
+  if (context.threads == 1) return unmeasured("time", kOurs, claim, threshold, "needs two threads");
   const Interval of_fit = median_interval(fit);
   const Interval of_all = median_interval(all);
   return with_verdict(
@@ -200,7 +201,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
   const int height = context.choose(720, 90);
   BarBlock block{fmt::format("Frame time at {} × {}", width, height),
                  fmt::format("cornell-closed, one bounce, {}; after the first frame, without tracing.",
-                             context.measures_host() ? "two threads" : "on the GPU"),
+                             context.measures_host() ? "at most two threads" : "on the GPU"),
                  "ms",
                  {}};
   const int frames = context.choose(24, 3);

@@ -28,6 +28,7 @@ struct ExperimentContext {
   std::filesystem::path parts_folder = {};
   std::string program = {};    ///< identifies the build; a new build invalidates partial measurements
   std::string device = "cpu";  ///< RenderSettings::device of the measured sessions and of references
+  int threads = 0;             ///< threads at most, whatever the settings of a session; 0: no limit
   std::stop_token stop = {};
   std::function<void(const std::string& stage, double fraction)> progress = {};
   /// Ranks that all run the experiment and share its parts (shared_parts.h); nullptr: this process measures all.

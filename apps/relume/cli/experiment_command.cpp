@@ -257,10 +257,13 @@ int run_experiments(const ExperimentOptions& wanted, const Verbosity& verbosity)
   if (!is_divided) prepare_folder(o, list, folder);
   ranks::TaskPool pool("run what is missing again");
   const bool is_first_rank = pool.is_first();
-  const ThreadLimit limit(o.threads == 0 && launch && launch->size > 1 ? ranks::threads_of_rank(*launch) : o.threads);
+  // A result states the limit, whether an option or the launcher sets it.
+  if (o.threads == 0 && launch && launch->size > 1) o.threads = ranks::threads_of_rank(*launch);
+  const ThreadLimit limit(o.threads);
   const InterruptGuard interrupts(is_first_rank ? interrupt_notice(verbosity, "this step") : "");
   ProgressPrinter printer(!verbosity.quiet && is_first_rank);
   ExperimentContext context = make_context(o, printer);
+  context.threads = limit.threads();
   if (is_divided) {
     if (is_first_rank) context.stop = interrupts.token();  // rank 0 handles interrupts, and stops the other ranks
     return pool.run_and_end([&] {
