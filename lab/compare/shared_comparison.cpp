@@ -17,8 +17,9 @@ namespace relume {
 /// Throws Error unless this rank compares the same as the first. Returns false if that one has ended.
 bool Comparing::begin_sharing() {
   const ComparisonOptions& o = options();
-  std::string own = fmt::format("{} {:016x} {} {} {} {} {} {}", version(), result_.scene_hash, o.spp, o.budget_s,
-                                o.repetitions, o.reference_spp, o.reference_file.string(), o.times_s.size());
+  std::string own =
+      fmt::format("{} {} {:016x} {} {} {} {} {} {} {} {}", version(), o.program, result_.scene_hash, o.spp, o.budget_s,
+                  o.repetitions, o.reference_spp, o.reference_file.string(), o.times_s.size(), o.timed, o.on_all_ranks);
   for (const ContenderResult& contender : result_.contenders) own += contender.name + contender.settings;
   own += settings_to_json(describe(result_.reference_settings));
   const std::optional<std::string> first = shared_->share(own);
