@@ -84,10 +84,10 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
   session.set_settings(settings);
   Case result{degrees, variation, {}};
   const int warm_up = context.choose(128, 8);
-  const auto prepare = [&](Session& s, int frame) {
+  const auto prepare = [&](const ExperimentContext& own, Session& s, int frame) {
     if (frame > 0) return;
     for (int i = 0; i < warm_up; ++i) {
-      context.check_stop();
+      own.check_stop();
       s.render_frame();
     }
     s.set_time(degrees / kDegreesPerSecond);

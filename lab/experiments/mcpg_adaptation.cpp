@@ -46,10 +46,10 @@ std::vector<Adaptation> measure(const ExperimentContext& context, const Experime
   set_size_and_device(context, base);
   base.history = HistoryChoice::none;
   const int warm_up = context.choose(128, 8);
-  const auto prepare = [&](Session& session, int frame) {
+  const auto prepare = [&](const ExperimentContext& own, Session& session, int frame) {
     if (frame > 0) return;
     for (int i = 0; i < warm_up; ++i) {
-      context.check_stop();
+      own.check_stop();
       session.render_frame();
     }
     session.set_time(turned.settings.time_s);

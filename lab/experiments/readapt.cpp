@@ -96,10 +96,10 @@ Settling measure(const ExperimentContext& context, Session& session, const Rende
   RenderSettings settings = base;
   settings_from_json(describe(settings), contender.json, contender.name);
   session.set_settings(settings);
-  const auto change_at_first = [&](Session& s, int frame) {
+  const auto change_at_first = [&](const ExperimentContext& own, Session& s, int frame) {
     if (frame > 0) return;
     for (int i = 0; i < warm_up_of(context); ++i) {
-      context.check_stop();
+      own.check_stop();
       s.render_frame();
     }
     bring(s, change.after, change.node);

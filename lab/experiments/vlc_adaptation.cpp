@@ -82,10 +82,10 @@ ModeAdaptations adapt_to_change(const ExperimentContext& context) {
   session.set_camera(scene.camera);
   const auto measure = [&](const std::string& name, const RenderSettings& with) {
     session.set_settings(with);
-    const auto prepare = [&](Session& s, int frame) {
+    const auto prepare = [&](const ExperimentContext& own, Session& s, int frame) {
       if (frame > 0) return;
       for (int i = 0; i < context.choose(64, 8); ++i) {
-        context.check_stop();
+        own.check_stop();
         s.render_frame();
       }
       s.set_time(kChanged_s);

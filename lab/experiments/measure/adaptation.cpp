@@ -47,7 +47,7 @@ Adaptation measure_adaptation(const ExperimentContext& context, const std::strin
     std::vector<double> errors;
     for (int frame = 0; frame < frames; ++frame) {
       own.check_stop();
-      if (steps.before) steps.before(session, frame);
+      if (steps.before) steps.before(own, session, frame);
       session.render_frame();
       errors.push_back(frame_mse(session.image(), reference.image, region) - noise);
     }

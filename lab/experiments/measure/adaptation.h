@@ -27,7 +27,8 @@ struct Adaptation {
 struct AdaptationSteps {
   /// Sets the scene to its state at the start of a run, so that runs do not depend on earlier ones.
   std::function<void(Session&)> start = {};
-  std::function<void(Session&, int frame)> before = {};  ///< called before each frame
+  /// Called before each frame, in the context of the run, which is the one to ask for a stop.
+  std::function<void(const ExperimentContext& own, Session&, int frame)> before = {};
 };
 
 /// Runs a session `runs` times with different seeds, for `frames` frames each. Ranks share the runs. Errors are taken

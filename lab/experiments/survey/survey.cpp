@@ -176,7 +176,7 @@ void Survey::measure_change(Running& r) {
   session().set_settings(settings);
   const PixelMask all = mask_of({"image"}, after.image.width, after.image.height);
   const auto measure = [&](bool changes, Ensemble& ghosts, Image* first) {
-    const auto before_frame = [&](Session& s, int frame) {
+    const auto before_frame = [&](const ExperimentContext&, Session& s, int frame) {
       if (frame == 0) prepare_change(changes, single);
       if (frame != kGhostFrame) return;
       ghosts.add(s.image());
