@@ -23,7 +23,8 @@ struct Adaptation {
   Ratio over_plateau(size_t begin, size_t count) const;
 };
 
-/// Changes a session's scene during a run.
+/// Changes a session's scene during a run. With ranks, steps must not record anything: each rank runs them for its own
+/// runs, and ranks do not share what steps store.
 struct AdaptationSteps {
   /// Sets the scene to its state at the start of a run, so that runs do not depend on earlier ones.
   std::function<void(Session&)> start = {};
