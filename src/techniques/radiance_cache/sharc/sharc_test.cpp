@@ -222,7 +222,7 @@ TEST(Sharc, ReportsCellsAndMemory) {
   EXPECT_GE(static_cast<double>(session.statistics().technique_bytes), bytes);
 }
 
-TEST(Sharc, RefusesLightPathsAndIndirectReservoirs) {
+TEST(Sharc, RefusesLightPathsAndReservoirsOfPaths) {
   const auto reason = [](void (*change)(RenderSettings&)) {
     RenderSettings settings;
     settings.cache = CacheChoice::sharc;
@@ -235,8 +235,9 @@ TEST(Sharc, RefusesLightPathsAndIndirectReservoirs) {
   EXPECT_EQ(reason([](RenderSettings& s) { s.guide = GuideChoice::cdq; }), "");
   EXPECT_EQ(reason([](RenderSettings& s) { s.lights = LightSelectionChoice::mcls; }), "");
   EXPECT_EQ(reason([](RenderSettings& s) { s.guide = GuideChoice::mcpg; }), "");
+  EXPECT_EQ(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_gi; }), "");
   EXPECT_NE(reason([](RenderSettings& s) { s.estimator = EstimatorChoice::vcm; }), "");
-  EXPECT_NE(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_gi; }), "");
+  EXPECT_NE(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_pt; }), "");
 }
 
 }  // namespace
