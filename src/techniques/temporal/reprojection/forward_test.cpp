@@ -244,7 +244,7 @@ int expect_light_of_samples(const Session& session, const Choices& choices) {
     if (has_cells) {
       const Vec3 to_light = whole_cells ? v.to_light : Vec3(0);                    // of the path
       if (length_squared(v.scatter) + length_squared(to_light) == 0.0f) continue;  // a cell ended the path here
-      const Rgb beside = whole_cells ? Rgb(0) : reflected[i] - cells[i];  // no surface here emits light
+      const Rgb beside = whole_cells ? Rgb(0) : reflected[i] - cells[i];           // no surface here emits light
       reflected[i] = pixels[i].traced / pixels[i].survival + beside;
     }
     const Rgb recorded = albedo[i] * kInvPi * (v.indirect + v.direct);
