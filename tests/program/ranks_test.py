@@ -253,10 +253,10 @@ class Seams(RanksTest):
         self.succeed_on_ranks(2, *look, "-o", "cold.####.exr", "--warmup", "0")
 
         def error(name):  # of all frames after the first: at least one begins a segment
-            return sum(self.metrics(f"{name}.{i:04}.exr", f"ref.{i:04}.exr")["mse"] for i in range(1, 12))
+            return sum(self.metrics(f"{name}.{i:04}.exr", f"ref.{i:04}.exr")["flip"] for i in range(1, 12))
 
         one, warm, cold = error("one"), error("warm"), error("cold")
-        print(f"mean square errors over those of one run: {warm / one:.2f} with warm-up, {cold / one:.2f} without")
+        print(f"FLIP over that of one run: {warm / one:.2f} with warm-up, {cold / one:.2f} without")
         self.assertLess(warm, 1.2 * one)
         self.assertGreater(cold, warm)
 
@@ -273,7 +273,7 @@ class Seams(RanksTest):
             texts = [exr_strings(self.folder / f"{name}.{i:04}.exr") for i in range(32)]
             # Frames 0 to 8 have complete histories after warm-up, so they are left out.
             seams = [i for i in range(9, 32) if "relume.warmup" in texts[i]]
-            self.assertGreater(len(seams), 2, "segments of 32 frames on two ranks")
+            self.assertTrue(seams, "segments of 32 frames on two ranks")
             self.assertEqual({texts[i]["relume.warmup"] for i in seams}, {warmup})
             errors = {run: [self.metrics(f"{run}.{i:04}.exr", f"ref.{i:04}.exr")["flip"] for i in seams] for run in (name, "one")}
             each = ", ".join(f"{i}: {own / other:.2f}" for i, own, other in zip(seams, errors[name], errors["one"]))
