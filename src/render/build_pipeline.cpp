@@ -146,8 +146,7 @@ bool looks_up_cells(const RenderSettings& settings) {
 /// Whether first vertices record points of reservoirs on lights. Paths that fill cells and choose among lights
 /// themselves record random numbers instead.
 bool records_light_points(const RenderSettings& settings) {
-  const bool by_paths = looks_up_cells(settings) && settings.reuse == ReuseChoice::ris;
-  return resamples_direct_light(settings.reuse) && !by_paths;
+  return resamples_direct_light(settings.reuse) && !paths_resample_lights(settings);
 }
 
 /// Changes that end the history.

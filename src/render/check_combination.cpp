@@ -107,11 +107,6 @@ void check_reuse_with_light_paths(const RenderSettings& s) {
         "MIS weights of light paths with reservoirs of indirect light are not implemented; use reuse 'ris' or "
         "'restir-di', or estimator 'path'");
   }
-  if (s.cache != CacheChoice::none) {
-    throw Error(
-        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with reuse 'ris' and 'restir-di': cells that "
-        "leave direct light to reservoirs are not implemented; use cache 'none' or reuse 'none'");
-  }
 }
 
 /// Throws if reservoirs do not combine with the other choices.

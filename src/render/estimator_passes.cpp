@@ -145,8 +145,10 @@ void add_paths_with_cells(PipelineBuilder& builder, const RenderSettings& settin
   }
 }
 
-/// Whether a pass of reservoirs adds the direct light of primary hits to pixels with cells. With `ris`, paths do.
-bool has_direct_reservoirs(ReuseChoice reuse) { return resamples_direct_light(reuse) && reuse != ReuseChoice::ris; }
+/// Whether a pass of reservoirs adds the direct light of primary hits to pixels with cells.
+bool has_direct_reservoirs(const RenderSettings& settings) {
+  return resamples_direct_light(settings.reuse) && !paths_resample_lights(settings);
+}
 
 /// Adds the estimator with a cache that replaces parts of its paths.
 void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
@@ -155,7 +157,7 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   const CellPathUsers users{.history = needs_first_vertices(settings),
-                            .reservoirs = has_direct_reservoirs(settings.reuse),
+                            .reservoirs = has_direct_reservoirs(settings),
                             .indirect = resamples_indirect_light(settings.reuse)};
   const bool has_reservoirs = users.reservoirs || users.indirect;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
@@ -178,6 +180,11 @@ bool skips_pixels(const RenderSettings& settings) {
 
 bool needs_splat_image(const RenderSettings& settings) {
   return settings.estimator != EstimatorChoice::path && skips_pixels(settings);
+}
+
+bool paths_resample_lights(const RenderSettings& settings) {
+  return settings.reuse == ReuseChoice::ris && settings.estimator == EstimatorChoice::path &&
+         settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
 }
 
 bool has_caustic_layer(const RenderSettings& settings) {

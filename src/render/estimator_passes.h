@@ -13,6 +13,9 @@ bool skips_pixels(const RenderSettings& settings);
 /// Whether light paths reach pixels without a camera sample.
 bool needs_splat_image(const RenderSettings& settings);
 
+/// Whether paths that fill cells choose among several lights at their primary hits, in place of a pass of reservoirs.
+bool paths_resample_lights(const RenderSettings& settings);
+
 /// Whether frames have a caustic layer: if a denoiser filters it, or for the layers beside the image.
 bool has_caustic_layer(const RenderSettings& settings);
 

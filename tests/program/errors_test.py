@@ -190,7 +190,6 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator vcm --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* estimators 'bdpt' and 'vcm'.*; use mcpg.nee on, or estimator 'path'"),
             (FAILED, "--guide mcpg --no-mcpg.nee --cache psf --reuse ris", "guide 'mcpg' without mcpg.nee .* reuse 'ris'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--estimator bdpt --reuse restir-gi", "reuse 'restir-gi', .* estimators 'bdpt', 'light' and 'vcm'.*; use reuse 'ris' or 'restir-di'"),
-            (FAILED, "--estimator vcm --cache psf --reuse ris", "'bdpt' and 'vcm' with a radiance cache .* reuse 'ris' and 'restir-di'.*; use cache 'none' or reuse 'none'"),
             (FAILED, "--estimator light --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq --cdq.importance --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use .* guide 'bsdf'"),

@@ -6,6 +6,8 @@
 // averages over the pixels that it covers, weights count the camera's strategies once per covered pixel
 // (BdptContext::light_paths). The part of a cell depends on the density with which the camera finds the vertex.
 // Neighbours share it approximately.
+//
+// With reservoirs, no strategy finds the direct light of primary hits (BdptContext::first_scatters), so no cell has it.
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"
@@ -18,18 +20,26 @@ namespace relume {
 struct SubpathCells {
   AdaptiveFilterContext cache;
   View<FilteredPixel> pixels;
-  View<Rgb> radiance;  ///< cleared for splats
+  View<Rgb> radiance;                ///< cleared for splats and the light of reservoirs
+  View<float> scatter_chances = {};  ///< kScatterChances; only with reservoirs, else empty
 
   RELUME_HD AdaptiveVertex policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
     return cache.policy(index, x, y);
   }
   RELUME_HD void finish(uint32_t pixel, AdaptiveVertex& policy, const Rgb& /*seen*/) const {
     pixels[pixel] = policy.pixel();
-    radiance[pixel] = Rgb(0);
+    prepare(pixel, policy.scatter_chance());
   }
   RELUME_HD void leave_out(uint32_t pixel) const {
     pixels[pixel] = {};
+    prepare(pixel, 1.0f);
+  }
+
+ private:
+  /// Prepares the pixel for splats and reservoirs.
+  RELUME_HD void prepare(uint32_t pixel, float scatter_chance) const {
     radiance[pixel] = Rgb(0);
+    if (!scatter_chances.empty()) scatter_chances[pixel] = scatter_chance;
   }
 };
 

@@ -5,8 +5,9 @@
 namespace relume {
 namespace {
 
-PassDeclaration with_cells(PassDeclaration declaration) {
+PassDeclaration with_cells(PassDeclaration declaration, const CellPathUsers& users) {
   declaration.owns.push_back(filtered_pixels_buffer());
+  if (users.reservoirs) declaration.owns.push_back(scatter_chances_buffer());
   return declaration;
 }
 
@@ -20,16 +21,17 @@ SubpathCells CellsOfSubpaths::output(const FrameContext& frame) const {
   output.cache.adaptive.enabled = adapts;
   output.pixels = frame.write(kFilteredPixels);
   output.radiance = frame.write(kRadiance);
+  if (cells.users().reservoirs) output.scatter_chances = frame.write(kScatterChances);
   return output;
 }
 
-PassDeclaration BdptCellsPass::declaration() const { return with_cells(BdptPass::declaration()); }
+PassDeclaration BdptCellsPass::declaration() const { return with_cells(BdptPass::declaration(), cells_.cells.users()); }
 
 bool BdptCellsPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
   return trace_into(frame, kernel, cells_.output(frame));
 }
 
-PassDeclaration VcmCellsPass::declaration() const { return with_cells(VcmPass::declaration()); }
+PassDeclaration VcmCellsPass::declaration() const { return with_cells(VcmPass::declaration(), cells_.cells.users()); }
 
 bool VcmCellsPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
   return trace_into(frame, kernel, cells_.output(frame));

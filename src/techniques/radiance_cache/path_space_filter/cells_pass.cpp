@@ -177,6 +177,10 @@ BufferDescription filtered_pixels_buffer() {
   return {.id = kFilteredPixels, .help = "vertex and sample of each pixel for its cell"};
 }
 
+BufferDescription scatter_chances_buffer() {
+  return {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"};
+}
+
 PassDeclaration cell_paths_declaration(const CellsPass& cells) {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
@@ -191,8 +195,7 @@ PassDeclaration cell_paths_declaration(const CellsPass& cells) {
   }
   if (cells.users().reservoirs) {
     declaration.owns.push_back(first_scatters_buffer());
-    declaration.owns.push_back(
-        {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"});
+    declaration.owns.push_back(scatter_chances_buffer());
   }
   if (cells.users().indirect) declaration.owns.push_back(indirect_samples_buffer());
   return declaration;

@@ -232,16 +232,5 @@ TEST(LightPathsAreRefused, WithReservoirsOfIndirectLight) {
   }
 }
 
-TEST(LightPathsAreRefused, WithReservoirsAndACache) {
-  for (const ReuseChoice reuse : {ReuseChoice::ris, ReuseChoice::restir_di}) {
-    RenderSettings settings = settings_of(EstimatorChoice::bdpt, reuse);
-    EXPECT_EQ(refusal(settings), "");
-    settings.cache = CacheChoice::psf;
-    const std::string reason = refusal(settings);
-    EXPECT_NE(reason.find("cells that leave direct light to reservoirs are not implemented"), std::string::npos)
-        << reason;
-  }
-}
-
 }  // namespace
 }  // namespace relume

@@ -303,9 +303,10 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     if (e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
     if (records_no_more(c, e, recorder, e.path.bounce)) break;
     recorder.arrived(sp, e.path);
-    if (!arrive_with(c, sp, e, recorder, policy)) break;
-    // Light tracing does not guide camera subpaths, so their directions have no region.
+    // Light tracing does not guide camera subpaths, so their directions have no region. Reservoirs also need the region
+    // of a subpath that the policy ends.
     if (!c.first_scatters.empty() && !c.light_only) first_scatter_of(c, e).arrived(sp, e.path);
+    if (!arrive_with(c, sp, e, recorder, policy)) break;
     if (records_no_more(c, e, recorder, e.path.bounce + 1)) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
