@@ -263,6 +263,7 @@ constexpr const char* kWhatRemembers[] = {
     R"({"lights": "light-tree", "reuse": "restir-di", "denoise": "svgf"})",
     R"({"lights": "vlc", "guide": "cdq", "cache": "apsf+apg", "octree.vertices": 4})",
     R"({"reuse": "restir-gi", "restir-gi.correction": "lagging", "denoise": "svgf"})",
+    R"({"cache": "sharc", "reuse": "restir-gi", "restir-gi.correction": "lagging"})",
     R"({"reuse": "restir-di+gi", "restir.correction": "lagging", "restir-gi.correction": "lagging"})",
     R"({"reuse": "restir-pt", "restir-pt.correction": "lagging", "denoise": "svgf"})",
     R"({"lights": "mcls", "guide": "mcpg", "denoise": "svgf"})",

@@ -58,7 +58,7 @@ inline Scene turning_triangle() {
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
 /// reservoirs, lists of tiles, Markov chains.
-inline constexpr int kCheckpointCases = 15;
+inline constexpr int kCheckpointCases = 16;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -105,6 +105,11 @@ inline RenderSettings checkpoint_settings(int which) {
     case 14:
       s.reuse = ReuseChoice::restir_pt;
       s.restir_pt.correction = PathCorrection::lagging;
+      break;
+    case 15:
+      s.cache = CacheChoice::apsf_apg;
+      s.reuse = ReuseChoice::restir_gi;
+      s.restir_gi.correction = ReuseCorrection::lagging;
       break;
     default: break;  // accumulates
   }

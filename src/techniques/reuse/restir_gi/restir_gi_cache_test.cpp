@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
+#include "framebuffer/shared_buffers.h"
 #include "render/session.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
@@ -136,6 +137,19 @@ TEST(RestirGiWithFilter, CellsOfPrimaryHitsLackTheLightOfReservoirs) {
   }
 }
 
+/// A pixel shows the mean of its cell, which contains the direct light of other pixels and frames.
+TEST(RestirGiWithFilter, PixelsLookUpTheirCells) {
+  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
+    RenderSettings settings = settings_of(ReuseChoice::restir_gi, cache, 4);
+    settings.history = HistoryChoice::reproject;  // keeps the light of cells apart
+    const auto pixels = third_frame(settings, kFilteredPixels);
+    const auto shown = third_frame(settings, kRadianceCells);
+    int looked_up = 0;
+    for (size_t i = 0; i < kPixels; ++i) looked_up += pixels[i].filtered && !near(shown[i], pixels[i].traced) ? 1 : 0;
+    EXPECT_GT(looked_up, 100);
+  }
+}
+
 /// Cells of direct light do not tell whether reservoirs need the path. Whether the pixel shows them remains a choice.
 TEST(RestirGiWithFilter, EveryPathSurvivesWithAnyBlend) {
   for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::one}) {
@@ -157,7 +171,8 @@ TEST(RestirGiWithFilter, EveryPathSurvivesWithAnyBlend) {
   }
 }
 
-/// Cells replace the rest of the paths of samples, and pixels show no cell.
+/// Cells replace the rest of the paths of samples, and pixels show no cell. The caches that filter primary hits do the
+/// opposite: no sample looks up a cell, and pixels do (PixelsLookUpTheirCells).
 TEST_P(RestirGiWithCache, SamplesEndInCells) {
   const bool filters = GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf;
   RenderSettings settings = settings_of(ReuseChoice::restir_gi, GetParam(), 8);
@@ -180,7 +195,7 @@ TEST_P(RestirGiWithCache, SamplesEndInCells) {
   const double plain = rays_with(CacheChoice::none);
   const double cached = rays_with(GetParam());
   if (filters) {
-    EXPECT_EQ(cached, plain) << "its cells are those of primary hits";
+    EXPECT_EQ(cached, plain) << "behind wide lobes, no vertex of a sample is filtered";
   } else {
     EXPECT_LT(cached, 0.8 * plain);
   }
