@@ -39,19 +39,22 @@ void check_crop(const RenderSettings& s) {
   }
 }
 
-/// Throws if Markov chains do not combine with the other choices.
+/// Throws if Markov chains do not combine with the other choices. Nothing is missing here: without next event
+/// estimation, only directions may find lights with an extent.
 void check_chains(const RenderSettings& s) {
   if (!learns_in_chains(s)) return;
   const bool connects = s.estimator == EstimatorChoice::bdpt || s.estimator == EstimatorChoice::vcm;
   if (connects && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
-        "guide 'mcpg' without mcpg.nee does not combine with estimators 'bdpt' and 'vcm', which connect to lights; use "
-        "mcpg.nee on, or estimator 'path'");
+        "guide 'mcpg' without mcpg.nee does not combine with estimators 'bdpt' and 'vcm': without next event "
+        "estimation, no point on a light with an extent is sampled, and their light subpaths start at such points; "
+        "use mcpg.nee on, or estimator 'path'");
   }
   if (resamples_direct_light(s.reuse) && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
-        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi', which are "
-        "next event estimation; use mcpg.nee on, or reuse 'none'");
+        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi': their "
+        "samples are points on lights to which pixels connect, and this is next event estimation; use mcpg.nee on, "
+        "or reuse 'none'");
   }
 }
 

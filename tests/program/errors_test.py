@@ -184,10 +184,10 @@ class Combinations(RefusalTest):
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
             (FAILED, "--cache sharc --reuse restir-pt", "reuse 'restir-pt' .* radiance cache.*; use reuse 'restir-di\\+gi', or cache 'none'"),
-            (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi'.*; use mcpg.nee on, or reuse 'none'"),
+            (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi': their samples are points on lights .*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--reuse restir-pt --lights neeat", "reuse 'restir-pt' .* lights 'vlc', 'neeat' and 'mcls'.*; use lights 'light-tree' and guide 'bsdf'"),
-            (FAILED, "--estimator vcm --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* estimators 'bdpt' and 'vcm'.*; use mcpg.nee on, or estimator 'path'"),
+            (FAILED, "--estimator vcm --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* estimators 'bdpt' and 'vcm': without next event estimation, no point .*; use mcpg.nee on, or estimator 'path'"),
             (FAILED, "--guide mcpg --no-mcpg.nee --cache psf --reuse ris", "guide 'mcpg' without mcpg.nee .* reuse 'ris'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--estimator bdpt --reuse restir-gi", "reuse 'restir-gi', .* estimators 'bdpt', 'light' and 'vcm'.*; use reuse 'ris' or 'restir-di'"),
             (FAILED, "--estimator light --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),

@@ -195,7 +195,7 @@ TEST_P(RestirGiWithCache, SamplesEndInCells) {
   const double plain = rays_with(CacheChoice::none);
   const double cached = rays_with(GetParam());
   if (filters) {
-    EXPECT_EQ(cached, plain) << "behind wide lobes, no vertex of a sample is filtered";
+    EXPECT_EQ(cached, plain) << "reservoirs take the light of later vertices, so none is filtered";
   } else {
     EXPECT_LT(cached, 0.8 * plain);
   }
