@@ -149,6 +149,11 @@ bool records_light_points(const RenderSettings& settings) {
   return resamples_direct_light(settings.reuse) && !paths_resample_lights(settings);
 }
 
+/// Whether first vertices record directions of splats beside the light of cells.
+bool has_splats_beside_cells(const RenderSettings& settings) {
+  return looks_up_cells(settings) && settings.estimator != EstimatorChoice::path;
+}
+
 /// Changes that end the history.
 Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
@@ -169,6 +174,7 @@ void add_history(PipelineBuilder& builder, const RenderSettings& settings) {
     const HistoryContents contents{.m2_rgb = parts.m2_rgb,
                                    .cells = parts.cells,
                                    .light_points = records_light_points(settings),
+                                   .splats_apart = has_splats_beside_cells(settings),
                                    .indirect_apart = resamples_indirect_light(settings.reuse)};
     auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), contents);
     if (settings.reproject.method == ReprojectionMethod::forward)

@@ -74,16 +74,6 @@ void check_upscaling(const RenderSettings& s) {
   }
 }
 
-/// Throws if forward reprojection does not combine with the estimator and the cache.
-void check_forward_history(const RenderSettings& s) {
-  if (needs_first_vertices(s) && s.estimator != EstimatorChoice::path && s.cache != CacheChoice::none) {
-    throw Error(
-        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with history 'reproject' by "
-        "reproject.method 'forward', which looks cells up from the new view, but not splats; use reproject.method "
-        "'backward', history 'accumulate', estimator 'path' or cache 'none'");
-  }
-}
-
 /// Throws if reservoirs of paths do not combine with the other choices.
 void check_restir_pt(const RenderSettings& s) {
   if (!learns(s)) return;
@@ -186,7 +176,6 @@ void check_combination(const RenderSettings& settings) {
     if (const std::string reason = sums_refusal(settings); !reason.empty()) throw Error(reason);
   }
   if (settings.estimator != EstimatorChoice::path) check_cache_of_light_paths(settings);
-  check_forward_history(settings);
   check_reuse(settings);
   check_chains(settings);
   if (settings.shutter().is_open()) check_shutter(settings);

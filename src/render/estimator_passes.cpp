@@ -83,6 +83,7 @@ BdptRecords bdpt_records(const RenderSettings& settings, const ChainRecordings& 
   return {.splats = needs_splat_image(settings),
           .caustics = has_caustic_layer(settings),
           .first_vertices = needs_first_vertices(settings),
+          .splats_apart = needs_first_vertices(settings) && settings.cache != CacheChoice::none,
           .first_scatters = resamples_direct_light(settings.reuse),
           .chains = chains};
 }

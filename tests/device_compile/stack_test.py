@@ -70,7 +70,7 @@ BOUNDS = (
     (r"PathKernel<CachedRecordingOutput, CachedChainOutput, VerifiedCellsOutput<", 2000),
     (r"PathKernel<RadianceOutput> ", 1229),  # the limit of the design
     (r"PathKernel<", 1450),
-    (r"DepthVoteKernel|FirstLightKernel", 1550),
+    (r"DepthVoteKernel|FirstLight(OfCells)?Kernel", 1550),
     (r"IncidentLightKernel", 1300),
     (r"ResolveCellsKernel", 1300),  # a surface point of an edge ray, beside the cells of a pixel
     (r"RecordSamplesKernel", 1200),

@@ -198,7 +198,6 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator light --cache apsf", "estimator 'light' .* radiance cache.*; use estimator 'bdpt' or cache 'none'"),
             (FAILED, "--estimator bdpt --cache apg", "estimators 'bdpt' and 'vcm' .* caches 'apg', 'apsf\\+apg' and 'sharc'.*; use cache 'psf' or 'apsf'"),
             (FAILED, "--estimator vcm --cache apsf+apg", "estimators 'bdpt' and 'vcm' .* 'apg'.* estimator 'path'"),
-            (FAILED, "--estimator bdpt --cache psf --history reproject", "'bdpt' and 'vcm' with a radiance cache .* reproject.method 'forward'.*; use reproject.method 'backward'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
             (FAILED, "--preset restir-pt-2022 --cache psf", "reuse 'restir-pt' .* radiance cache"),

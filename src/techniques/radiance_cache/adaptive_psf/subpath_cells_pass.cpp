@@ -1,5 +1,6 @@
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
 
+#include "techniques/radiance_cache/adaptive_psf/first_light_of_cells.h"
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells.h"
 
 namespace relume {
@@ -7,6 +8,7 @@ namespace {
 
 PassDeclaration with_cells(PassDeclaration declaration, const CellPathUsers& users) {
   declaration.owns.push_back(filtered_pixels_buffer());
+  if (users.history) declaration.owns.push_back(cells_at_hit_buffer());
   if (users.reservoirs) declaration.owns.push_back(scatter_chances_buffer());
   return declaration;
 }
@@ -23,6 +25,17 @@ SubpathCells CellsOfSubpaths::output(const FrameContext& frame) const {
   output.radiance = frame.write(kRadiance);
   if (cells.users().reservoirs) output.scatter_chances = frame.write(kScatterChances);
   return output;
+}
+
+bool CellsOfSubpaths::record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const {
+  const FirstLightOfCellsKernel record{.context = kernel.context,
+                                       .index = kernel.index,
+                                       .hits = kernel.hits,
+                                       .allocation = kernel.allocation,
+                                       .splats = frame.read(kRadiance),
+                                       .pixels = frame.read(kFilteredPixels),
+                                       .cells_at_hit = frame.write(kCellsAtHit)};
+  return frame.launch_or_stop("first-vertices", record);
 }
 
 PassDeclaration BdptCellsPass::declaration() const { return with_cells(BdptPass::declaration(), cells_.cells.users()); }

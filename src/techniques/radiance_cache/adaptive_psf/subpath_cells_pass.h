@@ -18,6 +18,8 @@ struct CellsOfSubpaths {
 
   /// Output for the kernel of a frame.
   SubpathCells output(const FrameContext& frame) const;
+  /// As BdptPass::record_first_vertices().
+  bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const;
 };
 
 /// Traces one light and one camera subpath for each pixel that receives a sample, and fills the cells.
@@ -36,6 +38,9 @@ class BdptCellsPass final : public BdptPass {
 
  protected:
   bool trace(const FrameContext& frame, const BdptKernel& kernel) override;
+  bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const override {
+    return cells_.record_first_vertices(frame, kernel);
+  }
   float averaged_subpaths() const override { return cells_.cells.samples_per_frame(); }
   bool mixes_frames() const override { return true; }
 
@@ -59,6 +64,9 @@ class VcmCellsPass final : public VcmPass {
 
  protected:
   bool trace(const FrameContext& frame, const BdptKernel& kernel) override;
+  bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const override {
+    return cells_.record_first_vertices(frame, kernel);
+  }
   float averaged_subpaths() const override { return cells_.cells.samples_per_frame(); }
   bool mixes_frames() const override { return true; }
   bool merges() const override { return false; }  // merged light is in cells

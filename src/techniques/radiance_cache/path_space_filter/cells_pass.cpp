@@ -181,6 +181,10 @@ BufferDescription scatter_chances_buffer() {
   return {.id = kScatterChances, .help = "probability with which the path samples a direction at the primary hit"};
 }
 
+BufferDescription cells_at_hit_buffer() {
+  return {.id = kCellsAtHit, .help = "1 where cells show the light that the surface reflects"};
+}
+
 PassDeclaration cell_paths_declaration(const CellsPass& cells) {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
@@ -191,7 +195,7 @@ PassDeclaration cell_paths_declaration(const CellsPass& cells) {
   declaration.owns.push_back(filtered_pixels_buffer());
   if (cells.users().history) {
     declaration.owns.push_back(first_vertices_buffer());
-    declaration.owns.push_back({.id = kCellsAtHit, .help = "1 where cells show the light that the surface reflects"});
+    declaration.owns.push_back(cells_at_hit_buffer());
   }
   if (cells.users().reservoirs) {
     declaration.owns.push_back(first_scatters_buffer());

@@ -121,6 +121,8 @@ class ResolveCellsPass final : public Pass {
 BufferDescription filtered_pixels_buffer();
 /// The buffer kScatterChances, which that pass owns if reservoirs add the direct light of primary hits.
 BufferDescription scatter_chances_buffer();
+/// The buffer kCellsAtHit, which it owns for a history that verifies pixels.
+BufferDescription cells_at_hit_buffer();
 
 /// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels, and
 /// those for the users: of a history kFirstVertices and kCellsAtHit, of reservoirs of direct light kFirstScatters and

@@ -3,6 +3,7 @@
 
 #include "techniques/light_sampling/markov_chain_lights/light_chain_recorder.h"
 #include "techniques/reuse/reservoir/choose_light.h"
+#include "techniques/reuse/reservoir/recorded_light.h"
 #include "techniques/reuse/reservoir/reuse_image.h"
 #include "techniques/spatial/octree/path_recording.h"
 #include "techniques/transport/path/first_vertex.h"
@@ -11,11 +12,11 @@
 namespace relume {
 
 /// Records a reservoir's sample as the light sample of the pixel's first vertex, without its share of the pixel's
-/// light. The record's `light_u` are the coordinates of a LightPoint.
+/// light. The record's `light_u` are the coordinates of a LightPoint. A direction with light of splats stays.
 RELUME_HD inline void record_candidate(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir,
                                        bool visible, FirstVertex& vertex) {
   const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);
-  vertex.to_light = light.wi;
+  if (is_black(vertex.direct)) vertex.to_light = light.wi;
   vertex.light = reservoir.sample.light;
   vertex.light_u = reservoir.sample.coordinates;
   vertex.light_scale = reservoir.weight;
@@ -94,14 +95,19 @@ struct ReservoirImage {
   }
 
  private:
-  /// Records the light of the reservoir like a connection of next event estimation.
+  /// Records the light of the reservoir like a connection of next event estimation, beside that of splats.
   RELUME_HD static void record(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir,
                                const LightSample& light, FirstVertex& vertex) {
     record_candidate(scene, r, reservoir, true, vertex);
     Rgb direct = light.radiance * (shading_cosine(r.sp, light.wi) / light.pdf_w * reservoir.weight);
     if (scene.absorbs) direct *= transmittance(medium_along(scene, r.sp, light.wi, r.path.medium), light.distance);
     if (r.path.dispersed || disperses(scene, r.sp, light.wi)) direct *= wavelength_weight(r.path.wavelength_nm);
-    vertex.direct = direct;
+    if (is_black(vertex.direct)) {
+      vertex.direct = direct;
+    } else {
+      constexpr uint32_t kSalt = 0x53504c54u;
+      add_to_record(r.sp, light.wi, direct, to_unit_float(hash(r.ray_id, kSalt)), vertex.to_light, vertex.direct);
+    }
   }
 };
 

@@ -61,7 +61,7 @@ TEST_F(AddToRecord, TheMeanHasTheLightOfBothDirections) {
   Rgb mean_b(0);
   for (int i = 0; i < kChoices; ++i) {
     FirstVertex vertex = record_of_a(from_a);
-    add_to_record(sp(), b_, from_b, (static_cast<float>(i) + 0.5f) / kChoices, vertex);
+    add_to_record(sp(), b_, from_b, (static_cast<float>(i) + 0.5f) / kChoices, vertex.scatter, vertex.indirect);
     ASSERT_TRUE(vertex.scatter == a_ || vertex.scatter == b_);
     const float both = reflected(a_, from_a) + reflected(b_, from_b);
     ASSERT_NEAR(reflected(vertex.scatter, vertex.indirect), both, 1e-4f * both);
@@ -79,7 +79,7 @@ TEST_F(AddToRecord, ReplacesADirectionWithoutLight) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const Rgb& before : {Rgb(0), Rgb(nan), Rgb(kInfinity)}) {
     FirstVertex vertex = record_of_a(before);
-    add_to_record(sp(), b_, Rgb(2), 0.99f, vertex);
+    add_to_record(sp(), b_, Rgb(2), 0.99f, vertex.scatter, vertex.indirect);
     EXPECT_EQ(vertex.scatter, b_);
     EXPECT_EQ(vertex.indirect, Rgb(2));
   }
@@ -89,10 +89,10 @@ TEST_F(AddToRecord, IgnoresADirectionWithoutLight) {
   const Vec3 below = -sp().ng;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   FirstVertex vertex = record_of_a(Rgb(2));
-  add_to_record(sp(), b_, Rgb(0), 0.0f, vertex);
-  add_to_record(sp(), b_, Rgb(nan), 0.0f, vertex);
-  add_to_record(sp(), b_, Rgb(kInfinity), 0.0f, vertex);
-  add_to_record(sp(), below, Rgb(1), 0.0f, vertex);
+  add_to_record(sp(), b_, Rgb(0), 0.0f, vertex.scatter, vertex.indirect);
+  add_to_record(sp(), b_, Rgb(nan), 0.0f, vertex.scatter, vertex.indirect);
+  add_to_record(sp(), b_, Rgb(kInfinity), 0.0f, vertex.scatter, vertex.indirect);
+  add_to_record(sp(), below, Rgb(1), 0.0f, vertex.scatter, vertex.indirect);
   EXPECT_EQ(vertex.scatter, a_);
   EXPECT_EQ(vertex.indirect, Rgb(2));
 }

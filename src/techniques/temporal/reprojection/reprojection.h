@@ -36,6 +36,7 @@ struct DepthVoteKernel {
   uint32_t max_samples_changed = 1;  ///< limit of the sample count for changes of light up to max_light_error
   bool lights_changed = false;
   bool light_points = false;    ///< whether light samples are those of reservoirs
+  bool splats_apart = false;    ///< whether StoredSample::to_light may belong to splats, which no cell holds
   bool indirect_apart = false;  ///< whether reservoirs add indirect light, which cells of primary hits then lack
   uint32_t seed = 0;            ///< seed of stochastic alpha
   uint32_t width = 0;
@@ -96,16 +97,16 @@ struct DepthVoteKernel {
                                const Ray& ray) const {
     const StoredSample& sample = stored[index];
     SurfacePoint sp;
-    const float depth = ray.t_max;
-    make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
+    make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * ray.t_max, sp);
     const bool same_view = seen_as_before(p);
     const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
     if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
     const ViewError error = same_view ? ViewError{} : view_error(sp, p, sample, pixel);
     const bool differs = error.largest > max_error;
     // A pixel of several surfaces could only move as one of them, with the light of its cells. The light of reservoirs
-    // is in no cell.
-    const bool in_cells = pixel.cells && !pixel.mixed && !(light_points && error.direct > max_error) &&
+    // and of splats is in no cell.
+    const bool in_cells = pixel.cells && !pixel.mixed &&
+                          !((light_points || splats_apart) && error.direct > max_error) &&
                           !(indirect_apart && error.indirect > max_error);
     if (differs && !in_cells) return RejectReason::view_dependent;
     if (hidden(ray, sp, index)) return RejectReason::occluded;
@@ -198,9 +199,10 @@ struct DepthVoteKernel {
   /// Change of reflected light by the stored light sample, traced again.
   RELUME_HD float stored_light_change(const SurfacePoint& sp, const StoredSample& sample) const {
     if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
-    const Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
     const LightSample light = light_points ? light_at(scene.lights, {sample.light, sample.light_u}, sp.position)
                                            : sample_li(scene.lights, sample.light, sp.position, sample.light_u);
+    Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
+    if (splats_apart && light.valid()) wi = light.wi;
     const Received now = receive(sp, light, sample.light);
     const float f = relume::max(max_component(eval_pdf(sp, wi).f), now.f);
     return std::fabs(now.irradiance - sample.light_value) * sample.light_scale * f;

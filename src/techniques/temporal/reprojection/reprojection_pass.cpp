@@ -213,6 +213,7 @@ void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
   kernel.exposure = math::exp2(settings_.exposure);
   kernel.lights_changed = includes(frame.changes, kMovesScene);
   kernel.light_points = contents_.light_points;
+  kernel.splats_apart = contents_.splats_apart;
   kernel.indirect_apart = contents_.indirect_apart;
   kernel.seed = hash(frame.index.seed, frame.number);
   kernel.width = frame.width();

@@ -19,6 +19,7 @@ struct HistoryContents {
   bool m2_rgb = false;          ///< this member of the moments
   bool cells = false;           ///< a separate mean of the part from a radiance cache (forward)
   bool light_points = false;    ///< light samples of reservoirs in place of random numbers (forward)
+  bool splats_apart = false;    ///< directions of splats beside the light of cells (forward)
   bool indirect_apart = false;  ///< indirect light of reservoirs, which cells lack (forward)
 };
 

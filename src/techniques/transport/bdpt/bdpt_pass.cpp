@@ -16,6 +16,7 @@ namespace {
 constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
 constexpr BufferKey<FixedPointRgb> kSplatDifferences{"splat-differences"};
 constexpr BufferKey<uint64_t> kChosenDirections{"chosen-directions"};
+constexpr BufferKey<uint64_t> kChosenSplatDirections{"chosen-splat-directions"};
 
 /// Limit of the memory for light subpaths of one launch, except that of a single row.
 constexpr uint64_t kLightVertexBytes = uint64_t{256} << 20;
@@ -38,6 +39,8 @@ PassDeclaration BdptPass::declaration() const {
   if (records_.first_vertices) {
     owns.push_back(first_vertices_buffer());
     owns.push_back({.id = kChosenDirections, .help = "direction of one contribution to the pixel, and its key"});
+    if (records_.splats_apart)
+      owns.push_back({.id = kChosenSplatDirections, .help = "direction of one splat in the pixel, and its key"});
   }
   if (records_.first_scatters) owns.push_back(first_scatters_buffer());
   return {.name = "trace",
@@ -96,8 +99,19 @@ CausticViews BdptPass::caustics(const FrameContext& frame) const {
   return {frame.write(kCausticRadiance), frame.write(kCausticDifference)};
 }
 
+FirstLight BdptPass::begin_first_light(const FrameContext& frame, float splat_scale) const {
+  FirstLight light{.vertices = frame.write(kFirstVertices),
+                   .chosen = frame.write(kChosenDirections),
+                   .seed = hash(frame.index.seed, frame.index.frame, 0x46564c31u),
+                   .splat_scale = splat_scale};
+  fill(frame.backend, "splats", light.chosen, uint64_t{0});
+  if (!records_.splats_apart) return light;
+  light.splats = frame.write(kChosenSplatDirections);
+  fill(frame.backend, "splats", light.splats, uint64_t{0});
+  return light;
+}
+
 bool BdptPass::record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const {
-  if (!records_.first_vertices) return true;
   const FirstLightKernel record{kernel.context, kernel.index, kernel.hits, kernel.allocation, frame.read(kRadiance)};
   return frame.launch_or_stop("first-vertices", record);
 }
@@ -139,18 +153,14 @@ bool BdptPass::run(const FrameContext& frame) {
   const uint64_t light_paths = prepare_subpaths(frame, samples, kernel);
   c.light_paths /= averaged_subpaths();
   add.scale = light_paths > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(light_paths) : 0.0f;
-  if (records_.first_vertices) {
-    c.first_light = {frame.write(kFirstVertices), frame.write(kChosenDirections),
-                     hash(frame.index.seed, frame.index.frame, 0x46564c31u), add.scale};
-    fill(frame.backend, "splats", c.first_light.chosen, uint64_t{0});
-  }
+  if (records_.first_vertices) c.first_light = begin_first_light(frame, add.scale);
   if (has_splats_) {
     fill(frame.backend, "splats", c.splats, FixedPointRgb{});
     if (records_.caustics) fill(frame.backend, "splats", c.splat_differences, FixedPointRgb{});
   }
   has_splats_ = true;
   if (!trace(frame, kernel) || !frame.launch_or_stop("splats", add)) return false;
-  if (!record_first_vertices(frame, kernel)) return false;
+  if (records_.first_vertices && !record_first_vertices(frame, kernel)) return false;
   frame_faults_ = faults_.read();
   has_splats_ = false;  // only now: reading waits for the launches, and throws if one has failed
   saturated_ += frame_faults_.saturated;

@@ -24,6 +24,7 @@ struct BdptRecords {
   bool splats = false;          ///< fills kLightRadiance, for a history that stores splats separately
   bool caustics = false;        ///< the caustic layer: splats, and merged light of specular light subpaths
   bool first_vertices = false;  ///< fills kFirstVertices, for a history that verifies pixels
+  bool splats_apart = false;    ///< their directions of splats are chosen apart, because cells lack that light
   bool first_scatters = false;  ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
   ChainRecordings chains = {};  ///< destinations of new states of camera subpaths
 };
@@ -94,14 +95,16 @@ class BdptPass : public Pass {
     return learns() && source_.directions.kind == DirectionSamplerKind::quadtree && !mixes_frames();
   }
   LearningContext learning(const BdptContext& context) const;
+  /// Completes the records of first vertices. Returns false if a stop was requested.
+  virtual bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const;
 
  private:
   /// Launches the kernel in bands of rows for whose light subpaths there is memory.
   template <typename Context, typename Sink>
   static bool trace_in_bands(const FrameContext& frame, const BidirectionalKernel<Context, Sink>& kernel);
   void prepare_lights(const FrameContext& frame);
-  /// Completes the records of first vertices. Returns false if a stop was requested.
-  bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const;
+  /// Clears the records of first vertices and their choices, for this frame.
+  FirstLight begin_first_light(const FrameContext& frame, float splat_scale) const;
 
   BdptSettings settings_;
   LightSelectionSettings selection_;

@@ -18,6 +18,12 @@ RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
   return kIsPolicy<Policy> ? e.units.unit : Rgb(1);
 }
 
+/// Radiance that the subpath has found so far, as it counts in the image.
+template <typename Policy>
+RELUME_HD inline Rgb found_in_image(const CameraSubpath& e) {
+  return kIsPolicy<Policy> ? e.units.before + e.units.unit * e.path.radiance : e.path.radiance;
+}
+
 /// Evaluates the BSDF at the last vertex. The reverse density doubles the cost, so it is computed only if strategies
 /// that cut before the vertex exist. Both include guiding.
 template <typename Context>
@@ -135,7 +141,9 @@ RELUME_HD inline void add_tested(const BdptContext& c, const SurfacePoint& sp, c
   if (is_visible) {
     e.path.radiance += contribution;
     recorder.add(contribution, e.weights.at());
-    if (e.path.bounce == 0) c.first_light.offer(e.pixel, connection.ray.direction, contribution, ray_id);
+    if (e.path.bounce == 0) {
+      c.first_light.offer(e.pixel, connection.ray.direction, contribution * unit_of<Policy>(e), ray_id);
+    }
   }
   if constexpr (kIsPolicy<Policy>) {
     Connection tested = connection;
@@ -224,7 +232,7 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
   }
   if (e.path.bounce == 1 && !e.path.delta) {
     e.first_direction = wi;
-    e.found_before = e.path.radiance;
+    e.found_before = found_in_image<Policy>(e);
   }
   return true;
 }
@@ -258,10 +266,11 @@ RELUME_HD inline bool arrive_with(const BdptContext& c, SurfacePoint& sp, Camera
 }
 
 /// Offers the light that arrived along the direction sampled at the first surface, after the subpath has ended.
+template <typename Policy>
 RELUME_HD inline void offer_first_direction(const BdptContext& c, const CameraSubpath& e) {
   constexpr uint32_t kId = 0x3c6ef372u;
   if (c.first_light.empty() || length_squared(e.first_direction) == 0.0f) return;
-  c.first_light.offer(e.pixel, e.first_direction, e.path.radiance - e.found_before, kId);
+  c.first_light.offer(e.pixel, e.first_direction, found_in_image<Policy>(e) - e.found_before, kId);
 }
 
 /// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
@@ -320,7 +329,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
   }
   recorder.finished(e.path);
   policy.finished(e.path);
-  offer_first_direction(c, e);
+  offer_first_direction<Policy>(c, e);
   return e.path.radiance;
 }
 

@@ -1,6 +1,7 @@
 // Record of the light at the first vertex of bidirectional paths. Histories use it to verify a pixel for another
 // viewpoint. Many strategies, and light subpaths of other pixels, contribute to a pixel. One of their directions is
-// chosen at random, in proportion to the contribution.
+// chosen at random, in proportion to the contribution. Where camera subpaths fill cells, one direction of splats is
+// chosen beside one of the subpaths: cells lack the light of splats.
 #pragma once
 
 #include "core/fixed_point.h"
@@ -22,6 +23,7 @@ struct FirstLight {
   View<uint64_t> chosen;       ///< by pixel: key and octahedral direction of the largest key so far; 0: none
   uint32_t seed = 0;           ///< of the frame
   float splat_scale = 1;       ///< pixels over light subpaths of the frame
+  View<uint64_t> splats = {};  ///< as `chosen`, for splats alone; empty: `chosen` has them, too
 
   RELUME_HD bool empty() const { return vertices.empty(); }
 
@@ -33,19 +35,20 @@ struct FirstLight {
   /// Offers a contribution to the pixel, in radiance. `direction`: from the first vertex to the light. `id`: unique in
   /// the frame.
   RELUME_HD void offer(uint32_t pixel, const Vec3& direction, const Rgb& value, uint32_t id) const {
-    if (!empty()) offer_packed(pixel, pack_direction(direction), value, id);
+    if (!empty()) offer_packed(chosen, pixel, pack_direction(direction), value, id);
   }
   /// The same for a contribution of a light subpath, before it is scaled. `direction`: octahedral.
   RELUME_HD void offer_splat(uint32_t pixel, uint32_t direction, const Rgb& value, uint32_t id) const {
-    if (!empty()) offer_packed(pixel, direction, value * splat_scale, id);
+    if (!empty()) offer_packed(splats.empty() ? chosen : splats, pixel, direction, value * splat_scale, id);
   }
 
  private:
-  RELUME_HD void offer_packed(uint32_t pixel, uint32_t direction, const Rgb& value, uint32_t id) const {
+  RELUME_HD void offer_packed(const View<uint64_t>& largest, uint32_t pixel, uint32_t direction, const Rgb& value,
+                              uint32_t id) const {
     const float weight = luminance(value);
     if (!(weight > 0.0f)) return;  // black, or not a number
     const float key = choice_key(weight, hash(seed, pixel, id));
-    atomic_max(&chosen[pixel], (static_cast<uint64_t>(float_bits(key)) << 32) | direction);
+    atomic_max(&largest[pixel], (static_cast<uint64_t>(float_bits(key)) << 32) | direction);
   }
 };
 

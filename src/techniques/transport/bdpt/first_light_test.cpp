@@ -54,6 +54,18 @@ TEST(FirstLight, DependsNeitherOnTheOrderNorOnTheScaleOfSplats) {
   }
 }
 
+TEST(FirstLight, ChoosesAmongSplatsApart) {
+  OnePixel pixel;
+  uint64_t splat = 0;
+  FirstLight light = pixel.light(1);
+  light.splats = {&splat, 1};
+  light.offer_splat(0, pack_direction(kB), Rgb(1000), 6);
+  EXPECT_EQ(pixel.chosen, 0u);
+  light.offer(0, kA, Rgb(1), 5);
+  EXPECT_NEAR(pixel.direction().x, 1, 1e-3f);
+  EXPECT_NEAR(unpack_direction(static_cast<uint32_t>(splat)).y, 1, 1e-3f);
+}
+
 TEST(FirstLight, IgnoresContributionsWithoutLight) {
   OnePixel pixel;
   const FirstLight light = pixel.light(1);

@@ -7,9 +7,13 @@ namespace relume {
 
 /// Units of a camera subpath, as a policy reports them.
 struct SubpathUnits : NoPolicy {
-  Rgb unit{1};  ///< factor by which radiance and throughput of the path count in the image
+  Rgb unit{1};    ///< factor by which radiance and throughput of the path count in the image
+  Rgb before{0};  ///< radiance in the image that the path found before the last change of `unit`
 
-  RELUME_HD void rebased(const Rgb& /*found*/, const Rgb& next_unit) { unit = next_unit; }
+  RELUME_HD void rebased(const Rgb& found, const Rgb& next_unit) {
+    before += unit * found;
+    unit = next_unit;
+  }
 };
 
 struct CameraSubpath {
@@ -18,7 +22,7 @@ struct CameraSubpath {
   SubpathUnits units;
   uint32_t pixel = 0;
   Vec3 first_direction{0};  ///< sampled at the first surface; zero: none, or from a delta lobe
-  Rgb found_before{0};      ///< radiance found before that direction
+  Rgb found_before{0};      ///< radiance in the image that was found before that direction
 
   /// Number of vertices so far, including that on the camera and the current surface point.
   RELUME_HD uint32_t count() const { return path.bounce + 2; }

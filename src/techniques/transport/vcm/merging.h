@@ -196,7 +196,9 @@ struct LightVertexGrid {
       sum += merged;
       const Rgb light = e.path.throughput * merged * density;
       recorder.add(light, e.weights.at());
-      if (e.path.bounce == 0) c.first_light.offer(e.pixel, v.wo, light, hash(ray_id, vertex, 0x5d000000u));
+      if (e.path.bounce == 0) {
+        c.first_light.offer(e.pixel, v.wo, light * unit_of<Policy>(e), hash(ray_id, vertex, 0x5d000000u));
+      }
       if (caustics && found_specularly(v, vertex % stride)) focused.add(merged, vertex / stride);
       if constexpr (kIsPolicy<Policy>) {
         Connection found;
