@@ -32,6 +32,9 @@ BOUNDS = (
     # A filtered vertex beside both subpaths, and 0.6 KB for records of the path: samples, and states of chains.
     (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathCells>", 3250),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathCells>", 2450),
+    # A sample of indirect light beside both subpaths: 0.2 KB.
+    (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathSamples>", 3250),
+    (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathSamples>", 2450),
     (r"(BidirectionalKernel|MergingKernel)<LearningContext", 3050),
     (r"LightSubpathKernelOf<LearningContext", 2000),
     (r"BidirectionalKernel|LightSubpathKernel|MergingKernel", 2250),

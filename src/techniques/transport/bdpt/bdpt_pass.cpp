@@ -43,6 +43,7 @@ PassDeclaration BdptPass::declaration() const {
       owns.push_back({.id = kChosenSplatDirections, .help = "direction of one splat in the pixel, and its key"});
   }
   if (records_.first_scatters) owns.push_back(first_scatters_buffer());
+  if (records_.indirect_samples) owns.push_back(indirect_samples_buffer());
   return {.name = "trace",
           .stage = Stage::trace,
           .owns = std::move(owns),
@@ -90,7 +91,12 @@ LearningContext BdptPass::learning(const BdptContext& context) const {
   return learning;
 }
 
+SubpathSamples BdptPass::samples_output(const FrameContext& frame, const BdptKernel& kernel) {
+  return {kernel.output.radiance, {frame.write(kIndirectSamples)}};
+}
+
 bool BdptPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
+  if (samples_indirect_light()) return trace_into(frame, kernel, samples_output(frame, kernel));
   return trace_into(frame, kernel, kernel.output);
 }
 

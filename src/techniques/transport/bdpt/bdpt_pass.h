@@ -10,6 +10,7 @@
 #include "techniques/light_sampling/light_selection/settings.h"
 #include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/settings.h"
+#include "techniques/transport/bdpt/subpath_samples.h"
 #include "techniques/transport/path/path_pass.h"
 
 namespace relume {
@@ -21,12 +22,13 @@ enum class BdptMode : uint8_t {
 
 /// Outputs besides estimator_buffers().
 struct BdptRecords {
-  bool splats = false;          ///< fills kLightRadiance, for a history that stores splats separately
-  bool caustics = false;        ///< the caustic layer: splats, and merged light of specular light subpaths
-  bool first_vertices = false;  ///< fills kFirstVertices, for a history that verifies pixels
-  bool splats_apart = false;    ///< their directions of splats are chosen apart, because cells lack that light
-  bool first_scatters = false;  ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
-  ChainRecordings chains = {};  ///< destinations of new states of camera subpaths
+  bool splats = false;            ///< fills kLightRadiance, for a history that stores splats separately
+  bool caustics = false;          ///< the caustic layer: splats, and merged light of specular light subpaths
+  bool first_vertices = false;    ///< fills kFirstVertices, for a history that verifies pixels
+  bool splats_apart = false;      ///< their directions of splats are chosen apart, because cells lack that light
+  bool first_scatters = false;    ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
+  bool indirect_samples = false;  ///< fills kIndirectSamples, and leaves their light to reservoirs
+  ChainRecordings chains = {};    ///< destinations of new states of camera subpaths
 };
 
 /// Faulty splats of one frame.
@@ -55,6 +57,7 @@ class BdptPass : public Pass {
         guides_(memory),
         faults_(memory) {
     if (records.first_scatters) source_.first_nee_bounce = 1;
+    source_.indirect_to_reservoirs = records.indirect_samples;
   }
 
   void configure(const BdptSettings& settings) { settings_ = settings; }
@@ -81,6 +84,9 @@ class BdptPass : public Pass {
   /// Launches the kernel with another output. Returns false if a stop was requested.
   template <typename Sink>
   bool trace_into(const FrameContext& frame, const BdptKernel& kernel, const Sink& sink) const;
+  /// Whether camera subpaths record samples of indirect light, and the output that stores them.
+  bool samples_indirect_light() const { return records_.indirect_samples; }
+  static SubpathSamples samples_output(const FrameContext& frame, const BdptKernel& kernel);
   /// Whether trace() writes merged light to the caustic layer.
   virtual bool merges() const { return false; }
   /// Camera subpaths over which a pixel averages in a frame. Weights count the camera's strategies as often.

@@ -12,6 +12,18 @@ namespace relume {
 template <typename Policy>
 inline constexpr bool kIsPolicy = !std::is_same_v<Policy, NoPolicy>;
 
+/// Whether the policy leaves light beyond second vertices to reservoirs, and then weights it (subpath_samples.h).
+template <typename Policy>
+inline constexpr bool kSamplesIndirectLight = requires {
+  requires Policy::samples_indirect_light;
+};
+
+/// Whether the last vertex is a primary hit whose connections to surfaces such a policy leaves out.
+template <typename Policy>
+RELUME_HD inline bool leaves_out_surfaces(const CameraSubpath& e) {
+  return kSamplesIndirectLight<Policy> && e.path.bounce == 0;
+}
+
 /// SubpathUnits::unit; without a policy, the code for it compiles away.
 template <typename Policy>
 RELUME_HD inline Rgb unit_of(const CameraSubpath& e) {
@@ -85,7 +97,10 @@ RELUME_HD inline Connection connect_to_light(const Context& c, const SurfacePoin
   connection.light = pick.id;
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
                             (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
-  if (c.scene().disperses) connection.contribution *= dispersion_weight(c.scene(), sp, light.wi, e.path);
+  if (c.scene().disperses) {
+    connection.contribution *= dispersion_weight(c.scene(), sp, light.wi, e.path);
+    connection.dispersed = e.path.dispersed || disperses(c.scene(), sp, light.wi);
+  }
   return connection;
 }
 
@@ -128,7 +143,10 @@ RELUME_HD inline Connection connect_to_vertex(const Context& c, const SurfacePoi
   connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
                             (shading_cosine(sp, w) * std::fabs(glm::dot(v.ng, w)) * weight / distance_squared) *
                             transmittance(medium_along(c.scene(), sp, w, e.path.medium), distance);
-  if (c.scene().disperses) connection.contribution *= dispersion_weight(c, sp, e, v, w);
+  if (c.scene().disperses) {
+    connection.contribution *= dispersion_weight(c, sp, e, v, w);
+    connection.dispersed = e.path.dispersed || v.disperses(-w) || disperses(c.scene(), sp, w);
+  }
   return connection;
 }
 
@@ -188,6 +206,7 @@ RELUME_HD inline void connect(const Context& c, const SurfacePoint& sp, const Ke
   // transparent surfaces would pass both rays or neither.
   const uint32_t ray_id = sampler.ray_id();
   try_light_connection(c, sp, to_light, ray_id, e, roulette, counters, recorder, policy);
+  if (leaves_out_surfaces<Policy>(e)) return;
   const uint32_t longest = c.max_bidirectional_vertices();
   for (uint32_t i = 0; i < kept.vertices.size && e.count() + i + 2 <= longest; ++i) {
     const PathVertex& v = kept.vertices[i];
@@ -215,6 +234,7 @@ RELUME_HD inline bool continue_camera_subpath(const Context& c, const SurfacePoi
   const Vec3& wi = e.path.ray.direction;
   const float cosine = std::fabs(glm::dot(sp.ng, wi));
   recorder.scattered(c, sp, s, e.path);
+  if constexpr (kSamplesIndirectLight<Policy>) policy.weigh_onwards(e.path, e.weights);
   const GuidedPoint guide = guided_point(c, sp);
   if (e.path.delta) {
     const float ratio = delta_density_ratio(sp, wi) * light_fraction(c, guide) / guide.fraction;
@@ -282,8 +302,8 @@ struct OneLightSubpath {
 
 /// Radiance of the pixel from its camera subpath, starting at the primary hit, with all connections except to the
 /// camera. `others`: adds light of other light subpaths at each vertex that does not only scatter specularly. `policy`:
-/// its hooks arrived(), connected(), scattered() and finished() are called as by trace_path(), connected() for every
-/// connection and merging. The radiance is that which the policy leaves in the path.
+/// its hooks hit_surface(), arrived(), connected(), scattered() and finished() are called as by trace_path(),
+/// connected() for every connection and merging. The radiance is that which the policy leaves in the path.
 template <typename Context, typename Others, typename Policy>
 RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t y, Hit hit, const KeptVertices& kept,
                                           Sampler& sampler, ConnectionRoulette& roulette, BdptCounters& counters,
@@ -303,6 +323,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     absorb(c.scene(), sp, hit.t, e.path);
     recorder.hit_surface(sp, e.path);
     if (!c.first_scatters.empty()) first_scatter_of(c, e).hit_surface(sp, e.path);
+    if constexpr (kIsPolicy<Policy>) policy.hit_surface(sp, e.path);
     // A vertex seen edge-on has no density per area, so no weights exist.
     const float cosine = glm::dot(sp.ng, sp.wo);
     if (!(cosine > 0.0f)) break;
@@ -316,6 +337,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
     // of a subpath that the policy ends.
     if (!c.first_scatters.empty() && !c.light_only) first_scatter_of(c, e).arrived(sp, e.path);
     if (!arrive_with(c, sp, e, recorder, policy)) break;
+    if constexpr (kSamplesIndirectLight<Policy>) policy.weigh_vertex(e.path, e.weights);
     if (records_no_more(c, e, recorder, e.path.bounce + 1)) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);

@@ -13,11 +13,15 @@ struct LightSubpath {
   Vec3 from{0};        ///< direction from the last scattering surface vertex to its predecessor; for lens hits
   uint32_t count = 0;  ///< vertices, including that on the light
   bool from_infinity = false;
-  bool turned_away = false;            ///< a camera on the ray would look through the last vertex
-  bool reservoirs_take_light = false;  ///< whether reservoirs add the light's direct light at primary hits
+  bool turned_away = false;               ///< a camera on the ray would look through the last vertex
+  bool reservoirs_take_light = false;     ///< whether reservoirs add the light's direct light at primary hits
+  bool reservoirs_take_indirect = false;  ///< the same for light of earlier surfaces that scatter by a density
+  bool arrived_specularly = false;        ///< whether the last vertex was found by a delta lobe of a surface
 
-  /// Whether reservoirs add the light that the last vertex scatters to a camera, except from delta lobes.
-  RELUME_HD bool left_to_reservoirs() const { return reservoirs_take_light && count == 2; }
+  /// Whether reservoirs add the light that the last vertex, a surface, scatters to a camera, except from delta lobes.
+  RELUME_HD bool left_to_reservoirs() const {
+    return count == 2 ? reservoirs_take_light : reservoirs_take_indirect && !arrived_specularly;
+  }
 };
 
 /// Samples the first vertex and direction. Returns false if no light can be chosen or the sample carries no light.
@@ -37,6 +41,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   l.count = 1;
   l.from_infinity = e.infinite;
   l.reservoirs_take_light = c.path.first_nee_bounce > 0 && reservoirs_take(c.scene().lights, selection.light);
+  l.reservoirs_take_indirect = c.path.indirect_to_reservoirs;
   // At infinity, the direction is the vertex, and the position belongs to the next vertex.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
@@ -225,6 +230,7 @@ RELUME_HD inline bool arrive(const Context& c, const Hit& hit, LightSubpath& l, 
   // Light from infinity has no known point of entry, so nothing absorbs it there, as on camera subpaths.
   absorb(c.scene(), sp, l.from_infinity && l.count == 1 ? kInfinity : hit.t, l.path);
   l.weights.arrive(cosine, sqr(hit.t));
+  l.arrived_specularly = l.path.delta && l.count > 1;
   ++l.count;
   return true;
 }

@@ -90,6 +90,9 @@ class SubpathWeights {
   /// Sum over all strategies with a shorter subpath, if the last vertex is connected.
   RELUME_HD float sum(float p, float sigma) const { return at_.sum(p, sigma, merging_); }
 
+  /// Leaves out the strategies with a shorter subpath than that to the current vertex: it is sampled in any case.
+  RELUME_HD void restart() { at_ = {0, 0}; }
+
   /// Continues in a direction of density `pdf`; `reverse` is ←σ.
   RELUME_HD void leave(float cosine, float pdf, float reverse) {
     pdf_ = pdf;

@@ -94,7 +94,7 @@ struct IndirectSamplePolicy : NoPolicy {
     sample->weight = weight;
   }
 
- private:
+ protected:
   RELUME_HD void take(const SurfacePoint& sp, PathState& path) {
     IndirectVertex& vertex = sample->vertex;
     vertex.instance = sp.instance;

@@ -157,7 +157,8 @@ struct LightVertexGrid {
                      ConnectionRoulette& roulette, BdptCounters& counters, Recorder& recorder, Policy& policy,
                      CausticSum* caustics = nullptr) const {
     if (near.sorted.empty()) return;
-    for (uint32_t i = 0; i < connections; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder, policy);
+    const uint32_t tried = leaves_out_surfaces<Policy>(e) ? 0 : connections;
+    for (uint32_t i = 0; i < tried; ++i) connect(i, c, sp, ray_id, e, roulette, counters, recorder, policy);
     if (near.radius_squared > 0.0f) merge(c, sp, ray_id, e, recorder, policy, caustics);
   }
 
@@ -191,6 +192,7 @@ struct LightVertexGrid {
     near.for_each_near(sp.position, [&](uint32_t vertex) {
       if (vertex % stride < first || vertex % stride >= most) return;
       const PathVertex& v = vertices[vertex];
+      if (leaves_out_surfaces<Policy>(e) && vertex % stride > 0 && !found_specularly(v, vertex % stride)) return;
       if (!(std::fabs(glm::dot(v.ng, sp.ng)) >= kMinMergingCosine)) return;
       const Rgb merged = merged_radiance(c, sp, e, v, recorder);
       sum += merged;
@@ -204,6 +206,7 @@ struct LightVertexGrid {
         Connection found;
         found.ray.direction = v.wo;
         found.contribution = light;
+        found.dispersed = c.scene().disperses && (e.path.dispersed || v.disperses(sp.wo));
         policy.connected(sp, e.path, found, true);
       }
     });

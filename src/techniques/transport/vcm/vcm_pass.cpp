@@ -154,6 +154,7 @@ bool VcmPass::prepare_camera(const FrameContext& frame, const BdptKernel& kernel
 }
 
 bool VcmPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
+  if (samples_indirect_light()) return trace_into(frame, kernel, samples_output(frame, kernel));
   return trace_into(frame, kernel, kernel.output);
 }
 
