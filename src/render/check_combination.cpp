@@ -94,11 +94,23 @@ void check_reuse_with_cache(const RenderSettings& s) {
 
 /// Throws if reservoirs do not combine with light paths.
 void check_reuse_with_light_paths(const RenderSettings& s) {
-  if (resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt) {
+  const bool reuses_indirect = resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt;
+  if (s.estimator == EstimatorChoice::light && reuses_indirect) {
     throw Error(
-        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimators 'bdpt', 'light' and 'vcm': "
-        "MIS weights of light paths with reservoirs of indirect light are not implemented; use reuse 'ris' or "
+        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimator 'light': its camera paths end "
+        "at their first surface, so they find no indirect light that pixels could reuse; use reuse 'ris' or "
         "'restir-di', or estimator 'path'");
+  }
+  if (s.reuse == ReuseChoice::restir_pt) {
+    throw Error(
+        "reuse 'restir-pt' does not combine with estimators 'bdpt' and 'vcm': repeating a path with its connections to "
+        "light subpaths is not implemented; use reuse 'restir-di+gi', or estimator 'path'");
+  }
+  if (reuses_indirect && s.cache != CacheChoice::none) {
+    throw Error(
+        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with reuse 'restir-gi' and 'restir-di+gi': "
+        "cells of light paths that leave indirect light to reservoirs are not implemented; use cache 'none', or reuse "
+        "'ris' or 'restir-di'");
   }
 }
 

@@ -46,8 +46,9 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
     builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
   };
   const auto add_indirect = [&] {
-    const bool repeats = !learns(settings) && !samples_end_in_cells(settings.cache);
-    builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, repeats);
+    const bool has_light_paths = settings.estimator != EstimatorChoice::path;
+    const bool repeats = !learns(settings) && !samples_end_in_cells(settings.cache) && !has_light_paths;
+    builder.add_tracing<RestirGiPass, &RenderSettings::restir_gi>(source, paths, repeats);
   };
   switch (settings.reuse) {
     case ReuseChoice::none: break;
@@ -85,6 +86,7 @@ BdptRecords bdpt_records(const RenderSettings& settings, const ChainRecordings& 
           .first_vertices = needs_first_vertices(settings),
           .splats_apart = needs_first_vertices(settings) && settings.cache != CacheChoice::none,
           .first_scatters = resamples_direct_light(settings.reuse),
+          .indirect_samples = resamples_indirect_light(settings.reuse),
           .chains = chains};
 }
 

@@ -223,12 +223,32 @@ TEST(ReceiversOfLightPaths, HaveTheWavelengthsOfTheirPaths) {
   EXPECT_EQ(count_wavelengths(EstimatorChoice::vcm), 1u);
 }
 
-TEST(LightPathsAreRefused, WithReservoirsOfIndirectLight) {
-  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light, EstimatorChoice::vcm}) {
-    for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi, ReuseChoice::restir_pt}) {
-      const std::string reason = refusal(settings_of(estimator, reuse));
-      EXPECT_NE(reason.find("reservoirs of indirect light are not implemented"), std::string::npos) << reason;
-    }
+/// The camera paths of light tracing find no indirect light.
+TEST(LightPathsAreRefused, WithReservoirsOfIndirectLightByLightTracing) {
+  for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi, ReuseChoice::restir_pt}) {
+    const std::string reason = refusal(settings_of(EstimatorChoice::light, reuse));
+    EXPECT_NE(reason.find("its camera paths end at their first surface"), std::string::npos) << reason;
+  }
+}
+
+TEST(LightPathsAreRefused, WithReservoirsOfPaths) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::vcm}) {
+    for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi})
+      EXPECT_EQ(refusal(settings_of(estimator, reuse)), "");
+    const std::string reason = refusal(settings_of(estimator, ReuseChoice::restir_pt));
+    EXPECT_NE(reason.find("its connections to light subpaths is not implemented"), std::string::npos) << reason;
+  }
+}
+
+TEST(LightPathsAreRefused, WithReservoirsAndACache) {
+  for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
+    RenderSettings settings = settings_of(EstimatorChoice::bdpt, reuse);
+    EXPECT_EQ(refusal(settings), "");
+    settings.cache = CacheChoice::psf;
+    const std::string reason = refusal(settings);
+    EXPECT_NE(reason.find("cells of light paths that leave indirect light to reservoirs are not implemented"),
+              std::string::npos)
+        << reason;
   }
 }
 

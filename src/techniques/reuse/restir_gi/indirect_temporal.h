@@ -21,6 +21,7 @@ struct IndirectTemporalKernel {
   uint32_t max_bounces = 0;
   bool traced = true;  ///< whether targets contain occlusion
   uint32_t width = 0;
+  float wavelength_nm = kNoWavelength;  ///< as in CandidateStage
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
@@ -60,6 +61,7 @@ struct IndirectTemporalKernel {
     const uint32_t pixel = y * width + x;
     if (!hits[pixel].valid() || max_bounces < 2) return false;
     record = record_of(scene, x, y, sampler, hits[pixel]);
+    if (wavelength_nm != kNoWavelength) record.wavelength_nm = wavelength_nm;
     make_receiver(scene, record, r);
     if (!has_non_delta(r.sp.bsdf)) return false;
     if (rule.receives(r.sp)) return true;

@@ -4,6 +4,7 @@
 #include "techniques/reuse/restir_gi/indirect_spatial.h"
 #include "techniques/reuse/restir_gi/indirect_temporal.h"
 #include "techniques/reuse/restir_gi/indirect_validation.h"
+#include "techniques/transport/path/frame_wavelength.h"
 
 namespace relume {
 namespace {
@@ -84,6 +85,8 @@ bool RestirGiPass::reuse_history(const FrameContext& frame) const {
   kernel.max_bounces = static_cast<uint32_t>(source_.settings.max_bounces);
   kernel.traced = is_traced(settings_);
   kernel.width = frame.width();
+  if (paths_ == CandidatePaths::one_wavelength_subpaths && frame.scene.disperses)
+    kernel.wavelength_nm = frame_wavelength(frame.index);
   return frame.launch_or_stop("restir-gi-temporal", kernel);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "frame/pass.h"
+#include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/restir_gi/settings.h"
 #include "techniques/transport/path/path_pass.h"
 
@@ -10,10 +11,10 @@ namespace relume {
 /// Adds indirect light at primary hits to the radiance of paths that leave it out (PathRecords::indirect_samples).
 class RestirGiPass final : public Pass {
  public:
-  /// `repeats`: whether random numbers and structures of paths can be repeated. `false` with techniques that learn,
-  /// and with caches that the paths of samples read.
-  RestirGiPass(const RestirGiSettings& settings, const PathSource& source, bool repeats)
-      : settings_(settings), source_(source), repeats_(repeats) {}
+  /// `paths`: those that find the samples. `repeats`: whether their random numbers and structures can be repeated.
+  /// `false` with techniques that learn, with caches that the paths of samples read, and with light subpaths.
+  RestirGiPass(const RestirGiSettings& settings, const PathSource& source, CandidatePaths paths, bool repeats)
+      : settings_(settings), source_(source), paths_(paths), repeats_(repeats) {}
 
   void configure(const RestirGiSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -31,6 +32,7 @@ class RestirGiPass final : public Pass {
 
   RestirGiSettings settings_;
   PathSource source_;
+  CandidatePaths paths_;
   bool repeats_;
 };
 

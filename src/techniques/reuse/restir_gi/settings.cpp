@@ -35,8 +35,8 @@ SettingList describe(RestirGiSettings& s) {
                   {"validate",
                    &s.validate,
                    "Number of frames after which the path of a reused sample is traced again, to follow changes, with "
-                   "correction lagging or basic; 0: never. No effect with lights vlc, neeat or mcls, guide cdq or "
-                   "mcpg, or cache apg, apsf+apg or sharc",
+                   "correction lagging or basic; 0: never. No effect with estimator bdpt or vcm, lights vlc, neeat "
+                   "or mcls, guide cdq or mcpg, or cache apg, apsf+apg or sharc",
                    {.min = 0, .max = 1000, .biases = true}},
               });
   return list;
