@@ -86,13 +86,15 @@ TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
 /// Whether a cell stands for paths that no single choice has. These
 /// - fill cells, and resample direct light or leave it to reservoirs,
-/// - use cells, and leave indirect light to reservoirs, or
+/// - use cells or light subpaths, and leave indirect light to reservoirs, or
 /// - record states of chains, and also record samples for regions, end in cells, or are subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;
   const bool takes_cells = s.cache == CacheChoice::psf || s.cache == CacheChoice::apg || s.cache == CacheChoice::sharc;
-  return (direct && s.cache == CacheChoice::psf) || (s.reuse == ReuseChoice::restir_gi && takes_cells) ||
+  const bool has_light_subpaths = s.estimator == EstimatorChoice::bdpt || s.estimator == EstimatorChoice::vcm;
+  return (direct && s.cache == CacheChoice::psf) ||
+         (s.reuse == ReuseChoice::restir_gi && (takes_cells || has_light_subpaths)) ||
          (s.lights == LightSelectionChoice::mcls && s.guide == GuideChoice::cdq) ||
          (s.guide == GuideChoice::mcpg && (s.cache == CacheChoice::apg || s.estimator == EstimatorChoice::bdpt));
 }

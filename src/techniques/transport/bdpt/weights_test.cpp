@@ -72,6 +72,38 @@ TEST(BdptWeights, IncludeTheDensitiesOfGuidedLightSubpaths) {
   EXPECT_GT(compared[kLensMet], 5);
 }
 
+/// A sample of indirect light has a camera subpath of at least three vertices, whatever finds the first of them.
+template <typename Check>
+std::array<int, kKinds> compare_samples() {
+  std::array<int, kKinds> compared{};
+  for (const ZooLight light :
+       {ZooLight::triangles, ZooLight::point, ZooLight::directional, ZooLight::environment_map, ZooLight::mixed}) {
+    for (const ZooCamera camera : {ZooCamera::pinhole, ZooCamera::thin_lens}) {
+      SCOPED_TRACE(std::string(kZooLightNames[static_cast<int>(light)]) + " " +
+                   kZooCameraNames[static_cast<int>(camera)]);
+      Check check(light, camera, LightSelectorKind::power, AssumedNumbers{.least_camera = 3});
+      check.run(2048);
+      check.expect_few_wrong();
+      for (int kind = 0; kind < kKinds; ++kind) compared[kind] += check.compared[kind];
+    }
+  }
+  return compared;
+}
+
+TEST(BdptWeights, OfSamplesCountTheStrategiesThatSampleTheSecondVertex) {
+  const std::array<int, kKinds> compared = compare_samples<WeightCheck>();
+  EXPECT_GT(compared[kVertexConnection], 300);
+  EXPECT_GT(compared[kLightConnection], 100);
+  EXPECT_GT(compared[kLightMet], 5);
+  EXPECT_EQ(compared[kCameraConnection] + compared[kLensMet], 0);
+}
+
+TEST(BdptWeights, OfSamplesIncludeTheDensitiesOfGuidedCameraSubpaths) {
+  const std::array<int, kKinds> compared = compare_samples<GuidedWeightCheck>();
+  EXPECT_GT(compared[kVertexConnection], 100);
+  EXPECT_GT(compared[kLightConnection], 50);
+}
+
 /// For pixels whose samples and splats come from different frames.
 TEST(BdptWeights, CanIgnoreGuiding) {
   for (const bool guides_light : {false, true}) {

@@ -245,6 +245,25 @@ TEST(Vcm, ClosedFurnaceAtEveryDepth) {
   }
 }
 
+/// Reservoirs leave splats, mergings and connections of direct light alone, and take all others at primary hits.
+TEST(Vcm, ClosedFurnaceWithReservoirsOfIndirectLight) {
+  constexpr float kAlbedo = 0.6f;
+  for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
+    double expected = 1 + static_cast<double>(kAlbedo);
+    for (int bounces = 2; bounces <= 4; ++bounces) {
+      expected += std::pow(static_cast<double>(kAlbedo), bounces);
+      RenderSettings settings = vcm_settings(0.1f);
+      settings.path.max_bounces = bounces;
+      settings.path.russian_roulette = bounces % 2 == 1;
+      settings.vcm.connections = bounces == 3 ? 2 : 0;
+      settings.reuse = reuse;
+      settings.restir.cap = settings.restir_gi.cap = 4;
+      const ImageMean mean = mean_of_frames(make_closed_sphere(kAlbedo), settings, 32);
+      EXPECT_NEAR(mean.value.g / expected, 1.0, 0.02) << bounces << " bounces";
+    }
+  }
+}
+
 /// Green mean of an image over many frames, beside the cone of light: the blur of merging.
 double blur_beside_the_light(float alpha) {
   constexpr float kEdge = kOuterAngle * (kPoolHeight + kPoolDepth / kPoolIor);

@@ -122,6 +122,21 @@ TEST(VcmWeights, IgnoreTheDensitiesOfChains) {
   }
 }
 
+/// A sample of indirect light has a camera subpath of at least three vertices, and may merge at the third.
+TEST(VcmWeights, OfSamplesCountTheStrategiesThatSampleTheSecondVertex) {
+  for (const ZooLight light : {ZooLight::triangles, ZooLight::point, ZooLight::mixed}) {
+    for (const float connections : {1.0f, 2.0f}) {
+      MergingCheck check(light, ZooCamera::pinhole, LightSelectorKind::power,
+                         {.eta = 2.0f, .light_paths = 0.5f, .connections = connections, .least_camera = 3});
+      check.run(2048);
+      check.expect_few_wrong();
+      EXPECT_GT(check.compared[kVertexConnection], 20);
+      EXPECT_GT(check.compared[kLightConnection], 10);
+      EXPECT_GT(check.compared[kMerging], 100);
+    }
+  }
+}
+
 TEST(VcmWeights, AccountForTheNumbersOfSamples) {
   for (const AssumedNumbers& numbers :
        {AssumedNumbers{.eta = 0.3f, .light_paths = 0.25f}, AssumedNumbers{.eta = 0.3f, .connections = 0.4f},

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "techniques/guiding/markov_chain/testing/random_states.h"
@@ -61,18 +62,19 @@ void WeightCheckOf<Context>::run(uint32_t samples) {
     Sampler sampler = Sampler::sequence(7, i % 16, i / 16 % 16, i / 256);
     const TracedLight light = trace_light(c_, sampler);
     Sampler other = Sampler::sequence(8, i % 16, i / 16 % 16, i / 256);
-    const TracedCamera camera =
-        trace_camera(c_, i % 16, i / 16 % 16, other, [this](const SurfacePoint& sp) { fill_chains(sp); });
+    const TracedCamera camera = trace_camera(
+        c_, i % 16, i / 16 % 16, other, [this](const SurfacePoint& sp) { fill_chains(sp); }, numbers_.least_camera);
+    const size_t first = std::max(numbers_.least_camera, 2u) - 1;
     if (light.light != kNoLight) {
       for (size_t s = 1; s <= light.places.size(); ++s) {
-        to_camera(light, s, other);
-        for (size_t t = 1; t <= camera.places.size(); ++t) {
+        if (numbers_.least_camera == 0) to_camera(light, s, other);
+        for (size_t t = first; t <= camera.places.size(); ++t) {
           to_vertex(light, s, camera, t);
           more(light, s, camera, t);
         }
       }
     }
-    for (size_t t = 1; t <= camera.places.size(); ++t) {
+    for (size_t t = first; t <= camera.places.size(); ++t) {
       to_light(camera, t, other);
       if (t > 1) light_met(camera, t);
     }

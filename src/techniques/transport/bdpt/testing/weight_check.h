@@ -12,11 +12,12 @@ namespace relume::testing {
 
 enum Strategy : int { kVertexConnection, kCameraConnection, kLightConnection, kLightMet, kLensMet, kMerging, kKinds };
 
-/// Numbers of samples that the weights assume.
+/// Numbers of samples that the weights assume, and of the strategies that they count.
 struct AssumedNumbers {
-  float eta = 0;          ///< π r² n of vertex merging, m²; 0: no merging
-  float light_paths = 1;  ///< per pixel
-  float connections = 1;  ///< between surfaces, per strategy
+  float eta = 0;              ///< π r² n of vertex merging, m²; 0: no merging
+  float light_paths = 1;      ///< per pixel
+  float connections = 1;      ///< between surfaces, per strategy
+  uint32_t least_camera = 0;  ///< minimum vertices of camera subpaths, 3 for samples of indirect light; 0: any
 };
 
 /// Compares the weights of all strategies on random paths of one scene. In a LearningContext, random quadtrees guide
@@ -52,7 +53,9 @@ class WeightCheckOf {
   /// The path from `places` vertices of the light subpath and `camera_places` of the camera subpath, of which the last
   /// two do not scatter by delta lobes.
   WholePath joined(const TracedLight& light, size_t places, const TracedCamera& camera, size_t camera_places) const;
-  Densities<Context> densities(const WholePath& path) const { return {c_, path, static_cast<double>(numbers_.eta)}; }
+  Densities<Context> densities(const WholePath& path) const {
+    return {c_, path, static_cast<double>(numbers_.eta), numbers_.least_camera};
+  }
   void compare(float weight, double expected, const WholePath& path, size_t s, Strategy kind);
 
  private:

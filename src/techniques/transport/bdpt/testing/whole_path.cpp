@@ -38,7 +38,7 @@ TracedLight trace_light(const Context& c, Sampler& sampler) {
 
 template <typename Context>
 TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler,
-                          const std::function<void(const SurfacePoint&)>& at_vertex) {
+                          const std::function<void(const SurfacePoint&)>& at_vertex, uint32_t restart) {
   TracedCamera t;
   CameraSubpath e;
   NoRecorder recorder;
@@ -52,6 +52,7 @@ TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sam
     make_surface_point(c.scene(), e.path.ray, hit, 0.0f, sp, kZooWavelength);
     if constexpr (Context::kLearns) sp.region = c.recording.lookup.region_at(sp);
     e.weights.arrive(glm::dot(sp.ng, sp.wo), sqr(hit.t));
+    if (e.count() == restart) e.weights.restart();
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
     t.places.push_back({hit, sp.position, sp.ng, false});
     t.states.push_back(e);
@@ -63,8 +64,8 @@ TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sam
 }
 
 template <typename Context>
-Densities<Context>::Densities(const Context& c, const WholePath& path, double eta)
-    : c_(c), path_(path), eta_(eta), k_(path.surfaces.size() + 1) {
+Densities<Context>::Densities(const Context& c, const WholePath& path, double eta, size_t least_camera)
+    : c_(c), path_(path), eta_(eta), least_camera_(least_camera), k_(path.surfaces.size() + 1) {
   light_.assign(k_ + 1, 0);
   camera_.assign(k_ + 1, 0);
   ends();
@@ -73,6 +74,7 @@ Densities<Context>::Densities(const Context& c, const WholePath& path, double et
 
 template <typename Context>
 double Densities<Context>::of(size_t s) const {
+  if (s + least_camera_ > k_ + 1) return 0;
   if (s == 0 && !path_.light_can_be_hit) return 0;
   if (s == k_ + 1 && !path_.camera_can_be_hit) return 0;
   if (s > 1 && s <= k_ && delta(s - 1)) return 0;  // x(s − 1) cannot be connected
@@ -91,7 +93,7 @@ double Densities<Context>::samples(size_t s) const {
 
 template <typename Context>
 double Densities<Context>::of_merging(size_t i) const {
-  if (delta(i)) return 0;
+  if (delta(i) || i + least_camera_ > k_ + 1) return 0;
   double p = eta_;
   for (size_t j = 0; j <= i; ++j) p *= light_[j];
   for (size_t j = i; j <= k_; ++j) p *= camera_[j];
@@ -191,9 +193,9 @@ template SurfacePoint seen(const LearningContext&, const Place&, const Vec3&);
 template TracedLight trace_light(const BdptContext&, Sampler&);
 template TracedLight trace_light(const LearningContext&, Sampler&);
 template TracedCamera trace_camera(const BdptContext&, uint32_t, uint32_t, Sampler&,
-                                   const std::function<void(const SurfacePoint&)>&);
+                                   const std::function<void(const SurfacePoint&)>&, uint32_t);
 template TracedCamera trace_camera(const LearningContext&, uint32_t, uint32_t, Sampler&,
-                                   const std::function<void(const SurfacePoint&)>&);
+                                   const std::function<void(const SurfacePoint&)>&, uint32_t);
 template class Densities<BdptContext>;
 template class Densities<LearningContext>;
 

@@ -39,10 +39,11 @@ SurfacePoint seen(const Context& c, const Place& place, const Vec3& wo);
 /// Light subpath of up to six vertices.
 template <typename Context>
 TracedLight trace_light(const Context& c, Sampler& sampler);
-/// Camera subpath of up to seven vertices. Calls `at_vertex` for each before a direction is sampled there.
+/// Camera subpath of up to seven vertices. Calls `at_vertex` for each before a direction is sampled there. The weights
+/// restart at vertex number `restart`, where the camera has number 1; 0: never.
 template <typename Context>
 TracedCamera trace_camera(const Context& c, uint32_t x, uint32_t y, Sampler& sampler,
-                          const std::function<void(const SurfacePoint&)>& at_vertex);
+                          const std::function<void(const SurfacePoint&)>& at_vertex, uint32_t restart = 0);
 
 /// All inputs to the densities of a whole path, from the light over surfaces to the camera.
 struct WholePath {
@@ -57,12 +58,14 @@ struct WholePath {
   bool camera_can_be_hit;
 };
 
-/// Densities of the strategies for one path, times their numbers of samples; zero for impossible strategies.
+/// Densities of the strategies for one path, times their numbers of samples; zero for strategies that are impossible or
+/// left out.
 template <typename Context>
 class Densities {
  public:
-  /// `eta`: π r² n of vertex merging.
-  Densities(const Context& c, const WholePath& path, double eta);
+  /// `eta`: π r² n of vertex merging. `least_camera`: strategies with fewer vertices of the camera subpath are left
+  /// out.
+  Densities(const Context& c, const WholePath& path, double eta, size_t least_camera = 0);
 
   /// Connection of s light vertices, s = 0 … k + 1.
   double of(size_t s) const;
@@ -88,6 +91,7 @@ class Densities {
   const Context& c_;
   const WholePath& path_;
   double eta_;
+  size_t least_camera_;
   size_t k_;
   std::vector<double> light_;
   std::vector<double> camera_;
