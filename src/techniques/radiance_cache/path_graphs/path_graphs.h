@@ -38,8 +38,8 @@ struct PathGraphContext {
 /// to the demodulated first of them.
 ///
 /// If reservoirs take the light from the second vertex on (FilterContext::indirect_apart), primary hits are no anchors.
-/// The graph of that light begins at the vertex where it is found. The light becomes the radiance of the finished path,
-/// for the policy that takes it.
+/// The graph of that light begins at the vertex where it is found, and so do those of start_sample(). The light becomes
+/// the radiance of the finished path, for the policy that takes it.
 class PathGraph : public NoPolicy {
  public:
   static constexpr bool resamples_lights = true;
@@ -55,15 +55,21 @@ class PathGraph : public NoPolicy {
   RELUME_HD Rgb found(const PathState&) const { return pixel_.traced / positive_or_one(pixel_.factor); }
   RELUME_HD float scatter_chance() const { return scatter_chance_; }
 
+  /// Starts the sample of a reservoir at the next vertex, behind a vertex from which reservoirs shift paths. The path
+  /// must have throughput 1 and no radiance there.
+  RELUME_HD void start_sample() { sampled_ = begins_sample_ = taken_ = true; }
+
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
     demodulation_ = {};
     if (context_->filter.indirect_apart && path.bounce == 0) return true;
+    if (context_->filter.whole_apart && !sampled_) return true;
     if (context_->guards) {
       segment_ += glm::length(sp.position - path.ray.origin);
       // The sample may be shown by other pixels, so its path has no ray cone until it scatters again.
-      footprint_ = sampled_ && path.bounce == 1 ? kInfinity : sp.footprint;
+      footprint_ = begins_sample_ ? kInfinity : sp.footprint;
+      begins_sample_ = false;
     }
     if (path.dispersed) return true;  // as in FilterVertex
     demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
@@ -124,7 +130,7 @@ class PathGraph : public NoPolicy {
 
   template <typename Earlier>
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path, Earlier& earlier) {
-    if (path.bounce == 1) sampled_ = context_->filter.indirect_apart && !path.delta;
+    if (path.bounce == 1) sampled_ = begins_sample_ = context_->filter.indirect_apart && !path.delta;
     if (!at_anchor_) return;
     at_anchor_ = false;
     if (!path.delta) {
@@ -354,10 +360,11 @@ class PathGraph : public NoPolicy {
   float limit_ = kInfinity;
   float scatter_chance_ = 1;
   Progress now_;
-  Progress before_;        ///< progress on arrival at the last anchor
-  bool scatters_ = false;  ///< whether the path has hit a surface
-  bool sampled_ = false;   ///< whether reservoirs take light from the path, if it hits a surface
-  bool taken_ = false;     ///< whether they take it from the current or an earlier vertex on
+  Progress before_;             ///< progress on arrival at the last anchor
+  bool scatters_ = false;       ///< whether the path has hit a surface
+  bool sampled_ = false;        ///< whether reservoirs take light from the path, if it hits a surface
+  bool begins_sample_ = false;  ///< whether they take it from the next vertex on
+  bool taken_ = false;          ///< whether they take it from the current or an earlier vertex on
   bool at_anchor_ = false;
   bool at_first_ = false;   ///< whether the last anchor is the first one
   bool past_cell_ = false;  ///< whether the path left the first anchor through a delta lobe

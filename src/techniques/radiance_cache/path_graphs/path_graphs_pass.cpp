@@ -6,16 +6,22 @@ namespace relume {
 
 PassDeclaration PathGraphPass::declaration() const { return cell_paths_declaration(cells_); }
 
-bool PathGraphPass::run(const FrameContext& frame) {
+PathGraphContext make_path_graph(const PathGraphSettings& settings, const FilterContext& filter) {
   PathGraphContext graph;
-  graph.filter = cells_.filter();
+  graph.filter = filter;
+  graph.primary.enabled = false;
+  graph.variance_constant = settings.variance_constant;
+  graph.measure = settings.variance;
+  graph.feed = settings.feed;
+  graph.guards = settings.guards;
+  graph.deep_coarsening = static_cast<uint16_t>(settings.deep_coarsening);
+  return graph;
+}
+
+bool PathGraphPass::run(const FrameContext& frame) {
+  PathGraphContext graph = make_path_graph(settings_, cells_.filter());
   graph.primary = make_adaptive_psf(primary_, BlendFunction::zero);
   graph.primary.enabled = adapts_primary_;
-  graph.variance_constant = settings_.variance_constant;
-  graph.measure = settings_.variance;
-  graph.feed = settings_.feed;
-  graph.guards = settings_.guards;
-  graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
   return trace_into_cells(source_, frame, cells_, graph, records_);
 }
 

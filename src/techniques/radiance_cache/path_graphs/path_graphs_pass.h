@@ -8,9 +8,14 @@
 
 namespace relume {
 
+struct PathGraphContext;
+
 /// Ratio of all cells of path graphs to those of first vertices, for the size of the table. Later vertices also reach
 /// surfaces outside the image: a ratio of 4 dropped eight thousand samples of Sponza's first frame.
 inline constexpr uint32_t kGraphDepths = 8;
+
+/// Constants of path graphs that fill the cells of `filter`, without survival at first vertices.
+PathGraphContext make_path_graph(const PathGraphSettings& settings, const FilterContext& filter);
 
 /// Traces one path graph for each pixel that receives a sample, and fills the cells.
 class PathGraphPass final : public Pass {

@@ -51,7 +51,8 @@ bool CellsPass::run(const FrameContext& frame) {
              .others = others_.mutable_view(),
              .width = frame.width(),
              .direct_apart = users_.reservoirs,
-             .indirect_apart = users_.indirect};
+             .indirect_apart = users_.indirect,
+             .whole_apart = users_.whole_paths};
   return true;
 }
 

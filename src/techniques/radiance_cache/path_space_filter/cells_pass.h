@@ -34,9 +34,13 @@ struct CellDepths {
 
 /// Consumers for which paths that fill or read cells write more outputs.
 struct CellPathUsers {
-  bool history = false;     ///< a history that verifies pixels
-  bool reservoirs = false;  ///< reservoirs that add the direct light of primary hits, which paths leave out
-  bool indirect = false;    ///< the same for their indirect light
+  bool history = false;      ///< a history that verifies pixels
+  bool reservoirs = false;   ///< reservoirs that add the direct light of primary hits, which paths leave out
+  bool indirect = false;     ///< the same for their indirect light
+  bool whole_paths = false;  ///< reservoirs that add all light that lobes with a density scatter, as
+                             ///< PathRecords::only_specular
+
+  bool any_reservoirs() const { return reservoirs || indirect || whole_paths; }
 };
 
 /// Owns the cells. Its longest_epoch() is 0: all frames continue one low-discrepancy sequence per pixel, because images
@@ -161,7 +165,8 @@ bool trace_into_cells(const PathSource& source, const FrameContext& frame, const
     scatters = {{frame.write(kFirstScatters)}, true};
   }
   traced.indirect_to_reservoirs = cells.users().indirect;
-  if (cells.users().reservoirs || cells.users().indirect) output.radiance = frame.write(kRadiance);
+  traced.only_specular = cells.users().whole_paths;
+  if (cells.users().any_reservoirs()) output.radiance = frame.write(kRadiance);
   const auto trace = [&](const auto& paths) {
     if (cells.users().indirect) {
       const IndirectSampleOutput samples{frame.write(kIndirectSamples)};

@@ -33,6 +33,9 @@ struct FilterContext {
   /// Whether reservoirs add the indirect light of primary hits, which cells of primary hits then lack. Later vertices
   /// of such paths are not filtered.
   bool indirect_apart = false;
+  /// Whether reservoirs add all light that lobes with a density scatter. No vertex of other paths is filtered: cells
+  /// hold no light of delta lobes.
+  bool whole_apart = false;
 
   RELUME_HD bool separates_primary() const { return by_prefix || direct_apart || indirect_apart; }
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
@@ -59,6 +62,7 @@ class FilterVertex : public NoPolicy {
     scatters_ = true;
     // Paths behind a dispersive interface differ in wavelength, over which a cell would average.
     if (reached() || path.dispersed || (context_->by_prefix && widened_) || left_to_reservoirs_) return true;
+    if (context_->whole_apart) return true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
     if (!d.filtered) return true;
     pixel_.filtered = true;

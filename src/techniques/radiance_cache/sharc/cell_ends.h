@@ -58,6 +58,9 @@ class CellEnd : public NoPolicy {
   RELUME_HD CellEnd(const CellEnds& ends, const SampleIndex& index, uint32_t x, uint32_t y)
       : ends_(&ends), index_(&index), x_(x), y_(y) {}
 
+  /// Starts distances and the cone at the origin of the path's next segment, a vertex whose narrowest lobe has `alpha`.
+  RELUME_HD void start_cone(float alpha) { spread_ = lobe_spread(alpha); }
+
   RELUME_HD bool arrived(const SurfacePoint& sp, const PathState& path) {
     has_cell_ = false;
     const float distance = glm::length(sp.position - path.ray.origin);

@@ -18,6 +18,13 @@ CellDepths cell_depths(const SharcSettings& settings) {
   return {settings.update == SharcUpdate::sparse ? 2u : kMostUpdatedCells};
 }
 
+CellEnds make_cell_ends(const SharcSettings& settings, const FilterContext& filter, const View<float>& termination) {
+  return {.cells = {filter.grid, filter.narrow_alpha},
+          .by_variance = settings.end == SharcEnd::variance,
+          .variance = settings.variance,
+          .termination = termination};
+}
+
 PassDeclaration SharcPass::declaration() const {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
@@ -39,10 +46,7 @@ bool SharcPass::run(const FrameContext& frame) {
 }
 
 bool SharcPass::trace(const FrameContext& frame) const {
-  const CellEnds ends{.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
-                      .by_variance = settings_.end == SharcEnd::variance,
-                      .variance = settings_.variance,
-                      .termination = frame.write(kCellTermination)};
+  const CellEnds ends = make_cell_ends(settings_, cells_.filter(), frame.write(kCellTermination));
   const RadianceOutput radiance{frame.write(kRadiance)};
   OptionalOutput<FirstScatterOutput> scatters;
   if (cells_.users().reservoirs) scatters = {{frame.write(kFirstScatters)}, true};
@@ -69,6 +73,7 @@ bool SharcPass::update_cells(const FrameContext& frame) const {
   kernel.context.indirect = {};         // every update path continues
   kernel.context.first_nee_bounce = 0;  // cells receive all direct light, which reservoirs only add to pixels
   kernel.context.indirect_to_reservoirs = false;
+  kernel.context.only_specular = false;
   kernel.context.max_bounces = std::max(kernel.context.max_bounces, kLeastUpdateBounces);
   kernel.update = {.cells = {cells_.filter().grid, cells_.filter().narrow_alpha},
                    .depth = static_cast<uint32_t>(settings_.propagation_depth),

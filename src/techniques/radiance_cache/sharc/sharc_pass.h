@@ -7,8 +7,13 @@
 
 namespace relume {
 
+struct CellEnds;
+
 /// Cells per pixel to which the paths of a frame add samples at most: eight of each update path.
 CellDepths cell_depths(const SharcSettings& settings);
+
+/// Output of camera paths that end in the cells of `filter`. `termination`: as in CellEnds.
+CellEnds make_cell_ends(const SharcSettings& settings, const FilterContext& filter, const View<float>& termination);
 
 /// Traces one camera path for each pixel that receives a sample, and the update paths that fill the cells. Camera paths
 /// read cells of earlier frames only.
@@ -21,6 +26,7 @@ class SharcPass final : public Pass {
       : settings_(settings), source_(source), cells_(cells), learning_(learning) {
     if (cells.users().reservoirs) source_.first_nee_bounce = 1;
     source_.indirect_to_reservoirs = cells.users().indirect;
+    source_.only_specular = cells.users().whole_paths;
   }
 
   void configure(const SharcSettings& settings) { settings_ = settings; }
