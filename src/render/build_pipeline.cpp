@@ -137,10 +137,11 @@ SvgfSettings caustic_filter(const RenderSettings& settings) {
   return filter;
 }
 
-/// Whether the history keeps the light of cells apart, to look cells up from a new view. Cells of sharc replace light
-/// behind the first rough surface, which moves with the rest.
+/// Whether the history keeps the light of cells apart, to look cells up from a new view. Cells of sharc, and those of
+/// paths in reservoirs, replace light behind rough surfaces, which moves with the rest.
 bool looks_up_cells(const RenderSettings& settings) {
-  return needs_first_vertices(settings) && settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
+  const bool has_cells = settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
+  return needs_first_vertices(settings) && has_cells && settings.reuse != ReuseChoice::restir_pt;
 }
 
 /// Whether first vertices record points of reservoirs on lights. Paths that fill cells and choose among lights

@@ -83,15 +83,6 @@ void check_restir_pt(const RenderSettings& s) {
       "'light-tree' and guide 'bsdf'");
 }
 
-/// Throws if reservoirs do not combine with the radiance cache.
-void check_reuse_with_cache(const RenderSettings& s) {
-  if (s.reuse == ReuseChoice::restir_pt) {
-    throw Error(
-        "reuse 'restir-pt' does not combine with a radiance cache: repeating a path that has ended in a cell is not "
-        "implemented; use reuse 'restir-di+gi', or cache 'none'");
-  }
-}
-
 /// Throws if reservoirs do not combine with light paths.
 void check_reuse_with_light_paths(const RenderSettings& s) {
   const bool reuses_indirect = resamples_indirect_light(s.reuse) || s.reuse == ReuseChoice::restir_pt;
@@ -118,7 +109,6 @@ void check_reuse_with_light_paths(const RenderSettings& s) {
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) check_reuse_with_light_paths(s);
-  if (s.cache != CacheChoice::none) check_reuse_with_cache(s);
   if (s.reuse == ReuseChoice::restir_pt) check_restir_pt(s);
 }
 

@@ -10,7 +10,7 @@
 #include "techniques/reuse/reservoir/ris_pass.h"
 #include "techniques/reuse/restir_di/restir_pass.h"
 #include "techniques/reuse/restir_gi/restir_gi_pass.h"
-#include "techniques/reuse/restir_pt/restir_pt_pass.h"
+#include "techniques/reuse/restir_pt/cached_restir_pt_pass.h"
 #include "techniques/transport/bdpt/bdpt_pass.h"
 #include "techniques/transport/vcm/vcm_pass.h"
 
@@ -38,9 +38,26 @@ bool samples_end_in_cells(CacheChoice cache) {
   return cache == CacheChoice::apg || cache == CacheChoice::apsf_apg || cache == CacheChoice::sharc;
 }
 
-/// Adds the reservoirs at primary hits.
+/// Adds the reservoirs of whole paths. `cells`: those of the cache; nullptr: none.
+void add_path_reservoirs(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
+                         const CellsPass* cells) {
+  switch (settings.cache) {
+    case CacheChoice::sharc:
+      builder.add_tracing<SharcRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::sharc>(source, *cells);
+      break;
+    case CacheChoice::apg:
+    case CacheChoice::apsf_apg:
+      builder.add_tracing<GraphRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::apg>(source, *cells);
+      break;
+    case CacheChoice::none:
+    case CacheChoice::psf:
+    case CacheChoice::apsf: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(source); break;
+  }
+}
+
+/// Adds the reservoirs at primary hits. `cells`: those of the cache, if any.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-               const CandidateRecords& records) {
+               const CandidateRecords& records, const CellsPass* cells = nullptr) {
   const CandidatePaths paths = candidate_paths(settings.estimator);
   const auto add_direct = [&] {
     builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
@@ -59,7 +76,7 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
       add_direct();
       add_indirect();
       break;
-    case ReuseChoice::restir_pt: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(source); break;
+    case ReuseChoice::restir_pt: add_path_reservoirs(builder, settings, source, cells); break;
   }
 }
 
@@ -69,13 +86,14 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
                const LearningRecords& learning) {
   const CellPathUsers users{.history = needs_first_vertices(settings),
                             .reservoirs = resamples_direct_light(settings.reuse),
-                            .indirect = resamples_indirect_light(settings.reuse)};
+                            .indirect = resamples_indirect_light(settings.reuse),
+                            .whole_paths = settings.reuse == ReuseChoice::restir_pt};
   auto& cells =
       builder.add<CellsPass>(cell_settings(settings.sharc), cell_depths(settings.sharc).count, users, "sharc");
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, learning);
-  add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
+  add_reuse(builder, settings, source, {learning.samples, learning.chains.lights}, &cells);
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
@@ -161,8 +179,9 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   const bool has_splats = settings.estimator != EstimatorChoice::path;
   const CellPathUsers users{.history = needs_first_vertices(settings),
                             .reservoirs = has_direct_reservoirs(settings),
-                            .indirect = resamples_indirect_light(settings.reuse)};
-  const bool has_reservoirs = users.reservoirs || users.indirect;
+                            .indirect = resamples_indirect_light(settings.reuse),
+                            .whole_paths = settings.reuse == ReuseChoice::restir_pt};
+  const bool has_reservoirs = users.any_reservoirs();
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
   if (has_splats) {
     add_light_paths_with_cells(builder, settings, source, learning.samples, learning.chains, cells);
@@ -170,7 +189,7 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
     add_paths_with_cells(builder, settings, source, learning, cells);
   }
   // Before the cells are read: with that, the part of the frame that can be stopped ends.
-  if (has_reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights});
+  if (has_reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights}, &cells);
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none,
                                         has_splats || has_reservoirs);
 }

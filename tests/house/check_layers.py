@@ -72,7 +72,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "reservoir": "markov_chain_lights octree path reprojection",
     "restir_di": "path reservoir",
     "restir_gi": "path reservoir",
-    "restir_pt": "path reservoir",
+    "restir_pt": "path path_graphs path_space_filter reservoir sharc",
 }
 
 # The parts of the viewer -> the parts that each may include, besides itself.

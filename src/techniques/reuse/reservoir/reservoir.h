@@ -132,6 +132,8 @@ class BasicCombination {
   }
 
   RELUME_HD const Sample& sample() const { return result_.sample; }
+  /// p̂ of the chosen sample in the domain that receives the result.
+  RELUME_HD float target() const { return result_.target; }
   RELUME_HD uint32_t chosen() const { return chosen_; }
 
   /// The combined reservoir. `of_source`: p̂ of the chosen sample in its source's domain. `of_all`: Σ cⱼ p̂ⱼ of it over

@@ -3,7 +3,8 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/reuse_image.h"
-#include "techniques/reuse/restir_pt/path_walk.h"
+#include "techniques/reuse/restir_pt/path_shift.h"
+#include "techniques/reuse/restir_pt/path_suffix.h"
 #include "techniques/transport/path/first_vertex.h"
 #include "techniques/transport/path/specular_part.h"
 
@@ -20,15 +21,22 @@ struct TracedJoint {
   bool disperses = false;  ///< whether a vertex after the joint scatters by wavelength
 };
 
-/// Traces a path from its primary hit, and chooses one of its contributions.
+/// Traces a path from its primary hit, and chooses one of its contributions. `Suffix`: how it finds the light behind
+/// the vertex after its joint (path_suffix.h).
+template <typename Suffix>
 struct CandidateTracer {
   const PathContext& context;
   const ConnectRule& rule;
+  const Suffix& behind;
+  const SampleIndex& index;
+  uint32_t x;
+  uint32_t y;
   PathWalk& walk;  ///< started
   Sampler& sampler;
   ChoiceNumbers& numbers;
   float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel
   StoredPath chosen;          ///< begins with the identity of the random numbers
+  float target = 0;           ///< p̂ of the chosen path
   WeightedChoice choice = {};
   TracedJoint joint = {};
   Hit hit;          ///< of the current vertex
@@ -48,9 +56,13 @@ struct CandidateTracer {
       if (!next.valid()) return add_infinity();
       const float pmf = walk.path.delta ? 0.0f : pmf_of_hit(context, walk.sp, next);
       const Vec3 previous = walk.sp.position;
+      const Rgb leaving = walk.path.throughput;
       hit = next;
       joint.suffix *= arrive(scene, hit, walk);
       add_emitter(previous, pmf);
+      if constexpr (Suffix::uses_cells) {
+        if (ends_cached()) return add_cached(leaving);
+      }
       enter(scene, walk);
       if (joint.vertex > 0) joint.disperses = joint.disperses || disperses(scene, walk.sp, walk.sp.ng);
     }
@@ -66,6 +78,7 @@ struct CandidateTracer {
     chosen.shape = StoredPath::shape_of(end, length, joint_vertex, disperses);
     chosen.value = value * density;
     chosen.first = first;
+    target = luminance(chosen.value);
   }
   RELUME_HD void store_surface(const Hit& at) {
     chosen.instance = at.instance;
@@ -230,6 +243,26 @@ struct CandidateTracer {
     store(PathEnd::emitter, path.bounce, false, value, walk.from.pdf_w * walk.geometry());
   }
 
+  /// Whether the light that the current vertex reflects comes from the cache: shifts keep it, and no vertex before
+  /// scatters by wavelength. The same test as PathShifter::ends_cached().
+  RELUME_HD bool ends_cached() const {
+    return joint.vertex > 0 && walk.path.bounce == joint.vertex + 1 && !walk.path.dispersed;
+  }
+
+  /// Light that the current vertex, the first after the joint, reflects. `leaving`: throughput of the path there,
+  /// without transmittance.
+  RELUME_HD void add_cached(const Rgb& leaving) {
+    const Rgb light = joint.suffix * light_behind(context, behind, index, x, y, walk, sampler);
+    rays += walk.path.rays;
+    if (!choice.offer(cached_target(leaving, light) * scale, numbers.next())) return;
+    clear_joint();
+    store_joint(light);
+    chosen.shape = StoredPath::shape_of(PathEnd::cached, joint.vertex + 2, joint.vertex, false);
+    chosen.value = leaving * light * joint.density;
+    chosen.first = first;
+    target = cached_target(leaving * joint.density, light);
+  }
+
   /// Light from infinity along the path's ray, which left the scene.
   RELUME_HD void add_infinity() {
     const PathState& path = walk.path;
@@ -249,7 +282,8 @@ struct CandidateTracer {
   }
 };
 
-struct PathCandidateKernel {
+template <typename Suffix>
+struct PathCandidateKernelOf {
   PathContext context;
   ConnectRule rule;
   SampleIndex index;
@@ -260,6 +294,7 @@ struct PathCandidateKernel {
   ReuseImage image;
   uint32_t width = 0;
   bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
+  Suffix suffix = {};
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
@@ -274,9 +309,13 @@ struct PathCandidateKernel {
     const Instance& instance = context.scene.instances[record.hit.instance];
     if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk)) return;
     ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPaths);
-    CandidateTracer tracer{
+    CandidateTracer<Suffix> tracer{
         .context = context,
         .rule = rule,
+        .behind = suffix,
+        .index = index,
+        .x = x,
+        .y = y,
         .walk = walk,
         .sampler = sampler,
         .numbers = numbers,
@@ -290,19 +329,21 @@ struct PathCandidateKernel {
   }
 
  private:
-  RELUME_HD void finish(uint32_t pixel, const CandidateTracer& tracer) const {
+  RELUME_HD void finish(uint32_t pixel, const CandidateTracer<Suffix>& tracer) const {
     PathReservoir own;
     own.confidence = 1;
     if (!is_finite(tracer.choice.sum)) {
       image.radiance[pixel] += Rgb(tracer.choice.sum);  // is counted there, and must not spread
     } else if (tracer.chosen.valid()) {
       own.sample = tracer.chosen;
-      own.target = luminance(own.sample.value);
+      own.target = tracer.target;
       own.weight = own.target > 0.0f ? tracer.choice.sum / own.target : 0.0f;
       if (!is_finite(own.weight) || !is_finite(own.target)) own.weight = own.target = 0.0f;
     }
     reservoirs[pixel] = own;
   }
 };
+
+using PathCandidateKernel = PathCandidateKernelOf<PlainSuffix>;
 
 }  // namespace relume

@@ -52,8 +52,9 @@ struct PairSearch {
 
 /// A neighbour's path at this pixel.
 struct PairedPath {
-  Rgb value{0};   ///< as StoredPath::value; black unless the shift is defined
-  Vec3 first{0};  ///< as StoredPath::first
+  Rgb value{0};      ///< as StoredPath::value; black unless the shift is defined
+  Vec3 first{0};     ///< as StoredPath::first
+  float target = 0;  ///< p̂ of the path here
 };
 
 /// Shifts the paths of each pixel's neighbours to this pixel. Pairs in which no pixel has a path need no shift.
@@ -81,7 +82,7 @@ struct PathPairKernel {
       const Instance& instance = scene.instances[record.hit.instance];
       const Shifted shifted =
           shifter.shift(reservoirs[other].sample, scene.camera, instance, record, true, rays[pixel]);
-      path = {shifted.value, shifted.first};
+      path = {shifted.value, shifted.first, shifted.target};
     }
   }
 };

@@ -13,18 +13,25 @@ enum class ShiftResult : uint32_t {
   too_early,    ///< vertices before the joint are connectible: the shifted path would have another joint
   no_joint,     ///< the vertices at the joint are not connectible
   other_media,  ///< other media lie behind the joint
+  other_end,    ///< one of both paths has light of a radiance cache behind the joint, and the other has not
   occluded,
   dark,  ///< a surface reflects nothing, or the value is not finite
 };
-inline constexpr uint32_t kShiftResults = 7;
+inline constexpr uint32_t kShiftResults = 8;
+
+/// p̂ of a path whose light behind the joint comes from a cache. `reflected`: integrand for a white light. The quotient
+/// of two pixels' p̂ is the same for any light, so their weights are exact even if its distribution differs among pixels
+/// and frames, as with cells.
+RELUME_HD inline float cached_target(const Rgb& reflected, const Rgb& light) {
+  return luminance(reflected) * luminance(light);
+}
 
 struct Shifted {
   Rgb value{0};       ///< integrand at the shifted path; black unless defined
+  float target = 0;   ///< p̂: luminance of the value, or cached_target()
   Vec3 first{0};      ///< as StoredPath::first
   float density = 1;  ///< of the shifted path's coordinates at the joint, by the shifted path's sampling
   ShiftResult result = ShiftResult::ended;
-
-  RELUME_HD float target() const { return luminance(value); }
 };
 
 /// Gives the reservoir's path the value that it has in another domain.
@@ -38,7 +45,8 @@ struct PathShifter {
   ConnectRule rule;
   SampleIndex index;  ///< of this frame
   uint32_t width = 0;
-  bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
+  bool has_cones = false;   ///< whether vertices up to the joint read textures by ray cones
+  bool uses_cells = false;  ///< whether candidates find light behind joints by a radiance cache
 
   /// Shifts `stored`, which exists(), to the primary hit of a record. `camera`: that of its frame. `instance`: of the
   /// hit, as placed in that frame. `traced`: whether to test the segment to the joint for occlusion. Adds traced rays
@@ -78,8 +86,19 @@ struct PathShifter {
       const PathState& path = walk.path;
       const Rgb weight = dispersed ? wavelength_weight(path.wavelength_nm) : Rgb(1);
       const Rgb all = path.throughput * value * weight;
-      const bool positive = is_finite(all) && luminance(all) > 0.0f;
-      out.value = positive ? all : Rgb(0);
+      set(all, luminance(all), density);
+    }
+    /// The same for a cached end. `value`: without its light.
+    RELUME_HD void complete_cached(const Rgb& value, float density) const {
+      const Rgb reflected = walk.path.throughput * value;
+      set(reflected * stored.suffix, cached_target(reflected, stored.suffix), density);
+    }
+
+   private:
+    RELUME_HD void set(const Rgb& value, float target, float density) const {
+      const bool positive = is_finite(value) && is_finite(target) && target > 0.0f;
+      out.value = positive ? value : Rgb(0);
+      out.target = positive ? target : 0.0f;
       out.density = density;
       out.result = positive ? ShiftResult::defined : ShiftResult::dark;
     }
@@ -93,6 +112,7 @@ struct PathShifter {
       case PathEnd::connection: return connect_to_light(t);
       case PathEnd::emitter: return connect_to_emitter(t);
       case PathEnd::infinity: return connect_to_infinity(t);
+      case PathEnd::cached:
       case PathEnd::none: break;
     }
   }
@@ -299,12 +319,21 @@ struct PathShifter {
     if (!rule.connects(s.from, to, s.distance, w.footprint)) return void(t.fail(ShiftResult::no_joint));
     if (!same_medium(medium_along(scene, w.sp, leaving, s.medium), stored.medium))
       return void(t.fail(ShiftResult::other_media));
+    const bool dispersed = s.dispersed || disperses(scene, w.sp, leaving);
+    const bool is_cached = stored.end() == PathEnd::cached;
+    if (is_cached != ends_cached(stored, dispersed)) return void(t.fail(ShiftResult::other_end));
     float density = s.bsdf.pdf_forward * s.geometry();
     const Rgb end = connects ? connected(t, s, light, bsdf, density) : arriving(t, leaving, bsdf, density);
     if (is_black(end)) return void(t.fail(ShiftResult::dark));
     if (is_blocked(t, s, ray_id)) return void(t.fail(ShiftResult::occluded));
-    const bool dispersed = s.dispersed || disperses(scene, w.sp, leaving) || stored.suffix_disperses();
-    t.complete(s.value * end, dispersed, density);
+    if (is_cached) return t.complete_cached(s.value * end, density);
+    t.complete(s.value * end, dispersed || stored.suffix_disperses(), density);
+  }
+
+  /// Whether a candidate with the shifted path up to the joint has a cached end, if light is found behind the vertex
+  /// after it. `dispersed`: whether a vertex up to the joint scatters by wavelength.
+  RELUME_HD bool ends_cached(const StoredPath& stored, bool dispersed) const {
+    return uses_cells && !dispersed && stored.joint() + 1 < stored.length();
   }
 
   /// Light that the joint reflects from the connected light. Multiplies `density` by that of the light's coordinates.
@@ -320,12 +349,14 @@ struct PathShifter {
     return reflected_light(context.scene, sp, s.medium, light, bsdf) * mis;
   }
 
-  /// Light that the joint reflects from the stored direction. Multiplies `density` by that of the direction.
+  /// Light that the joint reflects from the stored direction; without the light of a cached end. Multiplies `density`
+  /// by that of the direction.
   RELUME_HD Rgb arriving(const Task& t, const Vec3& leaving, const BsdfEval& bsdf, float& density) const {
     const SurfacePoint& sp = t.walk.sp;
     const StoredPath& stored = t.stored;
     density *= bsdf.pdf_forward;
     const Rgb factor = bsdf.f * shading_cosine(sp, leaving);
+    if (stored.end() == PathEnd::cached) return factor;
     if (stored.joint() + 1 < stored.length()) return factor * stored.suffix;
     if (stored.end() == PathEnd::infinity)
       return factor * light_from_infinity(context, sp, leaving, bsdf.pdf_forward, false);

@@ -106,7 +106,8 @@ TEST_P(PathShift, IsUndoneByTheShiftBack) {
     if (!traced.has_path(from) || !traced.records[to].valid()) continue;
     const Shifted there = traced.shifted(from, to);
     ++results[static_cast<size_t>(there.result)];
-    EXPECT_EQ(there.result == ShiftResult::defined, there.target() > 0.0f);
+    EXPECT_EQ(there.result == ShiftResult::defined, there.target > 0.0f);
+    EXPECT_EQ(there.target, luminance(there.value));
     if (there.result != ShiftResult::defined) continue;
     ++pairs;
     StoredPath moved = traced.reservoirs[from].sample;
@@ -124,8 +125,8 @@ TEST_P(PathShift, IsUndoneByTheShiftBack) {
   }
   EXPECT_GT(pairs, 100);
   EXPECT_LE(other, 2 + pairs / 100) << "of " << pairs;
-  const char* const names[kShiftResults] = {"defined",     "ended",    "too_early", "no_joint",
-                                            "other_media", "occluded", "dark"};
+  const char* const names[kShiftResults] = {"defined",     "ended",     "too_early", "no_joint",
+                                            "other_media", "other_end", "occluded",  "dark"};
   for (size_t i = 0; i < kShiftResults; ++i) RecordProperty(names[i], results[i]);
 }
 
@@ -293,6 +294,10 @@ TEST(StoredPath, IsNotUsedIfDamaged) {
   StoredPath damaged = path;
   damaged.shape = StoredPath::shape_of(path.end(), 2, 3, false);
   EXPECT_FALSE(exists(scene, damaged, 6)) << "a joint after the end";
+  damaged.shape = StoredPath::shape_of(PathEnd::cached, 2, 1, false);
+  EXPECT_FALSE(exists(scene, damaged, 6)) << "no vertex after the joint";
+  damaged.shape = StoredPath::shape_of(static_cast<PathEnd>(7), 3, 1, false);
+  EXPECT_FALSE(exists(scene, damaged, 6)) << "no such end";
   damaged.shape = StoredPath::shape_of(PathEnd::emitter, 2, 1, false);
   damaged.instance = scene.instances.size;
   EXPECT_FALSE(exists(scene, damaged, 6));

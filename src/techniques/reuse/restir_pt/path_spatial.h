@@ -67,27 +67,29 @@ struct PathSpatialKernel {
     return shifter.shift(path, scene.camera, scene.instances[record.hit.instance], record, traced, image.rays[pixel]);
   }
 
-  /// Gives the path of neighbour `i` the value that it has at `pixel`.
-  RELUME_HD void move(uint32_t pixel, const PathNeighbours& near, uint32_t i, StoredPath& path) const {
-    if (!knows_shifts()) return move_to(shift(pixel, pixel, path, true), path);
+  /// Gives the path of neighbour `i` the value that it has at `pixel`. Returns p̂ there.
+  RELUME_HD float move(uint32_t pixel, const PathNeighbours& near, uint32_t i, StoredPath& path) const {
+    if (!knows_shifts()) {
+      const Shifted shifted = shift(pixel, pixel, path, true);
+      move_to(shifted, path);
+      return shifted.target;
+    }
     const PairedPath& moved = paired[near.pair[i]][pixel];
     path.value = moved.value;
     path.first = moved.first;
+    return moved.target;
   }
 
   /// p̂ of the path of `pixel` at neighbour `i`.
   RELUME_HD float target_there(uint32_t pixel, const PathNeighbours& near, uint32_t i, const StoredPath& path) const {
     const uint32_t other = near.pixels[i];
-    if (knows_shifts()) return luminance(paired[near.pair[i]][other].value);
-    return shift(pixel, other, path, true).target();
+    if (knows_shifts()) return paired[near.pair[i]][other].target;
+    return shift(pixel, other, path, true).target;
   }
 
   RELUME_HD PathReservoir combine_pairs(uint32_t pixel, const PathReservoir& own, const PathNeighbours& near,
                                         ChoiceNumbers& numbers) const {
-    const auto here = [&](uint32_t i, PathReservoir& neighbour) {
-      move(pixel, near, i, neighbour.sample);
-      return luminance(neighbour.sample.value);
-    };
+    const auto here = [&](uint32_t i, PathReservoir& neighbour) { return move(pixel, near, i, neighbour.sample); };
     const auto there = [&](uint32_t i) { return target_there(pixel, near, i, own.sample); };
     return combine_neighbours_pairwise(own, reservoirs, near, here, there, numbers);
   }
@@ -100,21 +102,21 @@ struct PathSpatialKernel {
     float confidence = own.confidence;
     for (uint32_t i = 0; i < near.count; ++i) {
       PathReservoir neighbour = reservoirs[near.pixels[i]];
-      if (neighbour.weight > 0.0f) move(pixel, near, i, neighbour.sample);
-      combination.add(neighbour, i + 1, luminance(neighbour.sample.value), numbers.next());
+      const float target = neighbour.weight > 0.0f ? move(pixel, near, i, neighbour.sample) : 0.0f;
+      combination.add(neighbour, i + 1, target, numbers.next());
       confidence += neighbour.confidence;
     }
     const StoredPath path = combination.sample();
     if (!path.valid()) return combination.finish(0.0f, 0.0f);
     if (correction == PathCorrection::constant) return combination.finish(1.0f, confidence);
     const uint32_t chosen = combination.chosen();
-    const float here = luminance(path.value);
+    const float here = combination.target();
     float of_source = here;
     float of_all = own.confidence * here;
     for (uint32_t i = 0; i < near.count; ++i) {
       const PathReservoir& neighbour = reservoirs[near.pixels[i]];
       const bool is_source = chosen == i + 1;
-      const float there = is_source ? neighbour.target : shift(pixel, near.pixels[i], path, false).target();
+      const float there = is_source ? neighbour.target : shift(pixel, near.pixels[i], path, false).target;
       of_all += neighbour.confidence * there;
       if (is_source) of_source = there;
     }

@@ -9,11 +9,13 @@
 
 namespace relume {
 
-/// The combination with weights cᵢ / Σc, which needs no inverse shift. `before`: with its value in the domain of `now`.
-RELUME_HD inline PathReservoir combine_constant(const PathReservoir& now, const PathReservoir& before, float u) {
+/// The combination with weights cᵢ / Σc, which needs no inverse shift. `before`: with its value in the domain of `now`;
+/// `target`: p̂ there.
+RELUME_HD inline PathReservoir combine_constant(const PathReservoir& now, const PathReservoir& before, float target,
+                                                float u) {
   BasicCombination<StoredPath> combination;
   combination.add(now, 0, now.target, 0.0f);
-  combination.add(before, 1, luminance(before.sample.value), u);
+  combination.add(before, 1, target, u);
   return combination.finish(1.0f, now.confidence + before.confidence);
 }
 
@@ -61,14 +63,17 @@ struct PathTemporalKernel {
   RELUME_HD PathReservoir combine(uint32_t pixel, const PathReservoir& own, PathReservoir& before, uint32_t source,
                                   float u) const {
     const SceneView& scene = shifter.context.scene;
+    float here = 0;  // p̂ of `before`
     if (before.weight > 0.0f) {
       const ReceiverRecord& now = records[pixel];
-      move_to(shifter.shift(before.sample, scene.camera, scene.instances[now.hit.instance], now, true, rays[pixel]),
-              before.sample);
+      const Shifted shifted =
+          shifter.shift(before.sample, scene.camera, scene.instances[now.hit.instance], now, true, rays[pixel]);
+      move_to(shifted, before.sample);
+      here = shifted.target;
     }
-    if (correction == PathCorrection::constant) return combine_constant(own, before, u);
+    if (correction == PathCorrection::constant) return combine_constant(own, before, here, u);
     const float there = own.weight > 0.0f ? old_target(own.sample, source, rays[pixel]) : 0.0f;
-    const auto now_target = [](const StoredPath& path) { return luminance(path.value); };
+    const auto now_target = [here](const StoredPath&) { return here; };
     const auto before_target = [there](const StoredPath&) { return there; };
     return correction == PathCorrection::basic ? combine_basic(own, before, now_target, before_target, u)
                                                : combine_balanced(own, before, now_target, before_target, u);
@@ -81,7 +86,7 @@ struct PathTemporalKernel {
     return shifter
         .shift(path, scene.previous_camera, history.instance_of(scene, source), history.records[source], traced,
                ray_count)
-        .target();
+        .target;
   }
 };
 

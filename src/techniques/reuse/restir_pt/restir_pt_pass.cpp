@@ -1,6 +1,9 @@
 #include "techniques/reuse/restir_pt/restir_pt_pass.h"
 
+#include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
+#include "techniques/radiance_cache/sharc/sharc_pass.h"
 #include "techniques/reuse/reservoir/reuse_pass.h"
+#include "techniques/reuse/restir_pt/cached_restir_pt_pass.h"
 #include "techniques/reuse/restir_pt/path_candidates.h"
 #include "techniques/reuse/restir_pt/path_duplicates.h"
 #include "techniques/reuse/restir_pt/path_pairs.h"
@@ -65,11 +68,13 @@ PathShifter RestirPtPass::shifter(const FrameContext& frame) const {
           .rule = rule_of(settings_),
           .index = frame.index,
           .width = frame.width(),
-          .has_cones = has_cones(settings_)};
+          .has_cones = has_cones(settings_),
+          .uses_cells = uses_cells()};
 }
 
-bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
-  PathCandidateKernel kernel;
+template <typename Suffix>
+bool RestirPtPass::trace_candidates_with(const FrameContext& frame, const Suffix& suffix) const {
+  PathCandidateKernelOf<Suffix> kernel;
   kernel.context = make_path_context(source_, frame);
   kernel.rule = rule_of(settings_);
   kernel.index = frame.index;
@@ -80,7 +85,20 @@ bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
   kernel.image = reuse_image(frame);
   kernel.width = frame.width();
   kernel.has_cones = has_cones(settings_);
+  kernel.suffix = suffix;
   return frame.launch_or_stop("restir-pt-trace", kernel);
+}
+
+bool RestirPtPass::trace_candidates(const FrameContext& frame) const {
+  return trace_candidates_with(frame, PlainSuffix{});
+}
+
+bool SharcRestirPtPass::trace_candidates(const FrameContext& frame) const {
+  return trace_candidates_with(frame, SharcSuffix{make_cell_ends(sharc_, cells_.filter(), {})});
+}
+
+bool GraphRestirPtPass::trace_candidates(const FrameContext& frame) const {
+  return trace_candidates_with(frame, GraphSuffix{make_path_graph(graphs_, cells_.filter())});
 }
 
 bool RestirPtPass::count_duplicates(const FrameContext& frame) const {

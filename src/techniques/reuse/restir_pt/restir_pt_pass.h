@@ -12,7 +12,7 @@ struct PathShifter;
 
 /// Adds the light of all paths that scatter by a lobe with a density, to that of paths without such
 /// (PathRecords::only_specular).
-class RestirPtPass final : public Pass {
+class RestirPtPass : public Pass {
  public:
   RestirPtPass(const RestirPtSettings& settings, const PathSource& source) : settings_(settings), source_(source) {}
 
@@ -23,12 +23,19 @@ class RestirPtPass final : public Pass {
   bool keeps_to_pixels() const override { return false; }
   uint32_t correlated_frames() const override { return frames_correlated_by(settings_.cap); }
 
+ protected:
+  template <typename Suffix>
+  bool trace_candidates_with(const FrameContext& frame, const Suffix& suffix) const;
+  /// Traces the candidates. Returns false if a stop was requested first.
+  virtual bool trace_candidates(const FrameContext& frame) const;
+  /// Whether candidates find light behind joints by a radiance cache.
+  virtual bool uses_cells() const { return false; }
+
  private:
   PathShifter shifter(const FrameContext& frame) const;
   PairSearch pairs(const FrameContext& frame) const;
   bool finds_duplicates() const { return settings_.cap > 0 && settings_.duplication > 0; }
   // These return false if a stop was requested first.
-  bool trace_candidates(const FrameContext& frame) const;
   bool count_duplicates(const FrameContext& frame) const;
   bool reuse_history(const FrameContext& frame) const;
   bool shift_pairs(const FrameContext& frame) const;

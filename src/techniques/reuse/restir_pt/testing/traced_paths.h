@@ -16,8 +16,9 @@ class TracedPaths {
   static constexpr uint32_t kEdge = 24;  ///< pixels
   static constexpr uint32_t kPixels = kEdge * kEdge;
 
+  template <typename Suffix = PlainSuffix>
   TracedPaths(const Scene& source, const ConnectRule& rule, uint32_t max_bounces, uint32_t sample = 3,
-              bool has_cones = false)
+              bool has_cones = false, const Suffix& suffix = {})
       : scene_(source, {.camera = {}, .width = kEdge, .height = kEdge}),
         reservoirs(kPixels),
         records(kPixels),
@@ -33,7 +34,8 @@ class TracedPaths {
     shifter.index = {.seed = 7, .sample = sample};
     shifter.width = kEdge;
     shifter.has_cones = has_cones;
-    PathCandidateKernel kernel;
+    shifter.uses_cells = Suffix::uses_cells;
+    PathCandidateKernelOf<Suffix> kernel;
     kernel.context = shifter.context;
     kernel.rule = rule;
     kernel.index = shifter.index;
@@ -43,6 +45,7 @@ class TracedPaths {
     kernel.image = {mutable_view_of(radiance), {}, mutable_view_of(rays_)};
     kernel.width = kEdge;
     kernel.has_cones = has_cones;
+    kernel.suffix = suffix;
     const PrimaryHitsKernel primary{view, shifter.index, mutable_view_of(hits_), {}, kEdge};
     for (uint32_t y = 0; y < kEdge; ++y) {
       for (uint32_t x = 0; x < kEdge; ++x) {
