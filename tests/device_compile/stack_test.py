@@ -42,7 +42,10 @@ BOUNDS = (
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 2750),
     (r"IndirectValidationKernel", 1350),
     (r"PathTemporalKernel|PathSpatialKernel", 2150),  # a path, its surface point and sampler, beside two reservoirs
-    (r"PathCandidateKernel", 1800),  # a path, beside the chosen one
+    # A path, beside the chosen one; with a path graph, or the state of a path that ends in cells.
+    (r"PathCandidateKernelOf<GraphSuffix>", 2800),
+    (r"PathCandidateKernelOf<SharcSuffix>", 2000),
+    (r"PathCandidateKernel", 1800),
     (r"PathPairKernel", 1600),
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),
     (r"PathKernel<RadianceOutput, IndirectSampleOutput", 1350),

@@ -183,13 +183,13 @@ class Combinations(RefusalTest):
 
     def test_slots(self):
         self.refuse_each(self.render("-o", "out.exr"), [
-            (FAILED, "--cache sharc --reuse restir-pt", "reuse 'restir-pt' .* radiance cache.*; use reuse 'restir-di\\+gi', or cache 'none'"),
             (FAILED, "--reuse restir-di+gi --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* 'restir-di.gi': their samples are points on lights .*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--reuse restir-pt --guide cdq", "reuse 'restir-pt' .* guides 'cdq' and 'mcpg'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--reuse restir-pt --lights neeat", "reuse 'restir-pt' .* lights 'vlc', 'neeat' and 'mcls'.*; use lights 'light-tree' and guide 'bsdf'"),
             (FAILED, "--estimator vcm --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* estimators 'bdpt' and 'vcm': without next event estimation, no point .*; use mcpg.nee on, or estimator 'path'"),
             (FAILED, "--guide mcpg --no-mcpg.nee --cache psf --reuse ris", "guide 'mcpg' without mcpg.nee .* reuse 'ris'.*; use mcpg.nee on, or reuse 'none'"),
-            (FAILED, "--estimator bdpt --reuse restir-gi", "reuse 'restir-gi', .* estimators 'bdpt', 'light' and 'vcm'.*; use reuse 'ris' or 'restir-di'"),
+            (FAILED, "--estimator light --reuse restir-gi", "reuse 'restir-gi', .* estimator 'light'.*; use reuse 'ris' or 'restir-di'"),
+            (FAILED, "--estimator vcm --cache psf --reuse restir-gi", "'bdpt' and 'vcm' with a radiance cache .* 'restir-gi' and 'restir-di\\+gi'.*; use cache 'none', or reuse 'ris' or 'restir-di'"),
             (FAILED, "--estimator light --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq --cdq.importance --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use .* guide 'bsdf'"),
@@ -200,11 +200,11 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator vcm --cache apsf+apg", "estimators 'bdpt' and 'vcm' .* 'apg'.* estimator 'path'"),
             (FAILED, "--allocation adaptive --history none", "allocation 'adaptive' .* history 'none'.*; use history 'accumulate' or 'reproject'"),
             # From any source of choices.
-            (FAILED, "--preset restir-pt-2022 --cache psf", "reuse 'restir-pt' .* radiance cache"),
+            (FAILED, "--preset restir-pt-2022 --estimator bdpt", "reuse 'restir-pt' does not combine with estimators 'bdpt' and 'vcm'"),
             (FAILED, "--preset paper-001 --history none", "allocation 'adaptive' .* history 'none'"),
         ])
-        (self.folder / "s.json").write_text('{"cache": "psf", "reuse": "restir-pt"}')
-        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="reuse 'restir-pt' .* radiance cache")
+        (self.folder / "s.json").write_text('{"cache": "psf", "estimator": "light"}')
+        self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "s.json"), matches="estimator 'light' .* radiance cache")
 
     def test_values(self):
         self.refuse_each(self.render("-o", "out.exr"), [
@@ -293,7 +293,7 @@ class Commands(RefusalTest):
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is common to all contenders; give it as --width"),
-            (FAILED, "--reference-settings cache:psf,reuse:restir-pt", "reuse 'restir-pt' .* radiance cache"),
+            (FAILED, "--reference-settings cache:psf,estimator:light", "estimator 'light' .* radiance cache"),
         ])
 
     def test_experiment(self):

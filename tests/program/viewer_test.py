@@ -32,7 +32,7 @@ class Files(Viewer):
             "cut.ply": b"ply\nformat ascii 1.0\nelement vertex 9\n",
             "lost.json": b'{"scene": "nowhere.gltf"}',
             "unknown.json": b'{"scene": "builtin:mine", "settings": {"max-bouncs": 3}}',
-            "refused.json": b'{"scene": "builtin:mine", "settings": {"cache": "psf", "reuse": "restir-pt"}}',
+            "refused.json": b'{"scene": "builtin:mine", "settings": {"cache": "psf", "estimator": "light"}}',
             "image.png": b"\x89PNG\r\n",
             "nothing": b"\0" * 16,
         }
@@ -50,10 +50,10 @@ class Files(Viewer):
         self.assertEqual(reports[-1]["scene"], "cornell-spheres")
 
     def test_a_scene_brings_settings_that_do_not_combine_with_those_before(self):
-        (self.folder / "resampled.json").write_text('{"scene": "builtin:mine", "settings": {"reuse": "restir-pt"}}')
-        script = "set cache apg\nframes 1\ndrop resampled.json\nloaded\nframes 2\nreport\n"
+        (self.folder / "connected.json").write_text('{"scene": "builtin:mine", "settings": {"estimator": "bdpt"}}')
+        script = "set cache apg\nframes 1\ndrop connected.json\nloaded\nframes 2\nreport\n"
         report, _ = self.view("cornell", script)
-        self.assertEqual(report["scene"], "resampled.json")
+        self.assertEqual(report["scene"], "connected.json")
         self.assertGreater(report["mean_luminance"], 0)
 
     def test_a_scene_that_changes_on_disk_is_read_again(self):

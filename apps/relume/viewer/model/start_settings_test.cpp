@@ -111,16 +111,16 @@ TEST(SettingsInScene, StayExceptForThoseOfTheScene) {
 TEST(SettingsInScene, AreTheScenesWhereTheyDoNotCombineWithTheUsers) {
   AllSettings current = resolve_start({.preset = "paper-000"});
   current.render.width = 123;
-  const AllSettings settings = settings_in_scene(current, R"({"reuse": "restir-pt"})", "scene");
+  const AllSettings settings = settings_in_scene(current, R"({"estimator": "bdpt"})", "scene");
   EXPECT_NO_THROW(check_combination(settings.render));
-  EXPECT_EQ(settings.render.reuse, ReuseChoice::restir_pt);
+  EXPECT_EQ(settings.render.estimator, EstimatorChoice::bdpt);
   EXPECT_EQ(settings.render.cache, CacheChoice::none);
   EXPECT_EQ(settings.render.width, 123);
 }
 
 TEST(SettingsInScene, RejectUnknownAndIncompatibleSettingsOfTheScene) {
   EXPECT_THROW(settings_in_scene({}, R"({"max-bouncs": 3})", "scene"), Error);
-  EXPECT_THROW(settings_in_scene({}, R"({"cache": "psf", "reuse": "restir-pt"})", "scene"), Error);
+  EXPECT_THROW(settings_in_scene({}, R"({"cache": "psf", "estimator": "light"})", "scene"), Error);
 }
 
 }  // namespace

@@ -93,6 +93,8 @@ TEST(Sharc, ReservoirsLeaveDirectLightToTheCells) {
   settings.restir.cap = settings.restir_gi.cap = 4;
   EXPECT_NEAR(mean_with(ReuseChoice::restir_gi), expected, 0.03 * expected);
   EXPECT_NEAR(mean_with(ReuseChoice::restir_di_gi), expected, 0.03 * expected);
+  settings.restir_pt.cap = 4;
+  EXPECT_NEAR(mean_with(ReuseChoice::restir_pt), expected, 0.03 * expected);
 }
 
 TEST(Sharc, CellsLargerThanTheRoomChangeNoBit) {
@@ -222,7 +224,7 @@ TEST(Sharc, ReportsCellsAndMemory) {
   EXPECT_GE(static_cast<double>(session.statistics().technique_bytes), bytes);
 }
 
-TEST(Sharc, RefusesLightPathsAndReservoirsOfPaths) {
+TEST(Sharc, RefusesLightPaths) {
   const auto reason = [](void (*change)(RenderSettings&)) {
     RenderSettings settings;
     settings.cache = CacheChoice::sharc;
@@ -237,7 +239,7 @@ TEST(Sharc, RefusesLightPathsAndReservoirsOfPaths) {
   EXPECT_EQ(reason([](RenderSettings& s) { s.guide = GuideChoice::mcpg; }), "");
   EXPECT_EQ(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_gi; }), "");
   EXPECT_NE(reason([](RenderSettings& s) { s.estimator = EstimatorChoice::vcm; }), "");
-  EXPECT_NE(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_pt; }), "");
+  EXPECT_EQ(reason([](RenderSettings& s) { s.reuse = ReuseChoice::restir_pt; }), "");
 }
 
 }  // namespace

@@ -36,8 +36,9 @@ struct Choices {
   CacheChoice cache = CacheChoice::none;
   ReuseChoice reuse = ReuseChoice::none;
 
+  bool has_whole_paths() const { return reuse == ReuseChoice::restir_pt; }
   /// Whether the history looks cells up again.
-  bool has_cells() const { return cache != CacheChoice::none && cache != CacheChoice::sharc; }
+  bool has_cells() const { return cache != CacheChoice::none && cache != CacheChoice::sharc && !has_whole_paths(); }
   /// Whether these cells hold all light that surfaces reflect: neither reservoirs nor splats add any.
   bool has_whole_cells() const {
     const bool has_direct = reuse == ReuseChoice::none || reuse == ReuseChoice::ris;
@@ -81,6 +82,8 @@ const std::vector<Choices>& all_choices() {
        .estimator = EstimatorChoice::vcm,
        .cache = CacheChoice::psf,
        .reuse = ReuseChoice::restir_di},
+      {.name = "apg_restir_pt", .cache = CacheChoice::apg, .reuse = ReuseChoice::restir_pt},
+      {.name = "sharc_restir_pt", .cache = CacheChoice::sharc, .reuse = ReuseChoice::restir_pt},
   };
   return list;
 }
@@ -131,8 +134,7 @@ INSTANTIATE_TEST_SUITE_P(All, ForwardOfReservoirs, ::testing::ValuesIn(indices_o
 
 class ForwardOfPathReservoirs : public ForwardOfChoice {};
 INSTANTIATE_TEST_SUITE_P(All, ForwardOfPathReservoirs, ::testing::ValuesIn(indices_of([](const Choices& c) {
-                           const bool indirect = resamples_indirect_light(c.reuse) || c.reuse == ReuseChoice::restir_pt;
-                           return indirect && !c.has_cells();
+                           return (resamples_indirect_light(c.reuse) || c.has_whole_paths()) && !c.has_cells();
                          })),
                          name_of);
 
@@ -251,8 +253,8 @@ TEST_P(ForwardOfPaths, RecordTheLightOfSamples) {
 
 /// The BSDF for the recorded directions, at the primary hits of the reservoirs, gives the light of the samples.
 TEST_P(ForwardOfPathReservoirs, RecordDirectionsOfGloss) {
-  const bool has_whole_paths = choices().reuse == ReuseChoice::restir_pt;
-  const BufferKey<ReceiverRecord> receivers{has_whole_paths ? "restir-pt-receivers" : "restir-gi-receivers"};
+  const BufferKey<ReceiverRecord> receivers{choices().has_whole_paths() ? "restir-pt-receivers"
+                                                                        : "restir-gi-receivers"};
   RenderSettings settings = settings_of(choices());
   settings.restir_gi.reuse_glossy = true;
   Session session(varnished_cornell(), settings);
@@ -367,7 +369,7 @@ TEST_P(ForwardOfSomeBounces, HasTheMeanOfPathTracing) {
   const Mean mean = mean_of(settings_of(choices()), 8, true);
   ASSERT_LT(mean.error, 0.01 * mean.value);
   double bias = 0.02;  // and that of the choice, from docs/combinations.md
-  if (choices().has_cells()) bias += 0.03;
+  if (choices().cache != CacheChoice::none) bias += 0.03;
   if (choices().estimator == EstimatorChoice::vcm) bias += 0.01;
   EXPECT_NEAR(mean.value, truth.value, bias * truth.value + 4.5 * std::hypot(mean.error, truth.error));
 }
