@@ -73,23 +73,40 @@ struct Footprint {
   }
 };
 
-/// Computes the mean of the covered texels in linear space, weighted by area only, so every level has the same mean.
+/// Mean of the texels that a texel of `level` covers in the finer level, weighted by area.
+Vec4 mean_of_covered(const TextureSampler& texture, int level, int x, const Footprint& rows) {
+  const TextureRecord& record = texture.record();
+  const Footprint columns(x, record.level_width(level), record.level_width(level - 1));
+  Vec4 sum(0);
+  for (int j = rows.first(); j < rows.last(); ++j) {
+    for (int i = columns.first(); i < columns.last(); ++i) {
+      sum += texture.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
+    }
+  }
+  return sum;
+}
+
+/// The same where a texel covers exactly 2 × 2 texels, with the same bits.
+Vec4 mean_of_four(const TextureSampler& texture, int level, int x, int y) {
+  Vec4 sum(0);
+  for (int j = 2 * y; j < 2 * y + 2; ++j) {
+    for (int i = 2 * x; i < 2 * x + 2; ++i) sum += texture.texel(level - 1, i, j) * 0.25f;
+  }
+  return sum;
+}
+
+/// Computes the mean of the covered texels in linear space, so every level has the same mean.
 void filter_level(const TextureSampler& texture, int level, std::byte* texels) {
   const TextureRecord& record = texture.record();
   const int w = record.level_width(level);
   const int h = record.level_height(level);
+  const bool halves = record.level_width(level - 1) == 2 * w && record.level_height(level - 1) == 2 * h;
   std::byte* target = texels + static_cast<size_t>(record.level_offset[level]) * texel_size(record.format);
   for (int y = 0; y < h; ++y) {
     const Footprint rows(y, h, record.level_height(level - 1));
     for (int x = 0; x < w; ++x) {
-      const Footprint columns(x, w, record.level_width(level - 1));
-      Vec4 sum(0);
-      for (int j = rows.first(); j < rows.last(); ++j) {
-        for (int i = columns.first(); i < columns.last(); ++i) {
-          sum += texture.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
-        }
-      }
-      store(target, record.format, w, x, y, sum);
+      const Vec4 mean = halves ? mean_of_four(texture, level, x, y) : mean_of_covered(texture, level, x, rows);
+      store(target, record.format, w, x, y, mean);
     }
   }
 }
@@ -108,6 +125,18 @@ TextureRecord layout_of(const Texture& texture, size_t first) {
   record.wrap_v = texture.wrap_v;
   record.nearest = texture.filter == FilterMode::nearest;
   return record;
+}
+
+/// Clears the levels that have texels beyond their width or height, so that equal textures have equal bytes.
+void clear_padding(const TextureRecord& record, std::span<std::byte> texels) {
+  for (int level = 0; level < record.level_count; ++level) {
+    const int w = record.level_width(level);
+    const int h = record.level_height(level);
+    if (w % 4 == 0 && h % 4 == 0) continue;
+    const size_t size = texel_size(record.format);
+    std::byte* start = texels.data() + static_cast<size_t>(record.level_offset[level]) * size;
+    std::memset(start, 0, static_cast<size_t>(padded_texels(w, h)) * size);
+  }
 }
 
 /// Sets the levels. Returns the number of texels.
@@ -147,7 +176,7 @@ TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filt
   Activity activity("filtering textures", textures.size());
   parallel_for(textures.size(), [&](size_t i) {
     const std::span<std::byte> own = std::as_writable_bytes(texels.subspan(first[i], first[i + 1] - first[i]));
-    std::fill(own.begin(), own.end(), std::byte{0});
+    clear_padding(records[i], own);
     copy_base(textures[i], own.data());
     for (int level = 1; level < records[i].level_count; ++level)
       filter_level(view[static_cast<uint32_t>(i)], level, own.data());
