@@ -12,7 +12,7 @@ namespace relume {
 
 /// Samples per block. A block is summed in the order of its samples, and blocks are summed exactly, so parts must begin
 /// at multiples of it.
-inline constexpr uint32_t kBlockSamples = 16;
+inline constexpr uint32_t kBlockSamples = 4;
 
 /// Luminance in double precision, linear in its arguments up to their rounding.
 RELUME_HD inline double luminance_of(double r, double g, double b) { return 0.2126 * r + 0.7152 * g + 0.0722 * b; }

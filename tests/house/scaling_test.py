@@ -18,6 +18,7 @@ import house
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(house.ROOT / "tools/scaling"))
 
+import dealers  # noqa: E402
 import fit  # noqa: E402
 import launch  # noqa: E402
 import page  # noqa: E402
@@ -36,7 +37,8 @@ def load(name):
 
 measure_ranks = load("measure_ranks")
 FREE = Costs(samples_per_s=1e6, plane_s=0.0, bandwidth=math.inf, latency_s=-launch.POLL_S)  # no overhead at all
-STILL = Job("still", 100_000, 16 * 1024)
+BLOCK = dealers.BLOCK_SAMPLES
+STILL = Job("still", 100_000, BLOCK * 1024)
 
 
 class Constants(unittest.TestCase):
@@ -52,7 +54,8 @@ class Constants(unittest.TestCase):
         self.assertIn("kIdlePause = std::chrono::milliseconds(3);", sources)
         sums = (house.ROOT / "src/framebuffer/pixel_sums.h").read_text(encoding="utf-8")
         self.assertIn(f"sizeof(PixelSums) == {launch.IMAGE_SUM_BYTES},", sums)
-        self.assertIn("kBlockSamples = 16;", sums)
+        self.assertIn(f"kBlockSamples = {BLOCK};", sums)
+        self.assertEqual(measure_ranks.BLOCK_SAMPLES, BLOCK)
 
 
 class StillImages(unittest.TestCase):
@@ -63,14 +66,14 @@ class StillImages(unittest.TestCase):
             self.assertAlmostEqual(simulate(STILL, ranks, FREE).seconds * ranks / one, 1, delta=1e-9)
 
     def test_use_at_most_one_rank_per_block(self):
-        job = dataclasses.replace(STILL, samples=16 * 4)
+        job = dataclasses.replace(STILL, samples=BLOCK * 4)
         self.assertAlmostEqual(simulate(job, 4, FREE).seconds, simulate(job, 64, FREE).seconds)
         self.assertAlmostEqual(simulate(job, 64, FREE).idle, 1 - 4 / 64)
 
     def test_saturate_the_network_at_the_computed_number_of_ranks(self):
-        block_s = 16 * STILL.pixels / FREE.samples_per_s  # 1.6 s; a shorter interval makes every deal a block
+        block_s = BLOCK * STILL.pixels / FREE.samples_per_s  # 0.4 s; a shorter interval makes every deal a block
         costs = dataclasses.replace(FREE, bandwidth=launch.SUM_BYTES * STILL.pixels / (block_s / 16), interval_s=1.0)
-        least_s = launch.SUM_BYTES * STILL.pixels / costs.bandwidth * STILL.samples / 16
+        least_s = launch.SUM_BYTES * STILL.pixels / costs.bandwidth * STILL.samples / BLOCK
         four, eight, many, more = (simulate(STILL, ranks, costs) for ranks in (4, 8, 64, 128))
         # A rank renders for 16 transfers, and sends meanwhile, so 17 ranks saturate the link. Fewer ranks do not wait.
         self.assertAlmostEqual(four.seconds / eight.seconds, 2, delta=0.02)
@@ -81,11 +84,11 @@ class StillImages(unittest.TestCase):
             self.assertEqual(page.limit(STILL, outcome), "network of rank 0")
 
     def test_saturate_the_thread_that_adds(self):
-        block_s = 16 * STILL.pixels / FREE.samples_per_s
+        block_s = BLOCK * STILL.pixels / FREE.samples_per_s
         costs = dataclasses.replace(FREE, plane_s=block_s / 10 / STILL.pixels, cores=1000, merge_cores=1, interval_s=1.0)
         outcome = simulate(STILL, 64, costs)
         # Rank 0 deals after each result, so that it waits only for the first one, and for samples that it rendered again.
-        added = outcome.seconds / (STILL.samples / 16 * block_s / 10)
+        added = outcome.seconds / (STILL.samples / BLOCK * block_s / 10)
         self.assertLess(1, added)
         self.assertLess(added, 1.06)
         self.assertEqual(page.limit(STILL, outcome), "rank 0 adds results")
@@ -95,19 +98,19 @@ class StillImages(unittest.TestCase):
         self.assertGreater(simulate(STILL, 64, costs).share("again"), 0)
 
     def test_hold_the_results_that_fit_into_the_limit(self):
-        job, costs = Job("large", 4_000_000, 16 * 64), dataclasses.replace(FREE, bandwidth=1e9)
+        job, costs = Job("large", 4_000_000, BLOCK * 64), dataclasses.replace(FREE, bandwidth=1e9)
         sums = still_image.RECEIVED_SUMS * launch.IMAGE_SUM_BYTES * job.pixels
         self.assertGreater(sums, launch.RECEIVE_BYTES)
         results = sums // (launch.SUM_BYTES * job.pixels)  # the largest number that fits
         self.assertEqual(simulate(job, 64, costs).memory, job.pixels * (launch.IMAGE_SUM_BYTES + results * launch.SUM_BYTES))
-        small = dataclasses.replace(STILL, samples=16 * 8)  # all fit; that of rank 0 needs no transfer
+        small = dataclasses.replace(STILL, samples=BLOCK * 8)  # all fit; that of rank 0 needs no transfer
         costs = dataclasses.replace(FREE, bandwidth=1e8)
         self.assertEqual(simulate(small, 8, costs).memory, small.pixels * (launch.IMAGE_SUM_BYTES + 7 * launch.SUM_BYTES))
 
 
 class LostRanks(unittest.TestCase):
     COSTS = dataclasses.replace(FREE, load_s=3.0, checkpoint_s=1e-6, write_s=1e-6, interval_s=20.0)
-    JOB = Job("still", 100_000, 16 * 2048)
+    JOB = Job("still", 100_000, BLOCK * 2048)
 
     def test_cost_at_most_an_interval_the_heartbeat_and_a_start(self):
         ranks = 8
@@ -244,7 +247,7 @@ class Measuring(unittest.TestCase):
         self.assertLess(60 * 10 * 0.8, 4 * (2 * one * sum(1 / n for n in measure_ranks.RANKS) + 5 * 1.5 * 3))
         self.assertGreater(60 * 10, 4 * (2 * one * sum(1 / n for n in measure_ranks.RANKS)))
         self.assertEqual(measure_ranks.samples_for(26.5, 1.5, 64, 3.5), 16 * 50)
-        self.assertEqual(measure_ranks.samples_for(2.0, 1.5, 64, 60.0), 16 * 16)
+        self.assertEqual(measure_ranks.samples_for(2.0, 1.5, 64, 60.0), BLOCK * 16)
 
     def test_alternates_and_reports_ratios(self):
         self.assertEqual(measure_ranks.order(1), measure_ranks.order(0)[::-1])

@@ -17,7 +17,7 @@ SMALL = ["--width", "48", "--height", "36", "--threads", "1"]
 
 
 class Images(RanksTest):
-    look = ["render", "cornell", *SMALL, "--aov", LAYERS, "--spp", "72"]  # five blocks of 16: one per rank, the last half full
+    look = ["render", "cornell", *SMALL, "--aov", LAYERS, "--spp", "18"]  # five blocks of 4: one per rank, the last half full
     ranks = (1, 2, 5)  # all blocks, uneven numbers of them, one of each
 
     def whole(self, *arguments):

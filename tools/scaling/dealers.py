@@ -3,7 +3,7 @@
 import collections
 import dataclasses
 
-BLOCK_SAMPLES = 16
+BLOCK_SAMPLES = 4
 FIRST_BLOCKS = 1
 PARTS_PER_RANK = 2
 

@@ -6,6 +6,7 @@ import pathlib
 import sys
 import textwrap
 
+from dealers import BLOCK_SAMPLES
 from fit import FITTED_RANKS, PREDICTED_RANKS, START, Fit, interval_of_mean
 from launch import Costs, Job
 from simulation import simulate
@@ -59,7 +60,7 @@ Discrete events follow `apps/relume/ranks`:
 
 | part | model |
 |---|---|
-| dealing | rank 0 deals blocks of 16 samples on demand, by the rules of `sample_dealer.cpp`; frames by those of `frame_dealer.cpp` |
+| dealing | rank 0 deals blocks of 4 samples on demand, by the rules of `sample_dealer.cpp`; frames by those of `frame_dealer.cpp` |
 | results | 80 bytes per pixel for each deal, 12 for a frame. Rank 0 grants transfers in turn, up to twice the size of its sums, or 256 MiB if that is more |
 | network | granted transfers share the link of rank 0 equally |
 | reducing | rank 0 alone adds all results, one after another, and deals after each |
@@ -219,7 +220,7 @@ def beyond(costs):
         outcomes = [simulate(job, ranks, costs) for ranks in RANKS]
         text += table(HEADS, [row_of(job, o, outcomes[0].seconds) for o in outcomes])
         if not job.frames:
-            text += "\n" + paragraph(f"The image has {job.samples // 16} blocks of 16 samples, so at most as many ranks can render at a time. Rank 0 holds its sums, the "
+            text += "\n" + paragraph(f"The image has {job.samples // BLOCK_SAMPLES} blocks of {BLOCK_SAMPLES} samples, so at most as many ranks can render at a time. Rank 0 holds its sums, the "
                                      "results of other ranks up to its limit, and up to two of its own.")  # fmt: skip
         elif job.warmup:
             text += "\n" + paragraph("Techniques that use earlier frames render eight frames before each segment. Segments become shorter with more ranks, so that the "

@@ -34,7 +34,7 @@ std::vector<Option> declare(RenderOptions& o) {
         "its extension"},
        "A-B"},
       {{"sample-range", &o.sample_range,
-        "Render only these samples of each pixel, both included, from a multiple of 16 on; the EXR holds their exact "
+        "Render only these samples of each pixel, both included, from a multiple of 4 on; the EXR holds their exact "
         "sums for relume merge"},
        "A-B"},
       {{"fps", &o.fps, "Frames per second of --frames", {.min = 0.001, .max = 100000}}},

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "framebuffer/pixel_sums.h"
+
 namespace relume::ranks {
 namespace {
 
@@ -62,6 +64,14 @@ TEST(SampleDealer, KeepsFastAndSlowRanksBusy) {
   EXPECT_GT(rendered[0], 2 * rendered[2]);
 }
 
+TEST(SampleDealer, TwoEqualRanksEndTogether) {
+  // As many samples as a small image has, with deals of the default duration and results that cost no time.
+  SampleDealer dealer({.samples = 256, .ranks = 2, .target_s = 10});
+  std::vector<uint32_t> rendered;
+  const double end_s = simulate(dealer, {0.47, 0.45}, rendered);
+  EXPECT_LT(end_s, 1.02 * 256 / (1 / 0.47 + 1 / 0.45));
+}
+
 TEST(SampleDealer, DealsTheLastBlocksOfASlowRankAgain) {
   SampleDealer dealer({.samples = 64, .ranks = 2});
   std::vector<uint32_t> rendered;
@@ -72,7 +82,7 @@ TEST(SampleDealer, DealsTheLastBlocksOfASlowRankAgain) {
 }
 
 TEST(SampleDealer, DoesNotDealARenderedDealAgain) {
-  SampleDealer dealer({.samples = 32, .ranks = 2});
+  SampleDealer dealer({.samples = 2 * kBlockSamples, .ranks = 2});
   const Deal fast = *dealer.next(0, 0);
   const Deal slow = *dealer.next(1, 0);
   EXPECT_TRUE(dealer.finished(0, fast.id, fast.count, 0.1));
@@ -85,13 +95,14 @@ TEST(SampleDealer, DoesNotDealARenderedDealAgain) {
 }
 
 TEST(SampleDealer, FillsTheGapsOfACheckpoint) {
-  SampleRanges done({0, 15});
-  done.add(SampleRanges({32, 63}));
-  SampleDealer dealer({.samples = 100, .ranks = 2, .done = done});
-  EXPECT_EQ(dealer.next(0, 0)->first, 16u);
+  constexpr uint32_t kBlock = kBlockSamples;
+  SampleRanges done({0, kBlock - 1});
+  done.add(SampleRanges({2 * kBlock, 4 * kBlock - 1}));
+  SampleDealer dealer({.samples = 6 * kBlock, .ranks = 2, .done = done});
+  EXPECT_EQ(dealer.next(0, 0)->first, kBlock);
   const Deal second = *dealer.next(1, 0);
-  EXPECT_EQ(second.first, 64u);
-  EXPECT_EQ(second.count, 16u);
+  EXPECT_EQ(second.first, 4 * kBlock);
+  EXPECT_EQ(second.count, kBlock);
 }
 
 TEST(SampleDealer, DealsTheRestOfAnEndedDealAgain) {
