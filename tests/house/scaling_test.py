@@ -110,7 +110,7 @@ class StillImages(unittest.TestCase):
 
 class LostRanks(unittest.TestCase):
     COSTS = dataclasses.replace(FREE, load_s=3.0, checkpoint_s=1e-6, write_s=1e-6, interval_s=20.0)
-    JOB = Job("still", 100_000, BLOCK * 2048)
+    JOB = Job("still", 100_000, BLOCK * 8192)
 
     def test_cost_at_most_an_interval_the_heartbeat_and_a_start(self):
         ranks = 8
