@@ -39,6 +39,9 @@ measure_ranks = load("measure_ranks")
 FREE = Costs(samples_per_s=1e6, plane_s=0.0, bandwidth=math.inf, latency_s=-launch.POLL_S)  # no overhead at all
 BLOCK = dealers.BLOCK_SAMPLES
 STILL = Job("still", 100_000, BLOCK * 1024)
+LONG = Job("long", 100_000, BLOCK * 2**16)  # the last, smaller deals are few
+DEAL = dealers.LEAST_BLOCKS * BLOCK  # samples of a deal with the shortest interval between checkpoints
+DEAL_S = DEAL * LONG.pixels / FREE.samples_per_s  # 1.6 s
 
 
 class Constants(unittest.TestCase):
@@ -46,7 +49,7 @@ class Constants(unittest.TestCase):
         sources = "\n".join(p.read_text(encoding="utf-8") for p in sorted((house.ROOT / "apps/relume/ranks").glob("*.[hc]*")))
         for name, value in (("kLostAfter_s", launch.LOST_AFTER_S), ("kCoordinatorLostAfter_s", launch.COORDINATOR_LOST_AFTER_S), ("kLongestDeal_s", still_image.LONGEST_DEAL_S),
                             ("kShortestDeal_s", still_image.SHORTEST_DEAL_S), ("kDealsPerInterval", still_image.DEALS_PER_INTERVAL), ("kLongestSegment", sequence.LONGEST_SEGMENT),
-                            ("kFirstBlocks", 1), ("kPartsPerRank", 2), ("kReceivedSums", still_image.RECEIVED_SUMS), ("kWaitingResults", still_image.WAITING_RESULTS)):  # fmt: skip
+                            ("kFirstBlocks", dealers.FIRST_BLOCKS), ("kLeastBlocks", dealers.LEAST_BLOCKS), ("kPartsPerRank", dealers.PARTS_PER_RANK), ("kReceivedSums", still_image.RECEIVED_SUMS), ("kWaitingResults", still_image.WAITING_RESULTS)):  # fmt: skip
             self.assertEqual({float(v) for v in re.findall(rf"\b{name} = ([\d.]+);", sources)}, {float(value)}, name)
         self.assertIn(f"offsetof(PixelSums, surface) == {launch.SUM_BYTES},", sources)
         self.assertIn(f"kSmallBytes = uint64_t{{{launch.SMALL_BYTES >> 10}}} << 10;", sources)
@@ -71,27 +74,25 @@ class StillImages(unittest.TestCase):
         self.assertAlmostEqual(simulate(job, 64, FREE).idle, 1 - 4 / 64)
 
     def test_saturate_the_network_at_the_computed_number_of_ranks(self):
-        block_s = BLOCK * STILL.pixels / FREE.samples_per_s  # 0.4 s; a shorter interval makes every deal a block
-        costs = dataclasses.replace(FREE, bandwidth=launch.SUM_BYTES * STILL.pixels / (block_s / 16), interval_s=1.0)
-        least_s = launch.SUM_BYTES * STILL.pixels / costs.bandwidth * STILL.samples / BLOCK
-        four, eight, many, more = (simulate(STILL, ranks, costs) for ranks in (4, 8, 64, 128))
+        costs = dataclasses.replace(FREE, bandwidth=launch.SUM_BYTES * LONG.pixels / (DEAL_S / 16), interval_s=1.0)
+        least_s = launch.SUM_BYTES * LONG.pixels / costs.bandwidth * LONG.samples / DEAL
+        four, eight, many, more = (simulate(LONG, ranks, costs) for ranks in (4, 8, 64, 128))
         # A rank renders for 16 transfers, and sends meanwhile, so 17 ranks saturate the link. Fewer ranks do not wait.
         self.assertAlmostEqual(four.seconds / eight.seconds, 2, delta=0.02)
         for outcome in (many, more):
             # The link is never idle. It does not carry the samples of rank 0: at most one of 17 deals.
             self.assertLess(1 - 1 / 17, outcome.seconds / least_s)
             self.assertLess(outcome.seconds / least_s, 1.03)
-            self.assertEqual(page.limit(STILL, outcome), "network of rank 0")
+            self.assertEqual(page.limit(LONG, outcome), "network of rank 0")
 
     def test_saturate_the_thread_that_adds(self):
-        block_s = BLOCK * STILL.pixels / FREE.samples_per_s
-        costs = dataclasses.replace(FREE, plane_s=block_s / 10 / STILL.pixels, cores=1000, merge_cores=1, interval_s=1.0)
-        outcome = simulate(STILL, 64, costs)
+        costs = dataclasses.replace(FREE, plane_s=DEAL_S / 10 / LONG.pixels, cores=1000, merge_cores=1, interval_s=1.0)
+        outcome = simulate(LONG, 64, costs)
         # Rank 0 deals after each result, so that it waits only for the first one, and for samples that it rendered again.
-        added = outcome.seconds / (STILL.samples / BLOCK * block_s / 10)
+        added = outcome.seconds / (LONG.samples / DEAL * DEAL_S / 10)
         self.assertLess(1, added)
         self.assertLess(added, 1.06)
-        self.assertEqual(page.limit(STILL, outcome), "rank 0 adds results")
+        self.assertEqual(page.limit(LONG, outcome), "rank 0 adds results")
 
     def test_render_a_slow_ranks_samples_again(self):
         costs = dataclasses.replace(FREE, spread=1.0)

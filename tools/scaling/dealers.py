@@ -5,6 +5,7 @@ import dataclasses
 
 BLOCK_SAMPLES = 4
 FIRST_BLOCKS = 1
+LEAST_BLOCKS = 4
 PARTS_PER_RANK = 2
 
 
@@ -47,9 +48,9 @@ class SampleDealer:
 
     def _blocks_for(self, rank):
         sample_s = self.sample_s[rank]
-        wanted = self.target_s / (sample_s * BLOCK_SAMPLES) if sample_s > 0 else FIRST_BLOCKS
+        wanted = max(int(min(self.target_s / (sample_s * BLOCK_SAMPLES), 1e6)), LEAST_BLOCKS) if sample_s > 0 else FIRST_BLOCKS
         share = blocks_of(self.left) // (PARTS_PER_RANK * self.ranks)
-        return max(min(int(min(wanted, 1e6)), share), 1)
+        return max(min(wanted, share), 1)
 
     def _late(self, rank, now):
         own_s = self.sample_s[rank]

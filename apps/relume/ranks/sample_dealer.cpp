@@ -11,6 +11,8 @@ namespace {
 
 /// Deals while the speed of a rank is unknown, in blocks.
 constexpr uint32_t kFirstBlocks = 1;
+/// Later deals have at least this many, because a result costs time, too. Only the last ones are smaller.
+constexpr uint32_t kLeastBlocks = 4;
 /// A deal has at most this part of the samples left per rank, so that ranks end together.
 constexpr uint32_t kPartsPerRank = 2;
 
@@ -57,9 +59,11 @@ uint32_t SampleDealer::unclaimed() const {
 
 uint32_t SampleDealer::blocks_for(int rank) const {
   const double sample_s = sample_s_[static_cast<size_t>(rank)];
-  const double wanted = sample_s > 0 ? settings_.target_s / (sample_s * kBlockSamples) : kFirstBlocks;
+  const double in_time = settings_.target_s / (sample_s * kBlockSamples);
+  const uint32_t wanted =
+      sample_s > 0 ? std::max(static_cast<uint32_t>(std::min(in_time, 1e6)), kLeastBlocks) : kFirstBlocks;
   const uint32_t share = blocks_of(unclaimed()) / (kPartsPerRank * static_cast<uint32_t>(settings_.ranks));
-  return std::max(std::min(static_cast<uint32_t>(std::min(wanted, 1e6)), share), 1u);
+  return std::max(std::min(wanted, share), 1u);
 }
 
 std::optional<Deal> SampleDealer::take_new(int rank) {

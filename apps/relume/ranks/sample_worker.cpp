@@ -1,6 +1,7 @@
 #include "ranks/sample_worker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -116,6 +117,7 @@ void SampleWorker::render(const SampleWork& work) {
 /// Returns whether the result counts: not if the deal was cancelled.
 bool SampleWorker::render_frames(const SampleWork& work, const std::stop_token& stop, SampleResult& result) {
   const double start_s = now_s();
+  const bool has_time_limit = std::isfinite(work.time_left_s);
   uint32_t frames = 0;
   while (frames < work.count) {
     const double elapsed_s = now_s() - start_s;
@@ -126,7 +128,10 @@ bool SampleWorker::render_frames(const SampleWork& work, const std::stop_token& 
     render_s_ += now_s() - frame_start_s;
     any_ = true;
     ++frames;
-    if (frames % kBlockSamples == 0) {
+    // Sums of complete blocks are taken apart from those of samples after them. A time limit may end a deal at any
+    // time.
+    const bool may_end = has_time_limit || frames + kBlockSamples > work.count;
+    if (frames % kBlockSamples == 0 && may_end) {
       take_samples(session_, blocks_);
       result.blocks = frames;
     }
