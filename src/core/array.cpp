@@ -1,5 +1,8 @@
 #include "core/array.h"
 
+#include <sys/mman.h>
+
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -7,20 +10,34 @@
 namespace relume {
 namespace {
 
+/// Size of the huge pages of x86-64, and of AArch64 with pages of 4 KiB.
+constexpr size_t kHugePage = size_t{2} << 20;
+/// Blocks from this size on ask for huge pages: the system then maps a hundredth of the pages, and addresses are
+/// translated faster.
+constexpr size_t kLargeBlock = 2 * kHugePage;
+
 class HostMemory final : public Memory {
  public:
   void* allocate(size_t bytes, size_t alignment) override {
-    return is_default(alignment) ? ::operator new(bytes) : ::operator new(bytes, std::align_val_t(alignment));
+    const size_t own = alignment_of(bytes, alignment);
+    if (is_default(own)) return ::operator new(bytes);
+    void* const block = ::operator new(bytes, std::align_val_t(own));
+    if (bytes >= kLargeBlock) madvise(block, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);  // may fail: only advice
+    return block;
   }
   void deallocate(void* block, size_t bytes, size_t alignment) noexcept override {
-    if (is_default(alignment)) {
+    const size_t own = alignment_of(bytes, alignment);
+    if (is_default(own)) {
       ::operator delete(block, bytes);
     } else {
-      ::operator delete(block, bytes, std::align_val_t(alignment));
+      ::operator delete(block, bytes, std::align_val_t(own));
     }
   }
 
  private:
+  static size_t alignment_of(size_t bytes, size_t alignment) {
+    return bytes >= kLargeBlock ? std::max(alignment, kHugePage) : alignment;
+  }
   static bool is_default(size_t alignment) { return alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__; }
 };
 

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -55,6 +58,36 @@ template <typename T>
 std::vector<T> elements_of(const Array<T>& array) {
   const std::span<const T> elements = array.read();
   return {elements.begin(), elements.end()};
+}
+
+/// The flags of the mapping that holds an address, as in /proc/self/smaps.
+std::string mapping_flags(const void* address) {
+  std::ifstream file("/proc/self/smaps");
+  bool holds = false;
+  for (std::string line; std::getline(file, line);) {
+    uintptr_t first = 0;
+    uintptr_t end = 0;
+    char dash = 0;
+    if (std::istringstream range(line); range >> std::hex >> first >> dash >> end && dash == '-') {
+      const auto value = reinterpret_cast<uintptr_t>(address);
+      holds = first <= value && value < end;
+    }
+    if (holds && line.starts_with("VmFlags:")) return line + " ";
+  }
+  return {};
+}
+
+TEST(HostMemory, AsksForHugePagesOfLargeBlocks) {
+  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "the system has no huge pages";
+  Array<Record> small;
+  small.reset(64);
+  Array<Record> large;
+  large.reset(4u << 20);
+  const auto* const start = large.read().data();
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(start) % (2u << 20), 0u);
+  for (const size_t i : {size_t{0}, large.read().size() - (2u << 20)})
+    EXPECT_NE(mapping_flags(start + i).find(" hg "), std::string::npos) << i;
+  EXPECT_EQ(mapping_flags(small.read().data()).find(" hg "), std::string::npos);
 }
 
 TEST(Array, NewElementsHaveTheirDefaultValue) {
