@@ -285,12 +285,15 @@ RELUME_HD inline bool arrive_with(const BdptContext& c, SurfacePoint& sp, Camera
   }
 }
 
-/// Offers the light that arrived along the direction sampled at the first surface, after the subpath has ended.
+/// Offers the light that arrived along the direction sampled at the first surface, after the subpath has ended. Light
+/// of a sample for reservoirs does not count.
 template <typename Policy>
-RELUME_HD inline void offer_first_direction(const BdptContext& c, const CameraSubpath& e) {
+RELUME_HD inline void offer_first_direction(const BdptContext& c, const CameraSubpath& e, const Policy& policy) {
   constexpr uint32_t kId = 0x3c6ef372u;
   if (c.first_light.empty() || length_squared(e.first_direction) == 0.0f) return;
-  c.first_light.offer(e.pixel, e.first_direction, found_in_image<Policy>(e) - e.found_before, kId);
+  Rgb found = found_in_image<Policy>(e) - e.found_before;
+  if constexpr (kSamplesIndirectLight<Policy>) found = policy.found_beside_sample(e.path, found);
+  c.first_light.offer(e.pixel, e.first_direction, found, kId);
 }
 
 /// Default of trace_camera_subpath(): nothing besides the connections to one light subpath.
@@ -351,7 +354,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const Context& c, uint32_t x, uint32_t
   }
   recorder.finished(e.path);
   policy.finished(e.path);
-  offer_first_direction<Policy>(c, e);
+  offer_first_direction(c, e, policy);
   return e.path.radiance;
 }
 

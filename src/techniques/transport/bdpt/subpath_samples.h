@@ -24,6 +24,7 @@ struct SubpathSamplePolicy : IndirectSamplePolicy {
   static constexpr bool samples_indirect_light = true;
 
   SubpathWeights image_weights;  ///< at x2, of the light that stays with the subpath
+  Rgb before{0};                 ///< radiance of the subpath before its first direction
   Rgb found{0};                  ///< light of the sample, if it is complete
   float eta_scale = 1;           ///< of the subpath that arrives at x2
   float rr_reference = 1;        ///< the same
@@ -57,6 +58,7 @@ struct SubpathSamplePolicy : IndirectSamplePolicy {
   template <typename Earlier>
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& after, Earlier& earlier) {
     IndirectSamplePolicy::scattered(sp, s, after);
+    if (after.bounce == 1) before = after.radiance;
     if (!leaves_sample(after)) return;
     complete = true;
     found = after.radiance;
@@ -71,6 +73,11 @@ struct SubpathSamplePolicy : IndirectSamplePolicy {
     if (complete) path.radiance = found;
     IndirectSamplePolicy::finished(path);
     path.radiance += rest;
+  }
+  /// Radiance in the image that the finished subpath has found along its first direction. `with_sample`: the same with
+  /// the light of its sample, if it has one.
+  RELUME_HD Rgb found_beside_sample(const PathState& path, const Rgb& with_sample) const {
+    return taken ? base * (path.radiance - before) : with_sample;
   }
 
  private:

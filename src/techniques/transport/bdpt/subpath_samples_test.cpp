@@ -150,6 +150,30 @@ TEST(SubpathSamples, ThatDependOnTheWavelengthStayInTheirPixels) {
   EXPECT_GT(bound_share(10), bound_share(0));
 }
 
+/// Directions from the first surfaces that are chosen for the light that stays with subpaths; 0: none.
+std::vector<uint32_t> chosen_directions(uint32_t bounces) {
+  SampledFrame f(make_zoo(ZooLight::point, ZooCamera::pinhole, false), {.max_bounces = bounces});
+  std::vector<FirstVertex> vertices(f.light.size());
+  std::vector<uint64_t> chosen(f.light.size());
+  std::vector<uint64_t> of_splats(f.light.size());
+  BdptContext c = f.frame.context();
+  c.first_light = {.vertices = mutable_view_of(vertices),
+                   .chosen = mutable_view_of(chosen),
+                   .seed = 3,
+                   .splats = mutable_view_of(of_splats)};
+  f.trace(c, 0);
+  std::vector<uint32_t> directions;
+  for (const uint64_t key : chosen) directions.push_back(static_cast<uint32_t>(key));
+  return directions;
+}
+
+/// No direction meets a point light, so the light that stays comes from connections to it, as with one bounce.
+TEST(SubpathSamples, AreNoLightOfRecordedDirections) {
+  const std::vector<uint32_t> direct = chosen_directions(1);
+  EXPECT_GT(std::count_if(direct.begin(), direct.end(), [](uint32_t direction) { return direction != 0; }), 50);
+  EXPECT_EQ(chosen_directions(5), direct);
+}
+
 /// Records of vertices have weights of their own, so it does not matter which light becomes a sample.
 TEST(SubpathSamples, ChangeNoRecords) {
   constexpr uint32_t kVertices = 3;
