@@ -97,12 +97,6 @@ void check_reuse_with_light_paths(const RenderSettings& s) {
         "reuse 'restir-pt' does not combine with estimators 'bdpt' and 'vcm': repeating a path with its connections to "
         "light subpaths is not implemented; use reuse 'restir-di+gi', or estimator 'path'");
   }
-  if (reuses_indirect && s.cache != CacheChoice::none) {
-    throw Error(
-        "estimators 'bdpt' and 'vcm' with a radiance cache do not combine with reuse 'restir-gi' and 'restir-di+gi': "
-        "cells of light paths that leave indirect light to reservoirs are not implemented; use cache 'none', or reuse "
-        "'ris' or 'restir-di'");
-  }
 }
 
 /// Throws if reservoirs do not combine with the other choices.

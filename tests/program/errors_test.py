@@ -189,7 +189,6 @@ class Combinations(RefusalTest):
             (FAILED, "--estimator vcm --guide mcpg --no-mcpg.nee", "guide 'mcpg' without mcpg.nee .* estimators 'bdpt' and 'vcm': without next event estimation, no point .*; use mcpg.nee on, or estimator 'path'"),
             (FAILED, "--guide mcpg --no-mcpg.nee --cache psf --reuse ris", "guide 'mcpg' without mcpg.nee .* reuse 'ris'.*; use mcpg.nee on, or reuse 'none'"),
             (FAILED, "--estimator light --reuse restir-gi", "reuse 'restir-gi', .* estimator 'light'.*; use reuse 'ris' or 'restir-di'"),
-            (FAILED, "--estimator vcm --cache psf --reuse restir-gi", "'bdpt' and 'vcm' with a radiance cache .* 'restir-gi' and 'restir-di\\+gi'.*; use cache 'none', or reuse 'ris' or 'restir-di'"),
             (FAILED, "--estimator light --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq --cdq.importance --lights vlc", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use estimator 'bdpt'"),
             (FAILED, "--estimator light --guide cdq", "guides 'cdq' and 'mcpg' do not combine with estimator 'light'.*; use .* guide 'bsdf'"),

@@ -7,7 +7,8 @@
 // (BdptContext::light_paths). The part of a cell depends on the density with which the camera finds the vertex.
 // Neighbours share it approximately.
 //
-// With reservoirs, no strategy finds the direct light of primary hits (BdptContext::first_scatters), so no cell has it.
+// With reservoirs of direct light, no strategy finds that of primary hits (BdptContext::first_scatters), so no cell has
+// it. With reservoirs of indirect light, cells lack the light of their samples (sampled_subpath_cells.h).
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"

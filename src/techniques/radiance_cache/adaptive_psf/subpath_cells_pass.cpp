@@ -1,6 +1,7 @@
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
 
 #include "techniques/radiance_cache/adaptive_psf/first_light_of_cells.h"
+#include "techniques/radiance_cache/adaptive_psf/sampled_subpath_cells.h"
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells.h"
 
 namespace relume {
@@ -11,6 +12,14 @@ PassDeclaration with_cells(PassDeclaration declaration, const CellPathUsers& use
   if (users.history) declaration.owns.push_back(cells_at_hit_buffer());
   if (users.reservoirs) declaration.owns.push_back(scatter_chances_buffer());
   return declaration;
+}
+
+/// Calls `trace` with the output for the frame's kernel.
+template <typename Trace>
+bool trace_into_output(const CellsOfSubpaths& cells, const FrameContext& frame, const Trace& trace) {
+  const SubpathCells output = cells.output(frame);
+  if (!cells.cells.users().indirect) return trace(output);
+  return trace(SampledSubpathCells{output, {frame.write(kIndirectSamples)}});
 }
 
 }  // namespace
@@ -41,13 +50,13 @@ bool CellsOfSubpaths::record_first_vertices(const FrameContext& frame, const Bdp
 PassDeclaration BdptCellsPass::declaration() const { return with_cells(BdptPass::declaration(), cells_.cells.users()); }
 
 bool BdptCellsPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
-  return trace_into(frame, kernel, cells_.output(frame));
+  return trace_into_output(cells_, frame, [&](const auto& output) { return trace_into(frame, kernel, output); });
 }
 
 PassDeclaration VcmCellsPass::declaration() const { return with_cells(VcmPass::declaration(), cells_.cells.users()); }
 
 bool VcmCellsPass::trace(const FrameContext& frame, const BdptKernel& kernel) {
-  return trace_into(frame, kernel, cells_.output(frame));
+  return trace_into_output(cells_, frame, [&](const auto& output) { return trace_into(frame, kernel, output); });
 }
 
 }  // namespace relume

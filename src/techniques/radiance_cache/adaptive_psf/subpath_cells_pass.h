@@ -16,7 +16,7 @@ struct CellsOfSubpaths {
   bool adapts = false;  ///< whether `settings` apply: apsf
   AdaptivePsfSettings settings = {};
 
-  /// Output for the kernel of a frame.
+  /// Output for the kernel of a frame, without samples for reservoirs.
   SubpathCells output(const FrameContext& frame) const;
   /// As BdptPass::record_first_vertices().
   bool record_first_vertices(const FrameContext& frame, const BdptKernel& kernel) const;

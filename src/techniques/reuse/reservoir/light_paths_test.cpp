@@ -240,15 +240,17 @@ TEST(LightPathsAreRefused, WithReservoirsOfPaths) {
   }
 }
 
-TEST(LightPathsAreRefused, WithReservoirsAndACache) {
-  for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
-    RenderSettings settings = settings_of(EstimatorChoice::bdpt, reuse);
-    EXPECT_EQ(refusal(settings), "");
-    settings.cache = CacheChoice::psf;
-    const std::string reason = refusal(settings);
-    EXPECT_NE(reason.find("cells of light paths that leave indirect light to reservoirs are not implemented"),
-              std::string::npos)
-        << reason;
+TEST(LightPathsCombine, WithReservoirsAndACache) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::vcm}) {
+    for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
+      RenderSettings settings = settings_of(estimator, reuse);
+      for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
+        settings.cache = cache;
+        EXPECT_EQ(refusal(settings), "");
+      }
+      settings.cache = CacheChoice::apg;
+      EXPECT_NE(refusal(settings).find("MIS weights depend on all earlier vertices"), std::string::npos);
+    }
   }
 }
 

@@ -84,6 +84,15 @@ struct SubpathSamplePolicy : IndirectSamplePolicy {
   RELUME_HD bool leaves_sample(const PathState& after) const { return taken && after.bounce == 2 && after.delta; }
 };
 
+/// The policy of a camera subpath whose sample `output` stores. The other arguments are those of
+/// IndirectSampleOutput::policy().
+RELUME_HD inline SubpathSamplePolicy subpath_sample_policy(const IndirectSampleOutput& output, const SampleIndex& index,
+                                                           uint32_t x, uint32_t y, uint32_t pixel) {
+  SubpathSamplePolicy policy;
+  static_cast<IndirectSamplePolicy&>(policy) = output.policy(index, x, y, pixel);
+  return policy;
+}
+
 /// Output of camera subpaths whose indirect light reservoirs add, as SubpathRadiance. The context must have
 /// PathContext::indirect_to_reservoirs.
 struct SubpathSamples {
@@ -91,9 +100,7 @@ struct SubpathSamples {
   IndirectSampleOutput samples;
 
   RELUME_HD SubpathSamplePolicy policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t pixel) const {
-    SubpathSamplePolicy policy;
-    static_cast<IndirectSamplePolicy&>(policy) = samples.policy(index, x, y, pixel);
-    return policy;
+    return subpath_sample_policy(samples, index, x, y, pixel);
   }
   RELUME_HD void finish(uint32_t pixel, const SubpathSamplePolicy&, const Rgb& seen) const { radiance[pixel] = seen; }
   RELUME_HD void leave_out(uint32_t pixel) const {
