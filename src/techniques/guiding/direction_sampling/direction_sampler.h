@@ -30,6 +30,15 @@ struct GuidedPoint {
   float fraction = 1;           ///< probability of the BSDF
 };
 
+/// A direction of the mixture, with the values that the BSDF alone gives it: for estimators that repeat the random
+/// numbers of the BSDF without the guide.
+struct SeparateDirection {
+  BsdfSample bsdf;      ///< weight, eta_scale and pdf_w are those of the BSDF
+  float ratio = 1;      ///< density of the BSDF over that of the mixture: factor of the weight of the direction
+  float fraction = 1;   ///< probability with which the mixture asks the BSDF
+  bool guided = false;  ///< whether the guide chose the direction, so that no numbers of the BSDF repeat it
+};
+
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
   QuadtreeArray quadtrees;      ///< quadtrees by region
@@ -51,6 +60,22 @@ struct DirectionSampler {
     if (!guides(sp)) return sample_bsdf(sp, sampler);
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
     return resamples(sp) ? resample(sp, tree, sampler) : sample_mixture(sp, drawn_from(tree), fraction_at(sp), sampler);
+  }
+
+  /// Samples the mixture without resampling. `least_fraction`: least probability of the BSDF; 1: no guide. `u`:
+  /// uniform in [0, 1), independent of the sampler's next numbers; it chooses between BSDF and guide. The BSDF takes
+  /// the numbers that it takes without a guide.
+  RELUME_HD_NOINLINE SeparateDirection sample_separately(const SurfacePoint& sp, float least_fraction, float u,
+                                                         Sampler& sampler) const {
+    if (!(least_fraction < 1.0f)) return {sample_bsdf(sp, sampler)};
+    if (has_chains(sp)) {
+      MarkovLobes lobes;
+      chains.add_lobes(sp, lobes);
+      if (!lobes.empty()) return separate(sp, lobes, relume::max(chains.bsdf_fraction, least_fraction), u, sampler);
+    }
+    if (!guides(sp)) return {sample_bsdf(sp, sampler)};
+    const DirectionalQuadtree tree = quadtrees.load(sp.region);
+    return separate(sp, drawn_from(tree), relume::max(fraction_at(sp), least_fraction), u, sampler);
   }
 
   /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there. With resampling, that of a candidate.
@@ -172,6 +197,36 @@ struct DirectionSampler {
     kept.weight *= kept.resampling;
     kept.eta_scale *= kept.resampling;
     return kept;
+  }
+
+  /// sample_separately() of a mixture; its parameters are those of sample_mixture().
+  template <typename Guide>
+  RELUME_HD static SeparateDirection separate(const SurfacePoint& sp, const Guide& guide, float fraction, float u,
+                                              Sampler& sampler) {
+    SeparateDirection d;
+    BsdfSample& s = d.bsdf;
+    d.fraction = fraction;
+    d.guided = !(u < fraction);
+    if (d.guided) {
+      s.wi = guide.sample(sampler.next_2d());
+      const BsdfEval bsdf = eval_pdf(sp, s.wi);
+      s.pdf_w = bsdf.pdf_forward;
+      s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;
+      if (!s.valid) return d;
+      s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);
+      if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.eta_scale = refraction_eta_scale(sp.bsdf);
+    } else {
+      s = sample_bsdf(sp, sampler);
+      if (!s.valid) return d;
+    }
+    if (s.delta) {
+      d.ratio = 1.0f / fraction;
+      return d;
+    }
+    s.guide_pdf_w = guide.pdf(s.wi);
+    s.bsdf_pdf_w = s.pdf_w;
+    d.ratio = s.pdf_w / mixed(fraction, s.pdf_w, s.guide_pdf_w);
+    return d;
   }
 
   /// One sample of the mixture of BSDF and guide, a DrawnTree or MarkovLobes; `fraction`: probability of the BSDF.

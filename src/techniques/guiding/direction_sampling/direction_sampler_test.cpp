@@ -285,6 +285,57 @@ TEST(DirectionSampler, ResampledDirectionsHaveTheDensityOfCandidates) {
   EXPECT_GT(resampled, 100);
 }
 
+/// Both parts of the mixture: what the BSDF gives without a guide, by the same numbers, and directions of the guide.
+TEST(DirectionSampler, SeparateDirectionsAreThoseOfTheMixture) {
+  const Guide guide(0.3f, false);
+  const Guide same(0.4f, false);  // the probability that the call requires
+  int of_guide = 0;
+  int of_bsdf = 0;
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    if (!has_non_delta(sp.bsdf)) continue;  // not guided
+    for (uint32_t i = 0; i < 300; ++i) {
+      const float u = (static_cast<float>(i) + 0.5f) / 300;
+      Sampler numbers_of_both = numbers(i);
+      Sampler numbers_of_bsdf = numbers(i);
+      const SeparateDirection d = guide.sampler.sample_separately(sp, 0.4f, u, numbers_of_both);
+      const BsdfSample& s = d.bsdf;
+      ASSERT_EQ(d.guided, u >= 0.4f) << c.name;
+      if (!d.guided) {
+        const BsdfSample plain = DirectionSampler{}.sample(sp, numbers_of_bsdf);
+        ASSERT_EQ(s.valid, plain.valid) << c.name;
+        ASSERT_EQ(s.wi, plain.wi) << c.name;
+        ASSERT_EQ(s.weight, plain.weight) << c.name;
+        ASSERT_EQ(s.eta_scale, plain.eta_scale) << c.name;
+      }
+      if (s.valid && s.delta) {
+        ASSERT_FLOAT_EQ(d.ratio, 1 / 0.4f) << c.name;
+      }
+      if (!s.valid || s.delta) continue;
+      const BsdfEval e = eval_pdf(sp, s.wi);
+      ASSERT_NEAR(s.pdf_w / e.pdf_forward, 1.0f, 1e-2f) << c.name;
+      ASSERT_NEAR(s.pdf_w / d.ratio / same.sampler.pdf(sp, s.wi, e), 1.0f, 5e-3f) << c.name;
+      const Rgb expected = e.f * (shading_cosine(sp, s.wi) / s.pdf_w);
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(s.weight[k], expected[k], 2e-2f * expected[k] + 1e-6f) << c.name;
+      ++(d.guided ? of_guide : of_bsdf);
+    }
+  }
+  EXPECT_GT(of_guide, 1000);
+  EXPECT_GT(of_bsdf, 1000);
+}
+
+TEST(DirectionSampler, SeparateDirectionsLackTheGuideOnRequest) {
+  const Guide guide(0.3f, false);
+  const SurfacePoint sp = make_point(materials().back());
+  Sampler a = numbers(1);
+  Sampler b = numbers(1);
+  const SeparateDirection d = guide.sampler.sample_separately(sp, 1, 0.99f, a);
+  EXPECT_EQ(d.bsdf.wi, DirectionSampler{}.sample(sp, b).wi);
+  EXPECT_FALSE(d.guided);
+  EXPECT_EQ(d.ratio, 1.0f);
+  EXPECT_EQ(d.fraction, 1.0f);
+}
+
 TEST(DirectionSampler, EqualsTheBsdfWithoutLearnedLight) {
   const Guide guide(0.5f, false);
   const testing::BsdfCase c = materials().back();
