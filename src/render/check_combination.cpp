@@ -50,11 +50,12 @@ void check_chains(const RenderSettings& s) {
         "estimation, no point on a light with an extent is sampled, and their light subpaths start at such points; "
         "use mcpg.nee on, or estimator 'path'");
   }
-  if (resamples_direct_light(s.reuse) && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
+  const bool samples_lights = resamples_direct_light(s.reuse) || s.reuse == ReuseChoice::restir_pt;
+  if (samples_lights && s.guide == GuideChoice::mcpg && !s.mcpg.nee) {
     throw Error(
-        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di' and 'restir-di+gi': their "
-        "samples are points on lights to which pixels connect, and this is next event estimation; use mcpg.nee on, "
-        "or reuse 'none'");
+        "guide 'mcpg' without mcpg.nee does not combine with reuse 'ris', 'restir-di', 'restir-di+gi' and 'restir-pt': "
+        "their samples are points on lights to which pixels connect, and this is next event estimation; use mcpg.nee "
+        "on, or reuse 'none'");
   }
 }
 
@@ -72,15 +73,6 @@ void check_upscaling(const RenderSettings& s) {
         "upscale 1, or history 'accumulate' or 'reproject'",
         s.upscaling.factor));
   }
-}
-
-/// Throws if reservoirs of paths do not combine with the other choices.
-void check_restir_pt(const RenderSettings& s) {
-  if (!learns(s)) return;
-  throw Error(
-      "reuse 'restir-pt' does not combine with lights 'vlc', 'neeat' and 'mcls' or guides 'cdq' and 'mcpg': "
-      "repeating a path with the choices that these had learned at its time is not implemented; use lights "
-      "'light-tree' and guide 'bsdf'");
 }
 
 /// Throws if reservoirs do not combine with light paths.
@@ -103,7 +95,6 @@ void check_reuse_with_light_paths(const RenderSettings& s) {
 void check_reuse(const RenderSettings& s) {
   if (s.reuse == ReuseChoice::none) return;
   if (s.estimator != EstimatorChoice::path) check_reuse_with_light_paths(s);
-  if (s.reuse == ReuseChoice::restir_pt) check_restir_pt(s);
 }
 
 /// Throws if a technique describes the scene of other frames or pixels at one time, and so does not combine with an

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "techniques/light_sampling/light_tree/light_tree_pass.h"
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells_pass.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
@@ -38,26 +39,45 @@ bool samples_end_in_cells(CacheChoice cache) {
   return cache == CacheChoice::apg || cache == CacheChoice::apsf_apg || cache == CacheChoice::sharc;
 }
 
-/// Adds the reservoirs of whole paths. `cells`: those of the cache; nullptr: none.
+/// Whether light selection learns from paths.
+bool learns_lights(LightSelectionChoice lights) {
+  return lights == LightSelectionChoice::vlc || lights == LightSelectionChoice::neeat ||
+         lights == LightSelectionChoice::mcls;
+}
+
+/// Adds reservoirs of paths. Their shifts repeat choices that do not learn: BSDF sampling, and light selection by a
+/// light tree where the other learns. `cells`: those of the cache; nullptr: none.
 void add_path_reservoirs(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-                         const CellsPass* cells) {
+                         const LearningRecords& learning, const CellsPass* cells) {
+  static const DirectionSampler bsdf_directions;
+  const bool guides = settings.guide != GuideChoice::bsdf;
+  const bool selects = learns_lights(settings.lights);
+  const LightSelector& selector =
+      selects ? builder.add<LightTreePass, &RenderSettings::light_selection>().selector() : source.selector;
+  const PathSource fixed{source.settings, selector, bsdf_directions};
+  const PathLearning learned{.selector = selects ? &source.selector : nullptr,
+                             .directions = guides ? &source.directions : nullptr,
+                             .samples = learning.samples,
+                             .chains = learning.chains};
   switch (settings.cache) {
     case CacheChoice::sharc:
-      builder.add_tracing<SharcRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::sharc>(source, *cells);
+      builder.add_tracing<SharcRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::sharc>(fixed, learned,
+                                                                                                 *cells);
       break;
     case CacheChoice::apg:
     case CacheChoice::apsf_apg:
-      builder.add_tracing<GraphRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::apg>(source, *cells);
+      builder.add_tracing<GraphRestirPtPass, &RenderSettings::restir_pt, &RenderSettings::apg>(fixed, learned, *cells);
       break;
     case CacheChoice::none:
     case CacheChoice::psf:
-    case CacheChoice::apsf: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(source); break;
+    case CacheChoice::apsf: builder.add_tracing<RestirPtPass, &RenderSettings::restir_pt>(fixed, learned); break;
   }
 }
 
 /// Adds the reservoirs at primary hits. `cells`: those of the cache, if any.
 void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
-               const CandidateRecords& records, const CellsPass* cells = nullptr) {
+               const LearningRecords& learning, const CellsPass* cells = nullptr) {
+  const CandidateRecords records{learning.samples, learning.chains.lights};
   const CandidatePaths paths = candidate_paths(settings.estimator);
   const auto add_direct = [&] {
     builder.add_tracing<RestirPass, &RenderSettings::ris, &RenderSettings::restir>(source, records, paths);
@@ -76,7 +96,7 @@ void add_reuse(PipelineBuilder& builder, const RenderSettings& settings, const P
       add_direct();
       add_indirect();
       break;
-    case ReuseChoice::restir_pt: add_path_reservoirs(builder, settings, source, cells); break;
+    case ReuseChoice::restir_pt: add_path_reservoirs(builder, settings, source, learning, cells); break;
   }
 }
 
@@ -93,7 +113,7 @@ void add_sharc(PipelineBuilder& builder, const RenderSettings& settings, const P
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_settings(s.sharc); });
   builder.add_follower(cells, [](const RenderSettings& s) { return cell_depths(s.sharc); });
   builder.add_tracing<SharcPass, &RenderSettings::sharc>(source, cells, learning);
-  add_reuse(builder, settings, source, {learning.samples, learning.chains.lights}, &cells);
+  add_reuse(builder, settings, source, learning, &cells);
   builder.add<MaintainSharcPass>(cells);  // after reservoirs: it ends the part of the frame that can be stopped
 }
 
@@ -182,14 +202,16 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
                             .indirect = resamples_indirect_light(settings.reuse),
                             .whole_paths = settings.reuse == ReuseChoice::restir_pt};
   const bool has_reservoirs = users.any_reservoirs();
+  // Candidates of reservoirs of paths record their own paths, here and below.
+  const LearningRecords own = users.whole_paths ? LearningRecords{} : learning;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
   if (has_splats) {
     add_light_paths_with_cells(builder, settings, source, learning.samples, learning.chains, cells);
   } else {
-    add_paths_with_cells(builder, settings, source, learning, cells);
+    add_paths_with_cells(builder, settings, source, own, cells);
   }
   // Before the cells are read: with that, the part of the frame that can be stopped ends.
-  if (has_reservoirs) add_reuse(builder, settings, source, {learning.samples, learning.chains.lights}, &cells);
+  if (has_reservoirs) add_reuse(builder, settings, source, learning, &cells);
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none,
                                         has_splats || has_reservoirs);
 }
@@ -223,13 +245,14 @@ bool splits_light(const RenderSettings& settings) { return denoiser_splits(setti
 
 PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                     const PathRecording* recording, const ChainRecordings& chains) {
+  const LearningRecords learning{recording, chains};
   if (settings.cache != CacheChoice::none) {
-    add_cached_paths(builder, settings, source, {recording, chains});
+    add_cached_paths(builder, settings, source, learning);
     return nullptr;
   }
   if (settings.estimator != EstimatorChoice::path) {
     add_light_paths(builder, settings, source, recording, chains);
-    add_reuse(builder, settings, source, {recording, chains.lights});
+    add_reuse(builder, settings, source, learning);
     return nullptr;
   }
   const PathRecords records{.first_vertices = needs_first_vertices(settings),
@@ -237,8 +260,9 @@ PathPass* add_paths(PipelineBuilder& builder, const RenderSettings& settings, co
                             .first_scatters = resamples_direct_light(settings.reuse),
                             .indirect_samples = resamples_indirect_light(settings.reuse),
                             .only_specular = settings.reuse == ReuseChoice::restir_pt};
-  auto& paths = builder.add_tracing<PathPass>(source, records, recording, chains);
-  add_reuse(builder, settings, source, {recording, chains.lights});
+  const LearningRecords own = records.only_specular ? LearningRecords{} : learning;
+  auto& paths = builder.add_tracing<PathPass>(source, records, own.samples, own.chains);
+  add_reuse(builder, settings, source, learning);
   return &paths;
 }
 

@@ -45,9 +45,13 @@ BOUNDS = (
     (r"TemporalReuseKernel|SpatialReuseKernel|IndirectTemporalKernel|IndirectSpatialKernel", 2750),
     (r"IndirectValidationKernel", 1350),
     (r"PathTemporalKernel|PathSpatialKernel", 2150),  # a path, its surface point and sampler, beside two reservoirs
-    # A path, beside the chosen one; with a path graph, or the state of a path that ends in cells.
-    (r"PathCandidateKernelOf<GraphSuffix>", 2800),
-    (r"PathCandidateKernelOf<SharcSuffix>", 2000),
+    # A path, beside the chosen one; with a path graph, or the state of a path that ends in cells. Choices that learn add
+    # the recorders of samples and of both kinds of chains: 0.7 KB.
+    (r"PathCandidateKernel<LearnedChoices, GraphSuffix>", 3250),
+    (r"PathCandidateKernel<LearnedChoices, SharcSuffix>", 2700),
+    (r"PathCandidateKernel<LearnedChoices", 2500),
+    (r"PathCandidateKernel<FixedChoices, GraphSuffix>", 2800),
+    (r"PathCandidateKernel<FixedChoices, SharcSuffix>", 2000),
     (r"PathCandidateKernel", 1800),
     (r"PathPairKernel", 1600),
     (r"PathKernel<RadianceOutput, CachedRecordingOutput, (FirstScatterOutput, )?IndirectSampleOutput", 1500),

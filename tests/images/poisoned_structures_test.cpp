@@ -17,6 +17,7 @@
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
 #include "techniques/radiance_cache/path_graphs/path_graphs.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/reuse/restir_pt/testing/add_candidates.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
 #include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/path/recording_output.h"
@@ -39,9 +40,9 @@ struct Effort {
 const Effort kQuick{16, 8, {.detectable = 0.25, .detectable_mean = 0.2}};     // seconds
 const Effort kSharp{64, 128, {.detectable = 0.04, .detectable_mean = 0.03}};  // minutes; 64 times the samples
 
-/// Paths, those with the policy of a cache, or subpaths from both ends. Cells stay empty: images show the paths' own
-/// estimates.
-enum class PathKind { plain, psf, apg, bdpt, light };
+/// Paths, those with the policy of a cache, subpaths from both ends, or candidates for reservoirs of paths. Cells stay
+/// empty: images show the paths' own estimates.
+enum class PathKind { plain, psf, apg, bdpt, light, candidates };
 
 /// An octree over the scene with every leaf split `levels` times.
 OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
@@ -210,6 +211,7 @@ class Poisoned {
       case PathKind::apg: break;
       case PathKind::bdpt: return trace_from_both_ends(context, index, recording, false);
       case PathKind::light: return trace_from_both_ends(context, index, recording, true);
+      case PathKind::candidates: return trace_candidates(context, index, recording);
     }
     PathGraphContext graph;
     graph.filter = filter;
@@ -251,6 +253,16 @@ class Poisoned {
     const AddSplatsKernel add{c.splats, mutable_view_of(radiance), {}, 1.0f, kWidth};
     launch(backend_, "splats", add, kWidth, kHeight);
     EXPECT_EQ(faults[1], 0u);
+    return radiance;
+  }
+
+  std::vector<Rgb> trace_candidates(const PathContext& context, const SampleIndex& index,
+                                    const PathRecording& recording) {
+    std::vector<Rgb> radiance(kPixels);
+    PathContext specular = context;
+    specular.only_specular = true;
+    run(specular, index, RadianceOutput{mutable_view_of(radiance)});
+    testing::add_candidates(context, index, view_of(hits_), recording, kWidth, radiance);
     return radiance;
   }
 
@@ -343,6 +355,19 @@ void check_importance(const std::string& name, const Effort& effort) {
   expect_same_image(name + "-light", poisoned.images(guided, effort, 1, PathKind::light), expected, effort.options);
 }
 
+void check_candidates(const std::string& name, const Effort& effort) {
+  Poisoned boxes("cornell");
+  const Moments expected = boxes.images(boxes.plain(), effort, 1001);
+  expect_same_image(name + "-fractions", boxes.images(boxes.guided_by_fractions(), effort, 1, PathKind::candidates),
+                    expected, effort.options);
+  Poisoned table("turntable");
+  const Moments expected_table = table.images(table.plain(), effort, 1001);
+  expect_same_image(name + "-caches", table.images(table.cached(), effort, 1, PathKind::candidates), expected_table,
+                    effort.options);
+  expect_same_image(name + "-tiles", table.images(table.tiled(), effort, 1, PathKind::candidates), expected_table,
+                    effort.options);
+}
+
 TEST(PoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees", kQuick); }
 TEST(PoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions", kQuick); }
 TEST(PoisonedStructures, LightCachesKeepTheMean) { check_caches("poisoned-caches", kQuick); }
@@ -351,6 +376,7 @@ TEST(PoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poiso
 TEST(PoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg", kQuick); }
 TEST(PoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt", kQuick); }
 TEST(PoisonedStructures, GuidedLightSubpathsKeepTheMean) { check_importance("poisoned-importance", kQuick); }
+TEST(PoisonedStructures, CandidatesOfReservoirsKeepTheMean) { check_candidates("poisoned-candidates", kQuick); }
 
 TEST(SlowPoisonedStructures, QuadtreesKeepTheMean) { check_quadtrees("poisoned-quadtrees-sharp", kSharp); }
 TEST(SlowPoisonedStructures, FractionsKeepTheMean) { check_fractions("poisoned-fractions-sharp", kSharp); }
@@ -359,6 +385,9 @@ TEST(SlowPoisonedStructures, TilesKeepTheMean) { check_tiles("poisoned-tiles-sha
 TEST(SlowPoisonedStructures, FilteredPathsKeepTheMean) { check_filtered_paths("poisoned-psf-sharp", kSharp); }
 TEST(SlowPoisonedStructures, PathGraphsKeepTheMean) { check_path_graphs("poisoned-apg-sharp", kSharp); }
 TEST(SlowPoisonedStructures, BidirectionalPathsKeepTheMean) { check_both_ends("poisoned-bdpt-sharp", kSharp); }
+TEST(SlowPoisonedStructures, CandidatesOfReservoirsKeepTheMean) {
+  check_candidates("poisoned-candidates-sharp", kSharp);
+}
 TEST(SlowPoisonedStructures, GuidedLightSubpathsKeepTheMean) { check_importance("poisoned-importance-sharp", kSharp); }
 
 }  // namespace

@@ -52,13 +52,15 @@ bool SharcPass::trace(const FrameContext& frame) const {
   if (cells_.users().reservoirs) scatters = {{frame.write(kFirstScatters)}, true};
   OptionalOutput<FirstVertexOutput> vertices;
   if (cells_.users().history) vertices = {{frame.write(kFirstVertices)}, true};
+  // Candidates of reservoirs of paths record their own paths.
+  const LearningRecords records = cells_.users().whole_paths ? LearningRecords{} : learning_;
   if (cells_.users().indirect) {
     const IndirectSampleOutput samples{frame.write(kIndirectSamples)};
-    if (learning_.any())
-      return trace_recorded_paths(source_, frame, learning_, radiance, scatters, samples, vertices, ends);
+    if (records.any())
+      return trace_recorded_paths(source_, frame, records, radiance, scatters, samples, vertices, ends);
     return trace_paths(source_, frame, nullptr, radiance, scatters, samples, vertices, ends);
   }
-  if (learning_.any()) return trace_recorded_paths(source_, frame, learning_, radiance, scatters, vertices, ends);
+  if (records.any()) return trace_recorded_paths(source_, frame, records, radiance, scatters, vertices, ends);
   const auto trace_with = [&](const auto&... outputs) {
     if (!vertices.active) return trace_paths(source_, frame, nullptr, outputs..., ends);
     return trace_paths(source_, frame, nullptr, outputs..., vertices.output, ends);

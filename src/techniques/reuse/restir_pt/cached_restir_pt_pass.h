@@ -12,8 +12,8 @@ namespace relume {
 class SharcRestirPtPass final : public RestirPtPass {
  public:
   SharcRestirPtPass(const RestirPtSettings& settings, const SharcSettings& sharc, const PathSource& source,
-                    const CellsPass& cells)
-      : RestirPtPass(settings, source), sharc_(sharc), cells_(cells) {}
+                    const PathLearning& learning, const CellsPass& cells)
+      : RestirPtPass(settings, source, learning), sharc_(sharc), cells_(cells) {}
 
   using RestirPtPass::configure;
   void configure(const SharcSettings& sharc) { sharc_ = sharc; }
@@ -31,8 +31,8 @@ class SharcRestirPtPass final : public RestirPtPass {
 class GraphRestirPtPass final : public RestirPtPass {
  public:
   GraphRestirPtPass(const RestirPtSettings& settings, const PathGraphSettings& graphs, const PathSource& source,
-                    const CellsPass& cells)
-      : RestirPtPass(settings, source), graphs_(graphs), cells_(cells) {}
+                    const PathLearning& learning, const CellsPass& cells)
+      : RestirPtPass(settings, source, learning), graphs_(graphs), cells_(cells) {}
 
   using RestirPtPass::configure;
   void configure(const PathGraphSettings& graphs) { graphs_ = graphs; }

@@ -47,6 +47,17 @@ struct ConnectRule {
     return to.alpha >= 1.0f || sqr(distance) >= least_footprint * primary * from.cosine * to.pdf_w;
   }
 
+  /// Whether some shift can keep a direction that leaves vertex `bounce`; otherwise, all shifts repeat its random
+  /// numbers. `alpha`: SegmentEnd::alpha of the vertex. `after_delta`: whether the path reached it by a delta lobe.
+  RELUME_HD bool may_keep_direction(float alpha, uint32_t bounce, bool after_delta) const {
+    switch (shift) {
+      case PathShiftKind::replay: return false;
+      case PathShiftKind::reconnection: return bounce == 0 || (bounce == 1 && !after_delta);
+      case PathShiftKind::hybrid: break;
+    }
+    return kind != ConnectRuleKind::distance_2022 || alpha >= least_alpha;
+  }
+
   /// Whether the end of a path can be its joint, if `from` samples the direction to it. `cosine`: |cos| at the end.
   /// `distance`: kInfinity for light from infinity. Ends by next event estimation always can. With shift reconnection,
   /// only the second vertex of a path can.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/reuse/reservoir/reuse_image.h"
+#include "techniques/reuse/restir_pt/learned_choices.h"
 #include "techniques/reuse/restir_pt/path_shift.h"
 #include "techniques/reuse/restir_pt/path_suffix.h"
 #include "techniques/transport/path/first_vertex.h"
@@ -21,9 +22,9 @@ struct TracedJoint {
   bool disperses = false;  ///< whether a vertex after the joint scatters by wavelength
 };
 
-/// Traces a path from its primary hit, and chooses one of its contributions. `Suffix`: how it finds the light behind
-/// the vertex after its joint (path_suffix.h).
-template <typename Suffix>
+/// Traces a path from its primary hit, and chooses one of its contributions. `Choices`: FixedPath or LearnedPath.
+/// `Suffix`: how it finds the light behind the vertex after its joint (path_suffix.h).
+template <typename Choices, typename Suffix>
 struct CandidateTracer {
   const PathContext& context;
   const ConnectRule& rule;
@@ -36,7 +37,8 @@ struct CandidateTracer {
   ChoiceNumbers& numbers;
   float indirect_weight = 1;  ///< IndirectRate::weight() of the pixel
   StoredPath chosen;          ///< begins with the identity of the random numbers
-  float target = 0;           ///< p̂ of the chosen path
+  Choices choices;
+  float target = 0;  ///< p̂ of the chosen path
   WeightedChoice choice = {};
   TracedJoint joint = {};
   Hit hit;          ///< of the current vertex
@@ -48,18 +50,21 @@ struct CandidateTracer {
   RELUME_HD void trace() {
     const SceneView& scene = context.scene;
     while (!walk.sp.bsdf.empty() && walk.path.bounce < context.max_bounces) {
+      choices.arrived(walk);
       connect_to_light();
-      const BsdfSample s = context.directions.sample(walk.sp, sampler);
+      const BsdfSample s = choices.sample(context, rule, walk, joint.vertex > 0, sampler);
       if (!scatter(s)) return;
       const Hit next = intersect(scene, walk.path.ray, sampler.ray_id());
       ++rays;
       if (!next.valid()) return add_infinity();
-      const float pmf = walk.path.delta ? 0.0f : pmf_of_hit(context, walk.sp, next);
+      const float pmf = walk.path.delta ? 0.0f : choices.pmf_of_hit(context, walk, next, leaves_stored());
       const Vec3 previous = walk.sp.position;
       const Rgb leaving = walk.path.throughput;
       hit = next;
       joint.suffix *= arrive(scene, hit, walk);
+      choices.hit_surface(walk);
       add_emitter(previous, pmf);
+      choices.met_emitter(walk);
       if constexpr (Suffix::uses_cells) {
         if (ends_cached()) return add_cached(leaving);
       }
@@ -69,8 +74,17 @@ struct CandidateTracer {
   }
 
  private:
-  /// Whether a contribution replaces the chosen one. `value`: light in the image, without `scale`.
-  RELUME_HD bool offer(const Rgb& value) { return choice.offer(luminance(value) * scale, numbers.next()); }
+  /// Whether a contribution replaces the chosen one. `value`: light in the image, without `scale`. `connects()`: as in
+  /// FixedPath::weight().
+  template <typename Connects>
+  RELUME_HD bool offer(const Rgb& value, const Connects& connects) {
+    const float weight = scale * choices.weight(connects);
+    choices.add(walk, value * weight);
+    return choice.offer(luminance(value) * weight, numbers.next());
+  }
+
+  /// Whether the path's ray leaves a vertex past the joint.
+  RELUME_HD bool leaves_stored() const { return joint.vertex > 0 && walk.path.bounce > joint.vertex + 1; }
 
   /// Stores the chosen path. `value`: light in the image. `density`: of the path's coordinates. Other members are set.
   RELUME_HD void store(PathEnd end, uint32_t joint_vertex, bool disperses, const Rgb& value, float density) {
@@ -107,12 +121,14 @@ struct CandidateTracer {
   RELUME_HD void connect_to_light() {
     const SurfacePoint& sp = walk.sp;
     const SceneView& scene = context.scene;
-    const LightPick pick = pick_light_at(context, sp, walk.path, sampler);
+    const bool past_joint = joint.vertex > 0;
+    const LightPick pick = choices.pick(context, walk, past_joint, sampler);
+    if (pick.pmf > 0.0f) choices.light_picked(walk, pick.id);
     const LightSample light = sample_picked(context, sp, pick);
     if (!light.valid()) return;
     const BsdfEval bsdf = eval_pdf(sp, light.wi);
     if (is_black(bsdf.f)) return;
-    const float mis = connection_weight(light, pick.pmf * light.pdf_w, bsdf.pdf_forward);
+    const float mis = choices.light_weight(context, walk, past_joint, pick, light, bsdf);
     const Rgb reflected = reflected_light(scene, sp, walk.path.medium, light, bsdf) * (mis / pick.pmf);
     const bool scatters_by_wavelength = disperses(scene, sp, light.wi);
     const Rgb weight =
@@ -121,12 +137,21 @@ struct CandidateTracer {
     if (is_black(value)) return;
     ++rays;
     const bool visible = !occluded(scene, shadow_ray(sp, light), sampler.ray_id());
+    choices.connected(walk, pick.id, value, scale, visible);
     if (walk.path.bounce == 0) {
       first = light.wi;
       if (first_vertex) record_light(pick, light, mis / pick.pmf, visible);
     }
     if (!visible) return;
-    if (offer(value)) store_connection(pick, light, bsdf, value, joint.suffix * reflected, scatters_by_wavelength);
+    const auto connects = [&] { return connects_here(bsdf); };
+    if (offer(value, connects))
+      store_connection(pick, light, bsdf, value, joint.suffix * reflected, scatters_by_wavelength);
+  }
+
+  /// Whether the current vertex, which reflects a connected light, and the one before it are connectible.
+  RELUME_HD bool connects_here(const BsdfEval& bsdf) const {
+    const SegmentEnd here{bsdf.pdf_forward, narrowest_alpha(walk.sp.bsdf), walk.cosine, false};
+    return walk.path.bounce > 0 && rule.connects(walk.from, here, walk.distance, walk.footprint);
   }
 
   /// Records the light sample of the primary hit, without light: the chosen path has all of it.
@@ -154,9 +179,7 @@ struct CandidateTracer {
     // One over the density of the coordinates, in the measure of light_at().
     const float unit = light_at(context.scene.lights, point, sp.position).pdf_w;
     const float density = pick.pmf * light.pdf_w / unit;
-    const SegmentEnd here{bsdf.pdf_forward, narrowest_alpha(sp.bsdf), walk.cosine, false};
-    if (vertex == 0 || !rule.connects(walk.from, here, walk.distance, walk.footprint))
-      return store(PathEnd::connection, vertex + 1, false, value, density);
+    if (!connects_here(bsdf)) return store(PathEnd::connection, vertex + 1, false, value, density);
     store_surface(hit);
     chosen.medium = medium_along(context.scene, sp, light.wi, walk.path.medium);
     store(PathEnd::connection, vertex, false, value, walk.from.pdf_w * walk.geometry() * density);
@@ -181,13 +204,16 @@ struct CandidateTracer {
     }
     leave(scene, s, walk);
     if (!passed && vertex > 0) find_joint(vertex, before, s);
+    if (!passed && !choices.settle(joint.vertex > 0)) return false;
     const Rgb& throughput = walk.path.throughput;
     const float sum = throughput.r + throughput.g + throughput.b;
     if (!(sum > 0.0f)) {
       if (!is_finite(sum)) choice.sum = sum;  // is counted there
       return false;
     }
-    return survives(vertex);
+    if (!survives(vertex)) return false;
+    choices.scattered(walk, s, passed, scale);
+    return true;
   }
 
   /// Makes vertex `vertex`, which the path leaves by `s`, the joint if it is connectible to the one before it.
@@ -228,7 +254,8 @@ struct CandidateTracer {
         selectable ? pdf_li(context.scene.lights, sp.light, previous, path.ray.direction, sp.emitter_point()) : 0.0f;
     const float mis = selectable ? scatter_weight(path.pdf_w, pmf, pdf) : 1.0f;
     const Rgb value = path.throughput * sp.emission * walk.dispersion() * mis;
-    if (!offer(value)) return;
+    const auto connects = [&] { return rule.connects_to_end(walk.from, walk.cosine, walk.distance, walk.footprint); };
+    if (!offer(value, connects)) return;
     clear_joint();
     if (joint.vertex > 0) {
       const bool is_last = joint.vertex + 1 == path.bounce;
@@ -237,8 +264,7 @@ struct CandidateTracer {
       if (is_last) chosen.light_pdf_w = pdf;
       return store(PathEnd::emitter, joint.vertex, joint.disperses, value, joint.density);
     }
-    if (!rule.connects_to_end(walk.from, walk.cosine, walk.distance, walk.footprint))
-      return store(PathEnd::emitter, 0, false, value, 1.0f);
+    if (!connects()) return store(PathEnd::emitter, 0, false, value, 1.0f);
     store_surface(hit);
     store(PathEnd::emitter, path.bounce, false, value, walk.from.pdf_w * walk.geometry());
   }
@@ -252,9 +278,10 @@ struct CandidateTracer {
   /// Light that the current vertex, the first after the joint, reflects. `leaving`: throughput of the path there,
   /// without transmittance.
   RELUME_HD void add_cached(const Rgb& leaving) {
-    const Rgb light = joint.suffix * light_behind(context, behind, index, x, y, walk, sampler);
+    const Rgb light = joint.suffix * light_behind();
     rays += walk.path.rays;
-    if (!choice.offer(cached_target(leaving, light) * scale, numbers.next())) return;
+    const float weight = scale * choices.weight([] { return true; });
+    if (!choice.offer(cached_target(leaving, light) * weight, numbers.next())) return;
     clear_joint();
     store_joint(light);
     chosen.shape = StoredPath::shape_of(PathEnd::cached, joint.vertex + 2, joint.vertex, false);
@@ -263,28 +290,40 @@ struct CandidateTracer {
     target = cached_target(leaving * joint.density, light);
   }
 
+  /// Radiance that the current vertex reflects to the joint, and the end of the path. Not inlined, to bound the stack
+  /// of kernels.
+  RELUME_HD_NOINLINE Rgb light_behind() {
+    typename Suffix::Policy cache = behind.policy(index, x, y, walk.from.alpha);
+    auto policy = choices.enter_cells(walk, scale, cache);
+    return relume::light_behind(context, walk, sampler, policy);
+  }
+
   /// Light from infinity along the path's ray, which left the scene.
   RELUME_HD void add_infinity() {
     const PathState& path = walk.path;
     if (!path.indirect) return;
-    const Rgb light = light_from_infinity(context, walk.sp, path.ray.direction, path.pdf_w, path.delta);
+    const Rgb light = choices.light_from_infinity(context, walk, leaves_stored());
     const Rgb value = path.throughput * light * walk.dispersion();
-    if (is_black(value) || !offer(value)) return;
+    if (is_black(value)) return;
+    const auto connects = [&] { return rule.connects_to_end(walk.from, 1.0f, kInfinity, walk.footprint); };
+    const bool chooses = offer(value, connects);
+    choices.met_infinity(walk);
+    if (!chooses) return;
     clear_joint();
     if (joint.vertex > 0) {
       store_joint(joint.suffix * light);
       return store(PathEnd::infinity, joint.vertex, joint.disperses, value, joint.density);
     }
-    if (!rule.connects_to_end(walk.from, 1.0f, kInfinity, walk.footprint))
-      return store(PathEnd::infinity, 0, false, value, 1.0f);
+    if (!connects()) return store(PathEnd::infinity, 0, false, value, 1.0f);
     chosen.leaving = path.ray.direction;
     store(PathEnd::infinity, path.bounce, false, value, path.pdf_w);
   }
 };
 
-template <typename Suffix>
-struct PathCandidateKernelOf {
-  PathContext context;
+/// `Choices`: FixedChoices or LearnedChoices. `Suffix`: of path_suffix.h.
+template <typename Choices, typename Suffix>
+struct PathCandidateKernel {
+  PathContext context;  ///< FixedChoices: that of shifts
   ConnectRule rule;
   SampleIndex index;
   View<const Hit> hits;
@@ -294,22 +333,24 @@ struct PathCandidateKernelOf {
   ReuseImage image;
   uint32_t width = 0;
   bool has_cones = false;  ///< whether vertices up to the joint read textures by ray cones
+  Choices choices;
   Suffix suffix = {};
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     reservoirs[pixel] = {};
     records[pixel] = {};
-    if (!image.sampled.has(pixel) || !hits[pixel].valid() || context.max_bounces == 0) return;
+    if (!image.sampled.has(pixel) || !hits[pixel].valid() || context.max_bounces == 0) return choices.leave_out(pixel);
     Sampler sampler = index.sampler(x, y);
     records[pixel] = record_of(context.scene, x, y, sampler, hits[pixel]);
     PathWalk walk;
     walk.has_cone = has_cones;
     const ReceiverRecord& record = records[pixel];
     const Instance& instance = context.scene.instances[record.hit.instance];
-    if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk)) return;
+    if (!start_walk(context.scene, context.scene.camera, instance, record, record.wavelength_nm, walk))
+      return choices.leave_out(pixel);
     ChoiceNumbers numbers(index.seed, index.frame, pixel, kChoosesPaths);
-    CandidateTracer<Suffix> tracer{
+    CandidateTracer<typename Choices::template Path<Suffix::uses_cells>, Suffix> tracer{
         .context = context,
         .rule = rule,
         .behind = suffix,
@@ -321,15 +362,18 @@ struct PathCandidateKernelOf {
         .numbers = numbers,
         .indirect_weight = context.indirect.weight(x, y),
         .chosen = {.pixel = pixel, .seed = index.seed, .sequence = index.sequence, .element = index.sample_of(x, y)},
+        .choices = choices.template begin<Suffix::uses_cells>(pixel),
         .hit = record.hit,
         .first_vertex = first_vertices.empty() ? nullptr : &first_vertices[pixel]};
     tracer.trace();
+    tracer.choices.finished(walk);
     image.rays[pixel] += tracer.rays;
     finish(pixel, tracer);
   }
 
  private:
-  RELUME_HD void finish(uint32_t pixel, const CandidateTracer<Suffix>& tracer) const {
+  template <typename Tracer>
+  RELUME_HD void finish(uint32_t pixel, const Tracer& tracer) const {
     PathReservoir own;
     own.confidence = 1;
     if (!is_finite(tracer.choice.sum)) {
@@ -343,7 +387,5 @@ struct PathCandidateKernelOf {
     reservoirs[pixel] = own;
   }
 };
-
-using PathCandidateKernel = PathCandidateKernelOf<PlainSuffix>;
 
 }  // namespace relume

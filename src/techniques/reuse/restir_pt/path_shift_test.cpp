@@ -10,6 +10,7 @@
 
 #include "builtin_scenes/shapes.h"
 #include "scene/testing/media.h"
+#include "techniques/reuse/restir_pt/testing/random_choices.h"
 #include "techniques/reuse/restir_pt/testing/traced_paths.h"
 #include "techniques/transport/path/testing/run_kernel.h"
 #include "testing/random.h"
@@ -26,6 +27,7 @@ struct Case {
   const char* scene;
   PathShiftKind shift;
   ConnectRuleKind connect = ConnectRuleKind::footprint;
+  bool learns = false;  ///< whether the paths come from random learned directions and lights
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -35,9 +37,15 @@ class PathShift : public ::testing::TestWithParam<Case> {
  protected:
   static TracedPaths trace(uint32_t sample = 3) {
     const Case& c = GetParam();
-    return {find_builtin_scene(c.scene)->build(), rule_of(c.shift, c.connect), 6, sample};
+    const Scene scene = find_builtin_scene(c.scene)->build();
+    if (!c.learns) return {scene, rule_of(c.shift, c.connect), 6, sample};
+    testing::RandomChoices choices(TracedPaths::kPixels);
+    choices.learning.learns_lights = true;
+    return {scene, rule_of(c.shift, c.connect), 6, sample, choices.directions, choices.learning};
   }
 };
+
+class PathLuminance : public PathShift {};
 
 /// Relative difference of luminances.
 double difference(const Rgb& a, const Rgb& b) {
@@ -131,7 +139,7 @@ TEST_P(PathShift, IsUndoneByTheShiftBack) {
 }
 
 /// Integrand over density is the contribution, so that the weight of a candidate is the sum of all contributions.
-TEST_P(PathShift, HasTheLuminanceOfPathTracing) {
+TEST_P(PathLuminance, IsThatOfPathTracing) {
   const Case& c = GetParam();
   const TracedPaths traced = trace();
   const CompiledScene scene(find_builtin_scene(c.scene)->build(),
@@ -156,15 +164,24 @@ TEST_P(PathShift, HasTheLuminanceOfPathTracing) {
 }
 
 using enum PathShiftKind;
+const Case kFixedChoices[] = {{"reconnection", "cornell", reconnection},
+                              {"replay", "cornell", replay},
+                              {"hybrid", "cornell", hybrid},
+                              {"hybrid_2022", "cornell", hybrid, ConnectRuleKind::distance_2022},
+                              {"glass_replay", "cornell-glass", replay},
+                              {"glass_hybrid", "cornell-glass", hybrid},
+                              {"mirror_hybrid", "cornell-mirror", hybrid},
+                              {"mirror_reconnection", "cornell-mirror", reconnection},
+                              {"spheres_2022", "cornell-spheres", hybrid, ConnectRuleKind::distance_2022}};
+INSTANTIATE_TEST_SUITE_P(Scenes, PathShift, ::testing::ValuesIn(kFixedChoices), case_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, PathLuminance, ::testing::ValuesIn(kFixedChoices), case_name);
 INSTANTIATE_TEST_SUITE_P(
-    Scenes, PathShift,
-    ::testing::Values(Case{"reconnection", "cornell", reconnection}, Case{"replay", "cornell", replay},
-                      Case{"hybrid", "cornell", hybrid},
-                      Case{"hybrid_2022", "cornell", hybrid, ConnectRuleKind::distance_2022},
-                      Case{"glass_replay", "cornell-glass", replay}, Case{"glass_hybrid", "cornell-glass", hybrid},
-                      Case{"mirror_hybrid", "cornell-mirror", hybrid},
-                      Case{"mirror_reconnection", "cornell-mirror", reconnection},
-                      Case{"spheres_2022", "cornell-spheres", hybrid, ConnectRuleKind::distance_2022}),
+    Learned, PathShift,
+    ::testing::Values(Case{"reconnection", "cornell", reconnection, ConnectRuleKind::footprint, true},
+                      Case{"replay", "cornell", replay, ConnectRuleKind::footprint, true},
+                      Case{"hybrid", "cornell", hybrid, ConnectRuleKind::footprint, true},
+                      Case{"mirror_hybrid", "cornell-mirror", hybrid, ConnectRuleKind::footprint, true},
+                      Case{"spheres_2022", "cornell-spheres", hybrid, ConnectRuleKind::distance_2022, true}),
     case_name);
 
 /// Every joint of a shift by reconnection is the second vertex; replay keeps ends by next event estimation only.

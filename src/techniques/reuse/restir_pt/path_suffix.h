@@ -59,13 +59,11 @@ RELUME_HD inline void start(const SceneView& scene, const SurfacePoint& sp, Path
 
 /// Radiance that the vertex of a walk reflects along the last segment, without its own emission. Traces the rest of the
 /// path: the walk then is at its end, and `walk.path.rays` counts the rays. Weights of the wavelength are included.
-/// Not inlined, to bound the stack of kernels.
-template <typename Suffix>
-RELUME_HD_NOINLINE Rgb light_behind(const PathContext& c, const Suffix& suffix, const SampleIndex& index, uint32_t x,
-                                    uint32_t y, PathWalk& walk, Sampler& sampler) {
+/// `policy`: of the suffix, possibly after recorders.
+template <typename Policy>
+RELUME_HD inline Rgb light_behind(const PathContext& c, PathWalk& walk, Sampler& sampler, Policy& policy) {
   SurfacePoint& sp = walk.sp;
   PathState& path = walk.path;
-  PathPolicies<typename Suffix::Policy> policy{suffix.policy(index, x, y, walk.from.alpha), {}};
   path_suffix::start(c.scene, sp, path);
   bool scatters = path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
   while (scatters && policy.goes_on(path)) {

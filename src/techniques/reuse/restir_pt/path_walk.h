@@ -113,19 +113,27 @@ RELUME_HD inline float connection_weight(const LightSample& light, float pdf_lig
   return light.delta ? 1.0f : power_heuristic(pdf_light, pdf_scatter);
 }
 
-/// Light from infinity along a direction that the surface sampled with `pdf_w`, with MIS weights. `delta`: by a delta
-/// lobe.
-RELUME_HD inline Rgb light_from_infinity(const PathContext& c, const SurfacePoint& sp, const Vec3& wi, float pdf_w,
-                                         bool delta) {
-  const LightsView& lights = c.scene.lights;
+/// Light from infinity along a direction that the surface at `position` sampled with `pdf_w`, with MIS weights.
+/// `delta`: by a delta lobe. `light_pmf(id)`: probability of selecting a light there; not called for dark lights, and
+/// not for delta lobes.
+template <typename LightPmf>
+RELUME_HD inline Rgb light_from_infinity(const LightsView& lights, const Vec3& position, const Vec3& wi, float pdf_w,
+                                         bool delta, const LightPmf& light_pmf) {
   Rgb sum(0);
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
-    const float pmf = delta ? 0.0f : c.selector.pmf(sp, id);
-    sum += radiance * scatter_weight(pdf_w, pmf, pmf > 0.0f ? pdf_li(lights, id, sp.position, wi, {}) : 0.0f);
+    const float pmf = delta ? 0.0f : light_pmf(id);
+    sum += radiance * scatter_weight(pdf_w, pmf, pmf > 0.0f ? pdf_li(lights, id, position, wi, {}) : 0.0f);
   }
   return sum;
+}
+
+/// The same with the selection of the context.
+RELUME_HD inline Rgb light_from_infinity(const PathContext& c, const SurfacePoint& sp, const Vec3& wi, float pdf_w,
+                                         bool delta) {
+  const auto light_pmf = [&](LightId id) { return c.selector.pmf(sp, id); };
+  return light_from_infinity(c.scene.lights, sp.position, wi, pdf_w, delta, light_pmf);
 }
 
 /// Probability of selecting the light of a hit surface at `sp`; 0 without any.

@@ -1,5 +1,7 @@
 #include "techniques/reuse/restir_pt/restir_pt_pass.h"
 
+#include <algorithm>
+
 #include "techniques/radiance_cache/path_graphs/path_graphs_pass.h"
 #include "techniques/radiance_cache/sharc/sharc_pass.h"
 #include "techniques/reuse/reservoir/reuse_pass.h"
@@ -72,10 +74,41 @@ PathShifter RestirPtPass::shifter(const FrameContext& frame) const {
           .uses_cells = uses_cells()};
 }
 
+PathContext RestirPtPass::learned_context(const FrameContext& frame) const {
+  PathContext context = make_path_context(source_, frame);
+  if (learning_.selector) {
+    context.selector = *learning_.selector;
+    context.selector.tree = source_.selector.tree;
+  }
+  if (learning_.directions) context.directions = *learning_.directions;
+  return context;
+}
+
+LearnedChoices RestirPtPass::learned_choices() const {
+  LearnedChoices choices;
+  choices.learns_lights = learning_.selector != nullptr;
+  choices.records_samples = learning_.samples != nullptr;
+  if (learning_.samples) choices.samples = *learning_.samples;
+  choices.chains = chain_output(learning_.chains);
+  return choices;
+}
+
 template <typename Suffix>
 bool RestirPtPass::trace_candidates_with(const FrameContext& frame, const Suffix& suffix) const {
-  PathCandidateKernelOf<Suffix> kernel;
-  kernel.context = make_path_context(source_, frame);
+  if (!learning_.any()) return trace_candidates_by(frame, make_path_context(source_, frame), FixedChoices{}, suffix);
+  PathContext context = learned_context(frame);
+  LearnedChoices choices = learned_choices();
+  // Recorders of chains assume one probability of the BSDF at all vertices.
+  for (MarkovGuide* const guide : {&context.directions.chains, &choices.chains.guide.guide})
+    guide->bsdf_fraction = std::max(guide->bsdf_fraction, kLeastBsdfShare);
+  return trace_candidates_by(frame, context, choices, suffix);
+}
+
+template <typename Choices, typename Suffix>
+bool RestirPtPass::trace_candidates_by(const FrameContext& frame, const PathContext& context, const Choices& choices,
+                                       const Suffix& suffix) const {
+  PathCandidateKernel<Choices, Suffix> kernel;
+  kernel.context = context;
   kernel.rule = rule_of(settings_);
   kernel.index = frame.index;
   kernel.hits = frame.read(kPrimaryHits);
@@ -85,6 +118,7 @@ bool RestirPtPass::trace_candidates_with(const FrameContext& frame, const Suffix
   kernel.image = reuse_image(frame);
   kernel.width = frame.width();
   kernel.has_cones = has_cones(settings_);
+  kernel.choices = choices;
   kernel.suffix = suffix;
   return frame.launch_or_stop("restir-pt-trace", kernel);
 }

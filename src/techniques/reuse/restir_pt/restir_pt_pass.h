@@ -7,14 +7,27 @@
 
 namespace relume {
 
+struct LearnedChoices;
 struct PairSearch;
 struct PathShifter;
+
+/// What the paths of candidates use that was learned, and where they record; nullptr: nothing.
+struct PathLearning {
+  const LightSelector* selector = nullptr;       ///< light selection that learns
+  const DirectionSampler* directions = nullptr;  ///< guide
+  const PathRecording* samples = nullptr;
+  ChainRecordings chains = {};
+
+  bool any() const { return selector || directions; }
+};
 
 /// Adds the light of all paths that scatter by a lobe with a density, to that of paths without such
 /// (PathRecords::only_specular).
 class RestirPtPass : public Pass {
  public:
-  RestirPtPass(const RestirPtSettings& settings, const PathSource& source) : settings_(settings), source_(source) {}
+  /// `source`: its choices must not learn.
+  RestirPtPass(const RestirPtSettings& settings, const PathSource& source, const PathLearning& learning)
+      : settings_(settings), source_(source), learning_(learning) {}
 
   void configure(const RestirPtSettings& settings) { settings_ = settings; }
   void configure(const PathSettings& path) { source_.settings = path; }
@@ -34,8 +47,14 @@ class RestirPtPass : public Pass {
  private:
   PathShifter shifter(const FrameContext& frame) const;
   PairSearch pairs(const FrameContext& frame) const;
+  /// For candidates, here and below.
+  PathContext learned_context(const FrameContext& frame) const;
+  LearnedChoices learned_choices() const;
   bool finds_duplicates() const { return settings_.cap > 0 && settings_.duplication > 0; }
   // These return false if a stop was requested first.
+  template <typename Choices, typename Suffix>
+  bool trace_candidates_by(const FrameContext& frame, const PathContext& context, const Choices& choices,
+                           const Suffix& suffix) const;
   bool count_duplicates(const FrameContext& frame) const;
   bool reuse_history(const FrameContext& frame) const;
   bool shift_pairs(const FrameContext& frame) const;
@@ -43,6 +62,7 @@ class RestirPtPass : public Pass {
 
   RestirPtSettings settings_;
   PathSource source_;
+  PathLearning learning_;
 };
 
 }  // namespace relume

@@ -14,12 +14,13 @@
 #include "techniques/reuse/restir_gi/testing/image_means.h"
 #include "techniques/reuse/restir_gi/testing/posts.h"
 #include "techniques/reuse/restir_pt/stored_path.h"
+#include "techniques/reuse/restir_pt/testing/expect_equal_means.h"
 #include "techniques/reuse/restir_pt/testing/patch_beside_floors.h"
 
 namespace relume {
 namespace {
 
-using testing::error_of;
+using testing::expect_equal;
 using testing::FewerPaths;
 using testing::Measured;
 
@@ -39,18 +40,6 @@ std::vector<Measured> reference_of(const Scene& scene, int seeds = 8, int bounce
   RenderSettings settings = settings_of(ReuseChoice::none);
   settings.path.max_bounces = bounces;
   return testing::after_moves(scene, settings, seeds, kMoving, 64);
-}
-
-/// Compares the mean of the image, then those of its blocks, which show darkening at edges. `most_error`: of the image,
-/// relative. `bias`: of the image, relative.
-void expect_equal(const std::vector<Measured>& reused, const std::vector<Measured>& truth, double most_error = 0.02,
-                  double bias = 0) {
-  EXPECT_LT(error_of(reused[0], truth[0]), most_error * truth[0].mean);
-  for (size_t k = 0; k < (bias > 0 ? size_t{1} : truth.size()); ++k) {
-    // With few degrees of freedom, standard errors are uncertain.
-    const double tolerance = bias * truth[k].mean + (k == 0 ? 6 : 7) * error_of(reused[k], truth[k]) + 1e-6;
-    EXPECT_NEAR(reused[k].mean, truth[k].mean, tolerance) << (k == 0 ? "image" : "block ") << k;
-  }
 }
 
 Scene box_scene() { return find_builtin_scene("cornell")->build(); }
