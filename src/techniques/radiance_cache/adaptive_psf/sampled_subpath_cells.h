@@ -24,6 +24,7 @@ struct SampledCellSubpath : PathPolicies<SubpathSamplePolicy, AdaptiveVertex> {
   // As SubpathSamplePolicy.
 
   RELUME_HD void weigh_vertex(const PathState& path, SubpathWeights& weights) { first.weigh_vertex(path, weights); }
+  RELUME_HD void tried(const Connection& c) { first.tried(c); }
   RELUME_HD void weigh_onwards(const PathState& after, SubpathWeights& weights) const {
     first.weigh_onwards(after, weights);
   }

@@ -170,12 +170,20 @@ RELUME_HD inline void add_tested(const BdptContext& c, const SurfacePoint& sp, c
   }
 }
 
+/// Shows a connection of the last vertex to policies that record samples of indirect light. This precedes roulette:
+/// its probability depends on the pixel.
+template <typename Policy>
+RELUME_HD inline void show_to_samples(Policy& policy, const Connection& connection) {
+  if constexpr (kSamplesIndirectLight<Policy>) policy.tried(connection);
+}
+
 /// Adds a connection of the last vertex `sp` if roulette selects it and nothing blocks it.
 template <typename Recorder, typename Policy>
 RELUME_HD inline void try_connection(const BdptContext& c, const SurfacePoint& sp, const Connection& connection,
                                      uint32_t ray_id, CameraSubpath& e, ConnectionRoulette& roulette,
                                      BdptCounters& counters, Recorder& recorder, Policy& policy) {
   if (!connection.valid()) return;
+  show_to_samples(policy, connection);
   Rgb contribution = connection.contribution;
   if (!roulette.survives(c, ray_id, contribution, unit_of<Policy>(e))) return;
   const bool is_visible = visible(c, connection.ray, ray_id, counters);
@@ -190,6 +198,7 @@ RELUME_HD inline void try_light_connection(const BdptContext& c, const SurfacePo
   if (!recorder.needs_visibility())
     return try_connection(c, sp, connection, ray_id, e, roulette, counters, recorder, policy);
   if (!connection.valid()) return;
+  show_to_samples(policy, connection);
   roulette.count(connection.contribution * unit_of<Policy>(e));
   const bool is_visible = visible(c, connection.ray, ray_id, counters);
   recorder.connected(sp, e.path, connection, is_visible);

@@ -47,8 +47,10 @@ struct SubpathSamplePolicy : IndirectSamplePolicy {
     image_weights = weights;
     weights.restart();
   }
-  /// Each pixel has its own wavelength, so samples that depend on it must not move.
-  RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection& c, bool /*visible*/) {
+  /// Called for each connection and merging at the last vertex, before roulette and the test of visibility. Each pixel
+  /// has its own wavelength, so samples that depend on it must not move. Whether a sample is bound must depend on its
+  /// vertex alone, not on the pixel: otherwise the samples that move would have a bias.
+  RELUME_HD void tried(const Connection& c) {
     if (taken && !complete && c.dispersed) sample->vertex.traits |= IndirectVertex::kBound;
   }
   /// Called before scattered(), and before the weights leave the vertex.

@@ -129,25 +129,39 @@ TEST(SubpathSamples, AreNeverOnMirrors) {
   EXPECT_GT(lit, found / 2);
 }
 
-/// The zoo has dispersive glass. Connections to it carry a weight of the pixel's wavelength.
-TEST(SubpathSamples, ThatDependOnTheWavelengthStayInTheirPixels) {
-  const auto bound_share = [](float dispersion) {
-    Scene scene = make_zoo(ZooLight::triangles, ZooCamera::pinhole);
-    SampledFrame f(dispersion > 0.0f ? dispersive(std::move(scene), dispersion) : std::move(scene), {});
-    int found = 0;
-    int bound = 0;
-    for (uint32_t i = 0; i < 32; ++i) {
-      f.trace(i);
-      for (const IndirectSample& sample : f.samples) {
-        if (!(sample.weight > 0.0f)) continue;
-        ++found;
-        bound += sample.vertex.has(IndirectVertex::kBound) ? 1 : 0;
-      }
+/// Samples of 32 frames of the zoo that stay in their pixels. It has glass with this dispersion.
+int count_bound(float dispersion, const BdptOptions& options) {
+  Scene scene = make_zoo(ZooLight::triangles, ZooCamera::pinhole);
+  SampledFrame f(dispersion > 0.0f ? dispersive(std::move(scene), dispersion) : std::move(scene), options);
+  int found = 0;
+  int bound = 0;
+  for (uint32_t i = 0; i < 32; ++i) {
+    f.trace(i);
+    for (const IndirectSample& sample : f.samples) {
+      if (!(sample.weight > 0.0f)) continue;
+      ++found;
+      bound += sample.vertex.has(IndirectVertex::kBound) ? 1 : 0;
     }
-    EXPECT_GT(found, 500);
-    return static_cast<double>(bound) / found;
-  };
-  EXPECT_GT(bound_share(10), bound_share(0));
+  }
+  EXPECT_GT(found, 500);
+  return bound;
+}
+
+/// Connections to dispersive glass carry a weight of the pixel's wavelength. Camera subpaths are the same without light
+/// subpaths, so only connections bind more samples.
+TEST(SubpathSamples, ThatDependOnTheWavelengthStayInTheirPixels) {
+  const BdptOptions connected{.max_bounces = 3, .russian_roulette = false};
+  const BdptOptions alone{.max_bounces = 3, .russian_roulette = false, .max_light_vertices = 1};
+  EXPECT_GT(count_bound(10, alone), count_bound(0, alone));
+  EXPECT_GT(count_bound(10, connected), count_bound(10, alone) + 20);
+}
+
+/// Roulette depends on the light of the pixel.
+TEST(SubpathSamples, StayInTheirPixelsWhateverRouletteSelects) {
+  const BdptOptions all{.max_bounces = 3, .russian_roulette = false};
+  BdptOptions few = all;
+  few.connection_roulette = 1;
+  EXPECT_EQ(count_bound(10, few), count_bound(10, all));
 }
 
 /// Directions from the first surfaces that are chosen for the light that stays with subpaths; 0: none.

@@ -207,6 +207,7 @@ struct LightVertexGrid {
         found.ray.direction = v.wo;
         found.contribution = light;
         found.dispersed = c.scene().disperses && (e.path.dispersed || v.disperses(sp.wo));
+        show_to_samples(policy, found);
         policy.connected(sp, e.path, found, true);
       }
     });
