@@ -44,7 +44,7 @@ TEST(SettingRules, IncompatibleChoicesGiveAReason) {
     EXPECT_EQ(refusal(settings, "cache", cache), "") << cache;
   settings.render = {};
   settings.render.reuse = ReuseChoice::restir_pt;
-  EXPECT_NE(refusal(settings, "estimator", "bdpt").find("'restir-pt' do not combine"), std::string::npos);
+  EXPECT_NE(refusal(settings, "estimator", "bdpt").find("'restir-pt' does not combine"), std::string::npos);
   settings.render = {};
   settings.render.history = HistoryChoice::none;
   EXPECT_NE(refusal(settings, "allocation", "adaptive").find("history 'none'"), std::string::npos);
