@@ -264,6 +264,7 @@ TEST_P(ForwardOfPathReservoirs, RecordDirectionsOfGloss) {
   const BufferKey<ReceiverRecord> receivers{choices().has_whole_paths() ? "restir-pt-receivers"
                                                                         : "restir-gi-receivers"};
   RenderSettings settings = settings_of(choices());
+  settings.psf.edge_rays = 0;  // pixels show samples
   settings.restir_gi.reuse_glossy = true;
   Session session(varnished_cornell(), settings);
   const CompiledScene scene(varnished_cornell(), CompileOptions{.camera = {}, .width = kSize, .height = kSize});
