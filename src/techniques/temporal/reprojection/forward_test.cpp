@@ -64,6 +64,8 @@ const std::vector<Choices>& all_choices() {
       {.name = "restir_gi", .reuse = ReuseChoice::restir_gi},
       {.name = "restir_di_gi", .reuse = ReuseChoice::restir_di_gi},
       {.name = "restir_pt", .reuse = ReuseChoice::restir_pt},
+      {.name = "bdpt_restir_gi", .estimator = EstimatorChoice::bdpt, .reuse = ReuseChoice::restir_gi},
+      {.name = "vcm_restir_di_gi", .estimator = EstimatorChoice::vcm, .reuse = ReuseChoice::restir_di_gi},
       {.name = "psf_ris", .cache = CacheChoice::psf, .reuse = ReuseChoice::ris},
       {.name = "sharc_restir_di", .cache = CacheChoice::sharc, .reuse = ReuseChoice::restir_di},
       {.name = "psf_restir_di", .cache = CacheChoice::psf, .reuse = ReuseChoice::restir_di},
