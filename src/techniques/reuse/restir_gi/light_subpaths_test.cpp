@@ -13,6 +13,7 @@
 #include "techniques/reuse/reservoir/receiver.h"
 #include "techniques/reuse/reservoir/testing/fewer_paths.h"
 #include "techniques/reuse/restir_gi/testing/image_means.h"
+#include "techniques/reuse/restir_gi/testing/large_lamps.h"
 #include "techniques/reuse/restir_gi/testing/posts.h"
 #include "techniques/transport/path/indirect_sample.h"
 
@@ -22,6 +23,7 @@ namespace {
 using testing::error_of;
 using testing::FewerPaths;
 using testing::Measured;
+using testing::under_large_lamps;
 
 constexpr int kMoving = 6;
 constexpr int kKept = 8;
@@ -31,19 +33,6 @@ constexpr double kMostGlassError = 0.03;
 constexpr double kMostSlowError = 0.015;
 constexpr double kBiasOfVcm = 0.01;     ///< blur over the merging radius
 constexpr double kBiasOfBlocks = 0.02;  ///< the same, for a block of the image
-
-/// A built-in scene under lamps that paths often hit. They have the flux of the scene's own.
-Scene under_large_lamps(const std::string& name) {
-  constexpr float kScale = 8;
-  Scene scene = find_builtin_scene(name)->build();
-  if (name == "cornell") return scene;  // has a large lamp
-  for (Mesh& mesh : scene.meshes) {
-    if (mesh.material == kNone || is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
-    for (Vec3& p : mesh.positions) p *= Vec3(kScale, 1, kScale);
-    scene.materials[static_cast<size_t>(mesh.material)].emission /= sqr(kScale);
-  }
-  return scene;
-}
 
 RenderSettings settings_of(EstimatorChoice estimator, ReuseChoice reuse) {
   RenderSettings settings = testing::reuse_settings(reuse);
