@@ -123,7 +123,8 @@ inline constexpr float kMinMergingCosine = 0.7f;
 
 /// Whether the light vertex was found by specular scattering at its predecessor: the cut between them cannot be a
 /// connection, so A is zero (partial_weights.h). `number`: of the vertex in its subpath; 0 is the first behind the
-/// light.
+/// light. Elsewhere, A is the inverse square of a density per area, and rounds to zero only above 10¹⁹ m⁻²: even for
+/// the narrowest lobe (kMinAlpha), only vertices less than a micrometre apart can be mistaken for specular ones.
 RELUME_HD inline bool found_specularly(const PathVertex& v, uint32_t number) {
   return number > 0 && !(v.weights.a > 0.0f);
 }
