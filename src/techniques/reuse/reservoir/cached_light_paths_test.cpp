@@ -87,7 +87,7 @@ Measured mean_of_runs(const Scene& scene, const RenderSettings& settings, int se
   return measured;
 }
 
-/// That by path tracing in box_with_mirror(), rendered once per process.
+/// Mean luminance by path tracing in box_with_mirror(), rendered once per process.
 const Measured& mean_of_paths() {
   static const Measured measured = [] {
     RenderSettings settings = settings_of(EstimatorChoice::path, CacheChoice::none, ReuseChoice::none);

@@ -12,7 +12,8 @@
 namespace relume {
 
 /// Records a reservoir's sample as the light sample of the pixel's first vertex, without its share of the pixel's
-/// light. The record's `light_u` are the coordinates of a LightPoint. A direction with light of splats stays.
+/// light. The record's `light_u` are the coordinates of a LightPoint. If the record holds light of splats, it keeps
+/// their direction.
 RELUME_HD inline void record_candidate(const SceneView& scene, const Receiver& r, const LightReservoir& reservoir,
                                        bool visible, FirstVertex& vertex) {
   const LightSample light = light_at(scene.lights, reservoir.sample, r.sp.position);

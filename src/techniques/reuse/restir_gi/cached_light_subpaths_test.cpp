@@ -61,7 +61,7 @@ Scene matte_cornell() {
   return scene;
 }
 
-/// The same with narrow metal between the coloured walls. It has no cells.
+/// The same with metal boxes and white walls of metal. Their lobes are too narrow for cells.
 Scene metal_cornell() {
   Scene scene = matte_cornell();
   for (Material& m : scene.materials) {
@@ -158,7 +158,7 @@ TEST_P(CachedLightSubpaths, FillCellsWithoutTheLightOfReservoirs) {
   EXPECT_GT(lit, 100);
 }
 
-/// Cells without the light of reservoirs do not tell whether these need the subpath.
+/// Cells without the light of reservoirs do not show whether these need the subpath.
 TEST_P(CachedLightSubpaths, SurviveAtPrimaryHits) {
   RenderSettings settings = settings_of(std::get<0>(GetParam()), std::get<1>(GetParam()), std::get<2>(GetParam()));
   settings.psf.grid.min_count = settings.apsf.min_samples = 1;

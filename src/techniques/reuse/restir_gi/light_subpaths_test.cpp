@@ -1,4 +1,4 @@
-// Reservoirs of indirect light whose samples bidirectional paths find: means against path tracing.
+// Reservoirs of indirect light with samples from bidirectional paths: means against path tracing.
 #include <cmath>
 #include <map>
 #include <string>
