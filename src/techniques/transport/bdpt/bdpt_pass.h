@@ -25,7 +25,7 @@ struct BdptRecords {
   bool splats = false;            ///< fills kLightRadiance, for a history that stores splats separately
   bool caustics = false;          ///< the caustic layer: splats, and merged light of specular light subpaths
   bool first_vertices = false;    ///< fills kFirstVertices, for a history that verifies pixels
-  bool splats_apart = false;      ///< their directions of splats are chosen apart, because cells lack that light
+  bool splats_apart = false;      ///< records a direction of splats separately, because cells lack their light
   bool first_scatters = false;    ///< fills kFirstScatters, and leaves the direct light of primary hits to reservoirs
   bool indirect_samples = false;  ///< fills kIndirectSamples, and leaves their light to reservoirs
   ChainRecordings chains = {};    ///< destinations of new states of camera subpaths

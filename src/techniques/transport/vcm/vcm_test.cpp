@@ -245,7 +245,7 @@ TEST(Vcm, ClosedFurnaceAtEveryDepth) {
   }
 }
 
-/// Reservoirs leave splats, mergings and connections of direct light alone, and take all others at primary hits.
+/// At primary hits, splats, mergings and connections find only direct light. Reservoirs add all other light.
 TEST(Vcm, ClosedFurnaceWithReservoirsOfIndirectLight) {
   constexpr float kAlbedo = 0.6f;
   for (const ReuseChoice reuse : {ReuseChoice::restir_gi, ReuseChoice::restir_di_gi}) {
