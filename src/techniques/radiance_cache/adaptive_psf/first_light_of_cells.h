@@ -6,9 +6,10 @@
 
 namespace relume {
 
-/// A history may look up the light of a pixel's cell from a new view, but not its splats. Where the cell is that of the
-/// primary hit, FirstVertex::scatter and ::indirect hold the subpath's sample for the cell; ::to_light and ::direct
-/// hold the splats, so no history moves them without a test. Elsewhere, the former hold all light, as without a cache.
+/// Records the light of each first vertex with one or two directions. Where the pixel shows the cell of its primary
+/// hit, FirstVertex::scatter and ::indirect have the light of the camera subpath, ::to_light and ::direct that of
+/// splats. A history looks up the former in the cell from a new view, and tests the latter. Elsewhere, ::scatter and
+/// ::indirect have all light, as without a cache.
 struct FirstLightOfCellsKernel {
   BdptContext context;
   SampleIndex index;
@@ -39,7 +40,7 @@ struct FirstLightOfCellsKernel {
     const FilteredPixel& p = pixels[pixel];
     const FirstLight& first = context.first_light;
     const Rgb transmittance = transmittance_to_camera(context.scene(), sp, hit);
-    // Subpaths that are followed represent those that are not.
+    // Surviving subpaths also represent culled ones.
     const Rgb traced = p.traced / p.survival;
     if (cells_at_hit[pixel] == 0) {
       // The choice among both kinds: the largest key wins.
@@ -49,7 +50,7 @@ struct FirstLightOfCellsKernel {
       return set(light_along(sp, chosen, transmittance, reflected), vertex.scatter, vertex.indirect);
     }
     set(light_along(sp, first.chosen[pixel], transmittance, traced), vertex.scatter, vertex.indirect);
-    // Without a splat in this frame, the direction also tests those of later frames.
+    // Without a splat in this frame, the light sample's direction stays, and also tests splats of other frames.
     if (first.splats[pixel] == 0 && length_squared(vertex.to_light) > 0.0f) return;
     set(light_along(sp, first.splats[pixel], transmittance, splats[pixel]), vertex.to_light, vertex.direct);
   }

@@ -6,10 +6,10 @@
 // light that the second vertex scatters by a delta lobe. As without reservoirs, the cell holds the part of this light
 // for which camera subpaths find the primary hit. Splats keep the other part.
 //
-// PathEvents::rebased() tells the sample the units of the cell. No later vertex of such a subpath is filtered
+// PathEvents::rebased() passes the units of the cell to the sample. No later vertex of such a subpath is filtered
 // (FilterContext::indirect_apart), so the sample returns the subpath in these units. From the second vertex on, the
-// sample has units of its own, which depend on neither cell nor pixel. Its weights restart there. They do not depend on
-// the number of camera subpaths over which a cell averages, which the weights of all other light count.
+// sample has units of its own, which depend on neither cell nor pixel. Its weights restart there. Only the weights of
+// other light count the camera subpaths over which a cell averages.
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/subpath_cells.h"

@@ -52,7 +52,7 @@ bool SharcPass::trace(const FrameContext& frame) const {
   if (cells_.users().reservoirs) scatters = {{frame.write(kFirstScatters)}, true};
   OptionalOutput<FirstVertexOutput> vertices;
   if (cells_.users().history) vertices = {{frame.write(kFirstVertices)}, true};
-  // Candidates of reservoirs of paths record their own paths.
+  // With reservoirs of whole paths, only their candidates record samples.
   const LearningRecords records = cells_.users().whole_paths ? LearningRecords{} : learning_;
   if (cells_.users().indirect) {
     const IndirectSampleOutput samples{frame.write(kIndirectSamples)};

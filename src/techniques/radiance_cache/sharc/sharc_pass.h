@@ -19,8 +19,8 @@ CellEnds make_cell_ends(const SharcSettings& settings, const FilterContext& filt
 /// read cells of earlier frames only.
 class SharcPass final : public Pass {
  public:
-  /// `learning`: destinations of what camera paths record, unless reservoirs take whole paths. Camera paths also record
-  /// first vertices, first scattering events and indirect samples for the users of `cells`.
+  /// `learning`: destinations of the records of camera paths, unless reservoirs take whole paths. Camera paths also
+  /// record first vertices, first scattering events and indirect samples for the users of `cells`.
   SharcPass(const SharcSettings& settings, const PathSource& source, const CellsPass& cells,
             const LearningRecords& learning)
       : settings_(settings), source_(source), cells_(cells), learning_(learning) {
