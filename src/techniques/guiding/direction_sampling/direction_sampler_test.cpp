@@ -285,7 +285,8 @@ TEST(DirectionSampler, ResampledDirectionsHaveTheDensityOfCandidates) {
   EXPECT_GT(resampled, 100);
 }
 
-/// Both parts of the mixture: what the BSDF gives without a guide, by the same numbers, and directions of the guide.
+/// One part of the mixture has the samples of the BSDF alone, by the same numbers. The other has the guide's
+/// directions.
 TEST(DirectionSampler, SeparateDirectionsAreThoseOfTheMixture) {
   const Guide guide(0.3f, false);
   const Guide same(0.4f, false);  // the probability that the call requires
