@@ -11,7 +11,7 @@ namespace {
 
 /// Deals while the speed of a rank is unknown, in blocks.
 constexpr uint32_t kFirstBlocks = 1;
-/// Later deals have at least this many, because a result costs time, too. Only the last ones are smaller.
+/// Minimum of later deals, in blocks, because each result also costs time. Only the last deals are smaller.
 constexpr uint32_t kLeastBlocks = 4;
 /// A deal has at most this part of the samples left per rank, so that ranks end together.
 constexpr uint32_t kPartsPerRank = 2;

@@ -24,7 +24,7 @@ struct DealerSettings {
   uint32_t samples = 0;  ///< of the whole image; 0: no limit
   int ranks = 1;
   bool adapt = false;      ///< whether samples adapt: each rank then continues a replica of its own
-  double target_s = 5;     ///< duration of a deal, if its least number of blocks takes no longer
+  double target_s = 5;     ///< duration of a deal, unless the minimum number of blocks takes longer
   SampleRanges done = {};  ///< of a checkpoint
 };
 

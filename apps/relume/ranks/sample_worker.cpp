@@ -128,8 +128,8 @@ bool SampleWorker::render_frames(const SampleWork& work, const std::stop_token& 
     render_s_ += now_s() - frame_start_s;
     any_ = true;
     ++frames;
-    // Sums of complete blocks are taken apart from those of samples after them. A time limit may end a deal at any
-    // time.
+    // Complete blocks are taken separately from the incomplete block after them. With a time limit, any block may be
+    // the last complete one.
     const bool may_end = has_time_limit || frames + kBlockSamples > work.count;
     if (frames % kBlockSamples == 0 && may_end) {
       take_samples(session_, blocks_);
