@@ -137,8 +137,8 @@ SvgfSettings caustic_filter(const RenderSettings& settings) {
   return filter;
 }
 
-/// Whether the history keeps the light of cells apart, to look cells up from a new view. Cells of sharc, and those of
-/// paths in reservoirs, replace light behind rough surfaces, which moves with the rest.
+/// Whether the history stores the light of cells separately, to look cells up from a new view. Cells of sharc, and
+/// those of paths in reservoirs, replace light behind rough surfaces, which the history moves with other light.
 bool looks_up_cells(const RenderSettings& settings) {
   const bool has_cells = settings.cache != CacheChoice::none && settings.cache != CacheChoice::sharc;
   return needs_first_vertices(settings) && has_cells && settings.reuse != ReuseChoice::restir_pt;

@@ -39,8 +39,8 @@ void check_crop(const RenderSettings& s) {
   }
 }
 
-/// Throws if Markov chains do not combine with the other choices. Nothing is missing here: without next event
-/// estimation, only directions may find lights with an extent.
+/// Throws if Markov chains do not combine with the other choices. These choices contradict each other: without next
+/// event estimation, only directions may find lights with an extent.
 void check_chains(const RenderSettings& s) {
   if (!learns_in_chains(s)) return;
   const bool connects = s.estimator == EstimatorChoice::bdpt || s.estimator == EstimatorChoice::vcm;

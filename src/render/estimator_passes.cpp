@@ -45,8 +45,8 @@ bool learns_lights(LightSelectionChoice lights) {
          lights == LightSelectionChoice::mcls;
 }
 
-/// Adds reservoirs of paths. Their shifts repeat choices that do not learn: BSDF sampling, and light selection by a
-/// light tree where the other learns. `cells`: those of the cache; nullptr: none.
+/// Adds reservoirs of paths. Shifts only repeat choices that do not learn: BSDF sampling, and a light tree in place of
+/// light selection that learns. `cells`: those of the cache; nullptr: none.
 void add_path_reservoirs(PipelineBuilder& builder, const RenderSettings& settings, const PathSource& source,
                          const LearningRecords& learning, const CellsPass* cells) {
   static const DirectionSampler bsdf_directions;
@@ -202,7 +202,7 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
                             .indirect = resamples_indirect_light(settings.reuse),
                             .whole_paths = settings.reuse == ReuseChoice::restir_pt};
   const bool has_reservoirs = users.any_reservoirs();
-  // Candidates of reservoirs of paths record their own paths, here and below.
+  // With reservoirs of whole paths, only their candidates record samples.
   const LearningRecords own = users.whole_paths ? LearningRecords{} : learning;
   CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u, users);
   if (has_splats) {

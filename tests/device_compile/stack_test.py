@@ -35,7 +35,7 @@ BOUNDS = (
     # A sample of indirect light beside both subpaths: 0.2 KB.
     (r"(BidirectionalKernel|MergingKernel)<LearningContext, SubpathSamples>", 3250),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SubpathSamples>", 2450),
-    # Both.
+    # Samples and cells.
     (r"(BidirectionalKernel|MergingKernel)<LearningContext, SampledSubpathCells>", 3400),
     (r"(BidirectionalKernel|MergingKernel)<BdptContext, SampledSubpathCells>", 2600),
     (r"(BidirectionalKernel|MergingKernel)<LearningContext", 3050),
