@@ -10,10 +10,10 @@
 namespace relume {
 namespace {
 
-/// Size of the huge pages of x86-64, and of AArch64 with pages of 4 KiB.
+/// Size of the huge pages of x86-64, and of AArch64 with pages of 4 KiB, in bytes.
 constexpr size_t kHugePage = size_t{2} << 20;
-/// Blocks from this size on ask for huge pages: the system then maps a hundredth of the pages, and addresses are
-/// translated faster.
+/// Minimum size of a block for which the allocator requests huge pages, in bytes. The system then maps a hundredth of
+/// the pages, and the processor translates addresses faster.
 constexpr size_t kLargeBlock = 2 * kHugePage;
 
 class HostMemory final : public Memory {
