@@ -1,6 +1,11 @@
 // Texture look-ups compared with values computed by hand.
 #include "scene/texture_store.h"
 
+#include <cmath>
+#include <cstring>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "core/srgb.h"
@@ -108,6 +113,87 @@ TEST(Texture, LevelsKeepTheMean) {
       EXPECT_NEAR(mean_of_level(s[0], level), mean_of_level(s[0], 0), 1e-5)
           << size.x << 'x' << size.y << ", level " << level;
     }
+  }
+}
+
+Texture random_floats(int width, int height) {
+  Random random(7);
+  std::vector<Vec4> texels;
+  for (int i = 0; i < width * height; ++i)
+    texels.emplace_back(6 * random.next(), random.next(), 1e-3f * random.next(), random.next());
+  return float_texture(width, height, texels);
+}
+
+Texture random_codes(int width, int height, PixelFormat format) {
+  Random random(8);
+  Texture t;
+  t.width = width;
+  t.height = height;
+  t.format = format;
+  for (int i = 0; i < 4 * width * height; ++i) t.texels.push_back(static_cast<std::byte>(random.next_bits() >> 24));
+  return t;
+}
+
+/// The stored value of linear light, whose square root is rounded to 12 bits.
+float rounded_to_srgb(float linear) {
+  const float root = (std::floor(std::sqrt(linear) * 4095.99f) + 0.5f) / 4096.0f;
+  return linear_from_srgb(static_cast<float>(quantise_unorm8(srgb_from_linear(sqr(root)))) / 255.0f);
+}
+float rounded_to_unorm(float x) { return static_cast<float>(quantise_unorm8(x)) * (1.0f / 255.0f); }
+
+Vec4 rounded(const Vec4& mean, PixelFormat format) {
+  if (format == PixelFormat::rgba32_float) return mean;
+  const auto color = format == PixelFormat::rgba8_srgb ? rounded_to_srgb : rounded_to_unorm;
+  return {color(mean.x), color(mean.y), color(mean.z), rounded_to_unorm(mean.w)};
+}
+
+/// Quarters are exact, so the order of the sum decides all bits. It is that of other sizes, whose texels are weighted.
+TEST(Texture, LevelsOfEvenSizeHaveTheBitsOfMeansOfFour) {
+  for (const Texture& texture : {random_floats(24, 16), random_codes(24, 16, PixelFormat::rgba8_srgb),
+                                 random_codes(24, 16, PixelFormat::rgba8_linear)}) {
+    const TextureStore s = store(texture);
+    for (int level = 1; level <= 3; ++level) {  // 12 × 8, 6 × 4, 3 × 2
+      for (int y = 0; y < s[0].record().level_height(level); ++y) {
+        for (int x = 0; x < s[0].record().level_width(level); ++x) {
+          const auto quarter = [&](int i, int j) { return s[0].texel(level - 1, 2 * x + i, 2 * y + j) * 0.25f; };
+          const Vec4 mean = quarter(0, 0) + quarter(1, 0) + quarter(0, 1) + quarter(1, 1);
+          EXPECT_EQ(s[0].texel(level, x, y), rounded(mean, texture.format)) << level << ": " << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+/// Host memory whose blocks begin with other bytes each time.
+class DirtyMemory final : public Memory {
+ public:
+  void* allocate(size_t bytes, size_t alignment) override {
+    void* const block = host_memory().allocate(bytes, alignment);
+    std::memset(block, ++byte_, bytes);
+    return block;
+  }
+  void deallocate(void* block, size_t bytes, size_t alignment) noexcept override {
+    host_memory().deallocate(block, bytes, alignment);
+  }
+
+ private:
+  int byte_ = 0;
+};
+
+/// Also in the blocks that a level does not fill.
+TEST(Texture, EqualTexturesHaveEqualBytes) {
+  DirtyMemory memory;
+  for (const IVec2 size : {IVec2(7, 5), IVec2(24, 16), IVec2(1, 9), IVec2(4, 4)}) {
+    const std::vector<Texture> list{random_floats(size.x, size.y),
+                                    random_codes(size.x, size.y, PixelFormat::rgba8_srgb)};
+    const TextureStore a(list, TextureFilter::linear, memory);
+    const TextureStore b(list, TextureFilter::linear, memory);
+    a.open_for_host();
+    b.open_for_host();
+    const View<const TexelBytes> of_a = a.view().texels;
+    const View<const TexelBytes> of_b = b.view().texels;
+    ASSERT_EQ(of_a.size, of_b.size);
+    EXPECT_EQ(std::memcmp(of_a.data, of_b.data, size_t{of_a.size} * sizeof(TexelBytes)), 0) << size.x << 'x' << size.y;
   }
 }
 
