@@ -212,8 +212,9 @@ void add_cached_paths(PipelineBuilder& builder, const RenderSettings& settings, 
   }
   // Before the cells are read: with that, the part of the frame that can be stopped ends.
   if (has_reservoirs) add_reuse(builder, settings, source, learning, &cells);
-  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none,
-                                        has_splats || has_reservoirs);
+  // With reservoirs of paths, pixels show no cells, and edges would be found without any reflected light.
+  const bool sharpens_edges = settings.denoise == DenoiseChoice::none && !users.whole_paths;
+  builder.add_tracing<ResolveCellsPass>(source, cells, sharpens_edges, has_splats || has_reservoirs);
 }
 
 }  // namespace

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <numeric>
 
 #include "builtin_scenes/builtin.h"
+#include "framebuffer/shared_buffers.h"
+#include "render/session.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_graphs/testing/cached_frames.h"
 
@@ -148,6 +152,28 @@ TEST(PathSpaceFilter, DoesNotFilterEmission) {
     if (direct[i].r > 1.0f) {
       EXPECT_EQ(more.pixels()[i].unfiltered, direct[i]);
     }
+  }
+}
+
+/// Rays of the second frame.
+uint64_t count_rays(ReuseChoice reuse, CacheChoice cache, int edge_rays) {
+  RenderSettings settings;
+  settings.width = settings.height = 32;
+  settings.threads = 1;
+  settings.reuse = reuse;
+  settings.cache = cache;
+  settings.psf.edge_rays = edge_rays;
+  Session session(build("cornell"), settings);
+  for (int i = 0; i < 2; ++i) session.render_frame();
+  const View<const uint32_t> rays = buffer_table(session).read(kRays);
+  return std::accumulate(rays.begin(), rays.end(), uint64_t{0});
+}
+
+/// Only pixels that show cells trace more rays at edges. All paths of this frame are otherwise the same.
+TEST(PathSpaceFilter, TracesNoEdgeRaysWithReservoirsOfPaths) {
+  for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apg}) {
+    EXPECT_GT(count_rays(ReuseChoice::none, cache, 16), count_rays(ReuseChoice::none, cache, 0));
+    EXPECT_EQ(count_rays(ReuseChoice::restir_pt, cache, 16), count_rays(ReuseChoice::restir_pt, cache, 0));
   }
 }
 
