@@ -266,6 +266,8 @@ constexpr const char* kWhatRemembers[] = {
     R"({"cache": "sharc", "reuse": "restir-gi", "restir-gi.correction": "lagging"})",
     R"({"reuse": "restir-di+gi", "restir.correction": "lagging", "restir-gi.correction": "lagging"})",
     R"({"reuse": "restir-pt", "restir-pt.correction": "lagging", "denoise": "svgf"})",
+    R"({"cache": "sharc", "reuse": "restir-pt", "restir-pt.correction": "lagging"})",
+    R"({"estimator": "bdpt", "reuse": "restir-gi", "restir-gi.correction": "lagging"})",
     R"({"lights": "mcls", "guide": "mcpg", "denoise": "svgf"})",
     R"({"lights": "mcls", "guide": "mcpg", "cache": "apsf+apg"})"};
 

@@ -58,7 +58,7 @@ inline Scene turning_triangle() {
 
 /// Techniques with their own state: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers,
 /// reservoirs, lists of tiles, Markov chains.
-inline constexpr int kCheckpointCases = 16;
+inline constexpr int kCheckpointCases = 19;
 /// Added to the case if the fuzzed bytes include the header.
 inline constexpr int kWithHeader = 128;
 
@@ -93,6 +93,10 @@ inline RenderSettings checkpoint_settings(int which) {
     case 9: s.denoise = DenoiseChoice::asvgf; break;
     case 10: s.cache = CacheChoice::sharc; break;
     case 11:
+    case 15:
+    case 18:
+      if (which == 15) s.cache = CacheChoice::apsf_apg;
+      if (which == 18) s.estimator = EstimatorChoice::bdpt;
       s.reuse = ReuseChoice::restir_gi;
       s.restir_gi.correction = ReuseCorrection::lagging;
       break;
@@ -103,13 +107,11 @@ inline RenderSettings checkpoint_settings(int which) {
       s.mcls.grid.static_slots = s.mcpg.grid.static_slots = 64;
       break;
     case 14:
+    case 16:
+    case 17:
+      if (which > 14) s.cache = which == 16 ? CacheChoice::apg : CacheChoice::sharc;
       s.reuse = ReuseChoice::restir_pt;
       s.restir_pt.correction = PathCorrection::lagging;
-      break;
-    case 15:
-      s.cache = CacheChoice::apsf_apg;
-      s.reuse = ReuseChoice::restir_gi;
-      s.restir_gi.correction = ReuseCorrection::lagging;
       break;
     default: break;  // accumulates
   }

@@ -313,8 +313,10 @@ TEST(StoredPath, IsNotUsedIfDamaged) {
   EXPECT_FALSE(exists(scene, damaged, 6)) << "a joint after the end";
   damaged.shape = StoredPath::shape_of(PathEnd::cached, 2, 1, false);
   EXPECT_FALSE(exists(scene, damaged, 6)) << "no vertex after the joint";
-  damaged.shape = StoredPath::shape_of(static_cast<PathEnd>(7), 3, 1, false);
-  EXPECT_FALSE(exists(scene, damaged, 6)) << "no such end";
+  for (const uint32_t end : {5u, 6u, 7u}) {
+    damaged.shape = StoredPath::shape_of(static_cast<PathEnd>(end), 3, 1, false);
+    EXPECT_FALSE(exists(scene, damaged, 6)) << "no such end";
+  }
   damaged.shape = StoredPath::shape_of(PathEnd::emitter, 2, 1, false);
   damaged.instance = scene.instances.size;
   EXPECT_FALSE(exists(scene, damaged, 6));
