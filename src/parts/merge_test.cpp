@@ -210,13 +210,29 @@ TEST(Merge, RefusesFilesWithoutSums) {
   write_exr(file, exr);
   EXPECT_NE(message_of({file}, folder / "out.exr").find("no image that relume rendered"), std::string::npos);
   exr = renderer.whole(1);
-  exr.attributes[kSumsAttribute] = "radiance";
+  exr.attributes[kSumsAttribute] = part_attributes({}, false).at(kSumsAttribute);
   exr.attributes[kSamplesAttribute] = "0-0";
   write_exr(file, exr);
   EXPECT_NE(message_of({file}, folder / "out.exr").find("channels of its sums are missing"), std::string::npos);
   exr.attributes[kSamplesAttribute] = "8-15";
   write_exr(file, exr);
   EXPECT_NE(message_of({file}, folder / "out.exr").find("relume.samples is damaged"), std::string::npos);
+}
+
+/// Sums of samples in other blocks would have other bits than a single run.
+TEST(Merge, RefusesSumsWithOtherBlocks) {
+  const TempFolder folder;
+  const Files parts = write_parts(cornell(small_settings(), {}), folder, 2);
+  ExrFile exr = read_exr(parts[1]);
+  ASSERT_EQ(exr.attributes.at(kSumsAttribute), "radiance in blocks of 4");
+  for (const char* other : {"radiance in blocks of 16", "radiance", "radiance,surface"}) {
+    exr.attributes[kSumsAttribute] = other;
+    write_exr(parts[1], exr);
+    EXPECT_NE(message_of(parts, folder / "out.exr").find("sums of another version"), std::string::npos) << other;
+  }
+  exr.attributes[kSumsAttribute] = "light";
+  write_exr(parts[1], exr);
+  EXPECT_NE(message_of(parts, folder / "out.exr").find("relume.sums is damaged"), std::string::npos);
 }
 
 TEST(Merge, RefusesFilesThatAreCutOffAndKeepsTheOutput) {

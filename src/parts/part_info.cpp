@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "framebuffer/pixel_sums.h"
 #include "relume/error.h"
 #include "render/sample_parts.h"
 #include "settings/settings_json.h"
@@ -15,9 +16,10 @@
 namespace relume {
 namespace {
 
-// Contents of the attribute relume.sums.
-constexpr const char* kRadianceOnly = "radiance";
-constexpr const char* kAllSums = "radiance,surface";
+/// Content of the attribute relume.sums. It has the size of blocks: sums with other blocks have other bits.
+std::string sums_text(bool surface) {
+  return fmt::format("{} in blocks of {}", surface ? "radiance,surface" : "radiance", kBlockSamples);
+}
 
 std::string text_of(const Attributes& attributes, const std::string& name) {
   const auto found = attributes.find(name);
@@ -53,6 +55,15 @@ AllSettings settings_of(const Attributes& attributes, const std::string& file) {
       fmt::format("{}: it has no sums of samples; render it with --sample-range, or merge it with --keep-sums", file));
 }
 
+/// Whether the attribute relume.sums names sums of surfaces.
+bool has_surface(const std::string& sums, const std::string& file) {
+  if (sums == sums_text(true)) return true;
+  if (sums == sums_text(false)) return false;
+  if (!sums.starts_with("radiance")) refuse_attribute(file, kSumsAttribute);
+  throw Error(fmt::format("{}: it has sums of another version of relume ('{}', not '{}'); render the part again", file,
+                          sums, sums_text(false)));
+}
+
 /// Settings that samples depend on. The number of threads, the form of kernels and the device change no bits.
 RenderSettings relevant(RenderSettings settings) {
   settings.threads = 0;
@@ -65,7 +76,7 @@ RenderSettings relevant(RenderSettings settings) {
 
 Attributes part_attributes(const RenderedSamples& rendered, bool surface) {
   const SampleRange range{rendered.first, rendered.first + rendered.count - 1};
-  Attributes attributes{{kSumsAttribute, surface ? kAllSums : kRadianceOnly},
+  Attributes attributes{{kSumsAttribute, sums_text(surface)},
                         {kSamplesAttribute, SampleRanges(range).to_string()},
                         {kCorrelatedAttribute, std::to_string(rendered.correlated_frames)}};
   if (rendered.adapt) attributes[kReplicasAttribute] = "1";
@@ -78,9 +89,7 @@ PartInfo read_part_info(const Attributes& attributes, const std::string& file) {
   info.version = text_of(attributes, "relume.version");
   info.scene_hash = text_of(attributes, "relume.scene_hash");
   info.crop = text_of(attributes, "relume.crop");
-  const std::string sums = text_of(attributes, kSumsAttribute);
-  if (sums != kRadianceOnly && sums != kAllSums) refuse_attribute(file, kSumsAttribute);
-  info.surface = sums == kAllSums;
+  info.surface = has_surface(text_of(attributes, kSumsAttribute), file);
   const std::optional<SampleRanges> samples = SampleRanges::parse(text_of(attributes, kSamplesAttribute));
   if (!samples) refuse_attribute(file, kSamplesAttribute);
   info.samples = *samples;

@@ -20,7 +20,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', 'B'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', 'C'};
 
 /// Forwards bytes to another buffer and computes their checksum.
 class SummingBuffer final : public std::streambuf {
