@@ -28,7 +28,7 @@ class Images(RanksTest):
         whole = self.whole()
         for ranks in self.ranks:
             done = self.succeed_on_ranks(ranks, *self.look, "-o", "out.exr")
-            self.assertEqual(done.stderr.count("wrote out.exr with 72 samples per pixel"), 1, done.stderr)
+            self.assertEqual(done.stderr.count("wrote out.exr with 18 samples per pixel"), 1, done.stderr)
             self.assertEqual(exr_channels(self.folder / "out.exr"), exr_channels(self.folder / "whole.exr"))
             self.assertTrue(exr_pixels(self.folder / "out.exr") == whole, f"{ranks} ranks give other bits")
         self.assertEqual(self.files(), ["out.exr", "whole.exr"])
@@ -49,7 +49,7 @@ class Images(RanksTest):
         self.succeed_on_ranks(3, *look, "--spp", "40")
         self.succeed_on_ranks(2, *look, "--spp", "70")
         done = self.succeed(*look, "--spp", "100")
-        self.assertIn("continues from out.ckpt at 64 samples per pixel", done.stderr)
+        self.assertIn("continues from out.ckpt at 68 samples per pixel", done.stderr)
         self.succeed("render", "cornell", *SMALL, "-o", "whole.exr", "--spp", "100")
         self.assertTrue(exr_pixels(self.folder / "out.exr") == exr_pixels(self.folder / "whole.exr"))
         self.refused(1, "out.ckpt", "render", "furnace", *SMALL, "-o", "out.exr", "--resume", "out.ckpt")

@@ -109,7 +109,7 @@ void expect_records_of_plain_paths(const Recorded<Suffix>& cached, const Recorde
     behind += b.value > 0.01f ? 1 : 0;
     states += score_of(plain.directions[i]) > 0.0f ? 1 : 0;
   }
-  EXPECT_GT(ends, 20);
+  EXPECT_GT(ends, 10);
   EXPECT_GT(behind, 50);
   EXPECT_GT(states, 50);
   EXPECT_GT(weighted, 10) << "directions of the guide end no path";

@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
     Rules, LearnedCandidates,
     ::testing::Values(Case{"hybrid", "cornell", rule_of(hybrid)},
                       Case{"hybrid_2022", "cornell", rule_of(hybrid, ConnectRuleKind::distance_2022)},
-                      Case{"reconnection", "cornell-mirror", rule_of(reconnection)},
+                      Case{"reconnection", "cornell", rule_of(reconnection)},
                       Case{"replay", "cornell", rule_of(replay)},
                       // Half of all segments are not connectible: the guide must leave them to the BSDF.
                       Case{"short_segments", "cornell",
