@@ -25,7 +25,7 @@ namespace relume::support {
 namespace {
 
 constexpr int kSeeds = 10;
-/// Of 335 cells and four means each, with random seeds, normal errors would exceed this in one of 110 runs. Few seeds
+/// Of 340 cells and four means each, with random seeds, normal errors would exceed this in one of 110 runs. Few seeds
 /// estimate their error less well, so false alarms are more frequent. Seeds are fixed: an alarm can only follow a
 /// change of bits, and the slow tests, with longer references, decide.
 constexpr double kStandardErrors = 4.5;
@@ -84,10 +84,10 @@ TEST_P(OtherCombinations, HaveTheCorrectMean) { check(kMostError); }
 class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, HaveTheCorrectMean) { check(kMostSlowError); }
 
-/// Whether a cell stands for paths that no single choice has. These
-/// - fill cells, and resample direct light or leave it to reservoirs,
-/// - use cells or light subpaths, and leave indirect light or whole paths to reservoirs, or
-/// - record states of chains, and also record samples for regions, end in cells, or are subpaths from both sides.
+/// Whether a cell stands for paths that no single choice has. There are three kinds:
+/// - They fill cells, and resample direct light or leave it to reservoirs.
+/// - They use cells or light subpaths, and leave indirect light or whole paths to reservoirs.
+/// - They record states of chains. They also record samples for regions, end in cells, or are subpaths from both sides.
 bool has_paths_of_its_own(const Cell& cell) {
   const RenderSettings& s = cell.settings;
   const bool direct = s.reuse == ReuseChoice::ris || s.reuse == ReuseChoice::restir_di;

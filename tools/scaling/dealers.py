@@ -2,10 +2,12 @@
 
 import collections
 import dataclasses
+import math
 
 BLOCK_SAMPLES = 4
 FIRST_BLOCKS = 1
 LEAST_BLOCKS = 4
+LEAST_LAST_DEAL_S = 1.0
 PARTS_PER_RANK = 2
 
 
@@ -47,10 +49,13 @@ class SampleDealer:
         return deal
 
     def _blocks_for(self, rank):
-        sample_s = self.sample_s[rank]
-        wanted = max(int(min(self.target_s / (sample_s * BLOCK_SAMPLES), 1e6)), LEAST_BLOCKS) if sample_s > 0 else FIRST_BLOCKS
+        if self.sample_s[rank] <= 0:
+            return FIRST_BLOCKS
+        block_s = self.sample_s[rank] * BLOCK_SAMPLES
+        wanted = max(int(min(self.target_s / block_s, 1e6)), LEAST_BLOCKS)
+        last = math.ceil(min(LEAST_LAST_DEAL_S / block_s, LEAST_BLOCKS))
         share = blocks_of(self.left) // (PARTS_PER_RANK * self.ranks)
-        return max(min(wanted, share), 1)
+        return max(min(wanted, share), last)
 
     def _late(self, rank, now):
         own_s = self.sample_s[rank]

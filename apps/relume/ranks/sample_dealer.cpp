@@ -11,8 +11,10 @@ namespace {
 
 /// Deals while the speed of a rank is unknown, in blocks.
 constexpr uint32_t kFirstBlocks = 1;
-/// Minimum of later deals, in blocks, because each result also costs time. Only the last deals are smaller.
+/// Later deals have at least this many, because each result costs time, too. The last deals may be smaller if they
+/// still take kLeastLastDeal_s.
 constexpr uint32_t kLeastBlocks = 4;
+constexpr double kLeastLastDeal_s = 1;
 /// A deal has at most this part of the samples left per rank, so that ranks end together.
 constexpr uint32_t kPartsPerRank = 2;
 
@@ -59,11 +61,12 @@ uint32_t SampleDealer::unclaimed() const {
 
 uint32_t SampleDealer::blocks_for(int rank) const {
   const double sample_s = sample_s_[static_cast<size_t>(rank)];
-  const double in_time = settings_.target_s / (sample_s * kBlockSamples);
-  const uint32_t wanted =
-      sample_s > 0 ? std::max(static_cast<uint32_t>(std::min(in_time, 1e6)), kLeastBlocks) : kFirstBlocks;
+  if (!(sample_s > 0)) return kFirstBlocks;
+  const double block_s = sample_s * kBlockSamples;
+  const uint32_t wanted = std::max(static_cast<uint32_t>(std::min(settings_.target_s / block_s, 1e6)), kLeastBlocks);
+  const double last = std::ceil(std::min(kLeastLastDeal_s / block_s, double{kLeastBlocks}));
   const uint32_t share = blocks_of(unclaimed()) / (kPartsPerRank * static_cast<uint32_t>(settings_.ranks));
-  return std::max(std::min(wanted, share), 1u);
+  return std::max(std::min(wanted, share), static_cast<uint32_t>(last));
 }
 
 std::optional<Deal> SampleDealer::take_new(int rank) {
