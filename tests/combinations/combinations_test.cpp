@@ -285,6 +285,7 @@ TEST(CombinationTable, ErrorsWithoutAProofSayNotImplemented) {
                         "estimators 'bdpt' and 'vcm' do not combine with caches 'apg', 'apsf+apg' and 'sharc'",
                         "lights 'vlc', 'neeat' and 'mcls' and guides 'cdq' and 'mcpg' do not combine with estimator "
                         "'light'",
+                        "reuse 'restir-gi', 'restir-di+gi' and 'restir-pt' do not combine with estimator 'light'",
                     }));
 }
 

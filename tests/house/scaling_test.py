@@ -49,7 +49,7 @@ class Constants(unittest.TestCase):
         sources = "\n".join(p.read_text(encoding="utf-8") for p in sorted((house.ROOT / "apps/relume/ranks").glob("*.[hc]*")))
         for name, value in (("kLostAfter_s", launch.LOST_AFTER_S), ("kCoordinatorLostAfter_s", launch.COORDINATOR_LOST_AFTER_S), ("kLongestDeal_s", still_image.LONGEST_DEAL_S),
                             ("kShortestDeal_s", still_image.SHORTEST_DEAL_S), ("kDealsPerInterval", still_image.DEALS_PER_INTERVAL), ("kLongestSegment", sequence.LONGEST_SEGMENT),
-                            ("kFirstBlocks", dealers.FIRST_BLOCKS), ("kLeastBlocks", dealers.LEAST_BLOCKS), ("kLeastLastDeal_s", dealers.LEAST_LAST_DEAL_S), ("kPartsPerRank", dealers.PARTS_PER_RANK), ("kReceivedSums", still_image.RECEIVED_SUMS), ("kWaitingResults", still_image.WAITING_RESULTS)):  # fmt: skip
+                            ("kLeastBlocks", dealers.LEAST_BLOCKS), ("kLeastLastDeal_s", dealers.LEAST_LAST_DEAL_S), ("kPartsPerRank", dealers.PARTS_PER_RANK), ("kReceivedSums", still_image.RECEIVED_SUMS), ("kWaitingResults", still_image.WAITING_RESULTS)):  # fmt: skip
             self.assertEqual({float(v) for v in re.findall(rf"\b{name} = ([\d.]+);", sources)}, {float(value)}, name)
         self.assertIn(f"offsetof(PixelSums, surface) == {launch.SUM_BYTES},", sources)
         self.assertIn(f"kSmallBytes = uint64_t{{{launch.SMALL_BYTES >> 10}}} << 10;", sources)
@@ -63,14 +63,14 @@ class Constants(unittest.TestCase):
 
 class StillImages(unittest.TestCase):
     def test_scale_perfectly_without_overhead(self):
-        one = simulate(STILL, 1, FREE).seconds
-        self.assertAlmostEqual(one, STILL.pixels * STILL.samples / FREE.samples_per_s)
+        one = simulate(LONG, 1, FREE).seconds
+        self.assertAlmostEqual(one, LONG.pixels * LONG.samples / FREE.samples_per_s)
         for ranks in (2, 8, 64):
             # The last deals take at least a second, so ranks end up to one block apart.
-            self.assertAlmostEqual(simulate(STILL, ranks, FREE).seconds * ranks / one, 1, delta=0.003)
+            self.assertAlmostEqual(simulate(LONG, ranks, FREE).seconds * ranks / one, 1, delta=0.003)
 
-    def test_use_at_most_one_rank_per_block(self):
-        job = dataclasses.replace(STILL, samples=BLOCK * 4)
+    def test_use_at_most_one_rank_per_first_deal(self):
+        job = dataclasses.replace(STILL, samples=DEAL * 4)
         self.assertAlmostEqual(simulate(job, 4, FREE).seconds, simulate(job, 64, FREE).seconds)
         self.assertAlmostEqual(simulate(job, 64, FREE).idle, 1 - 4 / 64)
 
@@ -105,7 +105,7 @@ class StillImages(unittest.TestCase):
         self.assertGreater(sums, launch.RECEIVE_BYTES)
         results = sums // (launch.SUM_BYTES * job.pixels)  # the largest number that fits
         self.assertEqual(simulate(job, 64, costs).memory, job.pixels * (launch.IMAGE_SUM_BYTES + results * launch.SUM_BYTES))
-        small = dataclasses.replace(STILL, samples=BLOCK * 8)  # all fit; that of rank 0 needs no transfer
+        small = dataclasses.replace(STILL, samples=DEAL * 8)  # all fit; that of rank 0 needs no transfer
         costs = dataclasses.replace(FREE, bandwidth=1e8)
         self.assertEqual(simulate(small, 8, costs).memory, small.pixels * (launch.IMAGE_SUM_BYTES + 7 * launch.SUM_BYTES))
 

@@ -17,7 +17,7 @@ SMALL = ["--width", "48", "--height", "36", "--threads", "1"]
 
 
 class Images(RanksTest):
-    look = ["render", "cornell", *SMALL, "--aov", LAYERS, "--spp", "18"]  # five blocks of 4: one per rank, the last half full
+    look = ["render", "cornell", *SMALL, "--aov", LAYERS, "--spp", "72"]  # five deals of 16: one per rank, the last half full
     ranks = (1, 2, 5)  # all blocks, uneven numbers of them, one of each
 
     def whole(self, *arguments):
@@ -28,7 +28,7 @@ class Images(RanksTest):
         whole = self.whole()
         for ranks in self.ranks:
             done = self.succeed_on_ranks(ranks, *self.look, "-o", "out.exr")
-            self.assertEqual(done.stderr.count("wrote out.exr with 18 samples per pixel"), 1, done.stderr)
+            self.assertEqual(done.stderr.count("wrote out.exr with 72 samples per pixel"), 1, done.stderr)
             self.assertEqual(exr_channels(self.folder / "out.exr"), exr_channels(self.folder / "whole.exr"))
             self.assertTrue(exr_pixels(self.folder / "out.exr") == whole, f"{ranks} ranks give other bits")
         self.assertEqual(self.files(), ["out.exr", "whole.exr"])

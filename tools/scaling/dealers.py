@@ -5,7 +5,6 @@ import dataclasses
 import math
 
 BLOCK_SAMPLES = 4
-FIRST_BLOCKS = 1
 LEAST_BLOCKS = 4
 LEAST_LAST_DEAL_S = 1.0
 PARTS_PER_RANK = 2
@@ -32,6 +31,7 @@ class SampleDealer:
         self.missing = samples  # not done
         self.ranks = ranks
         self.target_s = target_s
+        self.add_s = 0.0  # for which rank 0 adds a result; 0: unknown
         self.sample_s = [0.0] * ranks  # seconds per sample; 0: unknown
         self.flights = {}  # number -> deal
         self.dealt = 0
@@ -50,10 +50,10 @@ class SampleDealer:
 
     def _blocks_for(self, rank):
         if self.sample_s[rank] <= 0:
-            return FIRST_BLOCKS
+            return LEAST_BLOCKS
         block_s = self.sample_s[rank] * BLOCK_SAMPLES
         wanted = max(int(min(self.target_s / block_s, 1e6)), LEAST_BLOCKS)
-        last = math.ceil(min(LEAST_LAST_DEAL_S / block_s, LEAST_BLOCKS))
+        last = math.ceil(min(max(LEAST_LAST_DEAL_S, self.ranks * self.add_s) / block_s, LEAST_BLOCKS))
         share = blocks_of(self.left) // (PARTS_PER_RANK * self.ranks)
         return max(min(wanted, share), last)
 
@@ -78,6 +78,9 @@ class SampleDealer:
     def counts(self, number):
         """Whether the result of a deal would be its first."""
         return number in self.flights
+
+    def added(self, seconds):
+        self.add_s = 0.5 * (self.add_s + seconds) if self.add_s > 0 else seconds
 
     def finished(self, rank, number, count, seconds):
         """Notes the result of a deal of `count` samples. Returns the ranks that still render it, which are free; None if

@@ -116,6 +116,8 @@ class StillImage(Launch):
         rank.pending.discard(deal.number)
         if rank.deal is deal:
             rank.deal = None
+        if self.dealer.counts(deal.number):
+            self.dealer.added(self.job.pixels * self.costs.merge_s)
         late = self.dealer.finished(rank.index, deal.number, deal.count, seconds)
         if late is None:
             self.count_again(seconds)

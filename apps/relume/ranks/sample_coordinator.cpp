@@ -161,6 +161,7 @@ void SampleCoordinator::merge(int rank, const Message& message) {
   const uint32_t counted = result.blocks + (is_cut_off ? 0 : result.rest);
   if (!dealer_.finished(rank, result.id, counted, result.seconds)) return;
   is_cut_off_ = is_cut_off_ || is_cut_off;
+  const double start_s = now_s();
   const size_t bytes = sums_.size() * message_bytes(job_.image.surface);
   if (result.blocks > 0) add_message_sums(in.get_bytes(bytes), job_.image.surface, sums_);
   if (result.rest > 0) {
@@ -173,6 +174,7 @@ void SampleCoordinator::merge(int rank, const Message& message) {
       last_block_ = SampleRange{begin, begin + result.rest - 1};
     }
   }
+  if (counted > 0) dealer_.added(now_s() - start_s);
   if (job_.adapt && result.blocks + result.rest > 0 && sender.lane != result.first / kLaneSamples) {
     sender.lane = result.first / kLaneSamples;
     ++replicas_;

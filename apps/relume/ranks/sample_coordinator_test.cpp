@@ -24,7 +24,7 @@ class SampleCoordination : public testing::Test {
     SampleJob job;
     job.image.width = job.image.height = kSide;
     job.image.window = {0, 0, kSide, kSide};
-    job.limits.samples = 4 * kBlockSamples;
+    job.limits.samples = 16 * kBlockSamples;
     job.identity = "scene";
     return job;
   }
@@ -72,13 +72,13 @@ TEST_F(SampleCoordination, DealsWhileOneResultWaits) {
   send_samples(third);
   send_rendered(third);  // it may come late
   const SampleWork fourth = next_deal();
-  EXPECT_EQ(fourth.first, 3 * kBlockSamples);
+  EXPECT_EQ(fourth.first, 12 * kBlockSamples);
   send_samples(fourth);
   const std::optional<Message> end = link_.receive_at_worker(5);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->kind, MessageKind::finish);
   thread_.join();
-  EXPECT_EQ(coordinator_.samples(), 4 * kBlockSamples);
+  EXPECT_EQ(coordinator_.samples(), 16 * kBlockSamples);
 }
 
 }  // namespace

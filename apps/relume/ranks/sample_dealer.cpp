@@ -9,9 +9,7 @@
 namespace relume::ranks {
 namespace {
 
-/// Deals while the speed of a rank is unknown, in blocks.
-constexpr uint32_t kFirstBlocks = 1;
-/// Later deals have at least this many, because each result costs time, too. The last deals may be smaller if they
+/// Deals have at least this many blocks, because each result costs time, too. The last ones may be smaller if they
 /// still take kLeastLastDeal_s.
 constexpr uint32_t kLeastBlocks = 4;
 constexpr double kLeastLastDeal_s = 1;
@@ -61,10 +59,11 @@ uint32_t SampleDealer::unclaimed() const {
 
 uint32_t SampleDealer::blocks_for(int rank) const {
   const double sample_s = sample_s_[static_cast<size_t>(rank)];
-  if (!(sample_s > 0)) return kFirstBlocks;
+  if (!(sample_s > 0)) return kLeastBlocks;
   const double block_s = sample_s * kBlockSamples;
   const uint32_t wanted = std::max(static_cast<uint32_t>(std::min(settings_.target_s / block_s, 1e6)), kLeastBlocks);
-  const double last = std::ceil(std::min(kLeastLastDeal_s / block_s, double{kLeastBlocks}));
+  const double last_s = std::max(kLeastLastDeal_s, settings_.ranks * add_s_);
+  const double last = std::ceil(std::min(last_s / block_s, double{kLeastBlocks}));
   const uint32_t share = blocks_of(unclaimed()) / (kPartsPerRank * static_cast<uint32_t>(settings_.ranks));
   return std::max(std::min(wanted, share), static_cast<uint32_t>(last));
 }

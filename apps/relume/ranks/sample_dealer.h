@@ -42,6 +42,9 @@ class SampleDealer {
   /// Notes the result of a rank that has rendered the first `count` samples of a deal in `seconds`. Returns whether
   /// they count: not if another rank was first. Samples of the deal that are missing are dealt again.
   bool finished(int rank, uint32_t id, uint32_t count, double seconds);
+  /// Notes how long rank 0 took to add a result. Last deals take at least that long for each rank, so that results do
+  /// not wait for each other.
+  void added(double seconds) { add_s_ = add_s_ > 0 ? 0.5 * (add_s_ + seconds) : seconds; }
   /// The ranks that still work on a deal that has a result. They are free after the call.
   std::vector<int> take_late(uint32_t id);
 
@@ -73,6 +76,7 @@ class SampleDealer {
   std::vector<Flight> flights_;
   SampleRanges done_;
   std::vector<double> sample_s_;    ///< seconds per sample by rank; 0: unknown
+  double add_s_ = 0;                ///< seconds for which rank 0 adds a result; 0: unknown
   std::vector<SampleRange> lanes_;  ///< by rank, the indices that are left to its replica; empty: first > last
   uint32_t next_lane_ = 0;          ///< first index of the next replica
   uint32_t dealt_ = 0;              ///< samples that are done or dealt, if samples adapt

@@ -72,6 +72,20 @@ TEST(SampleDealer, TwoEqualRanksEndTogether) {
   EXPECT_LT(end_s, 1.02 * 256 / (1 / 0.47 + 1 / 0.45));
 }
 
+TEST(SampleDealer, LastDealsGrowWithTheTimeOfResults) {
+  // Four blocks are left, each of which takes a second.
+  const auto last_of = [](int ranks, double add_s) {
+    SampleDealer dealer({.samples = 8 * kBlockSamples, .ranks = ranks, .target_s = 10});
+    const Deal first = *dealer.next(0, 0);
+    dealer.added(add_s);
+    dealer.finished(0, first.id, first.count, 4.0);
+    return dealer.next(0, 1)->count;
+  };
+  EXPECT_EQ(last_of(2, 0.01), kBlockSamples);
+  EXPECT_EQ(last_of(2, 0.9), 2 * kBlockSamples);
+  EXPECT_EQ(last_of(64, 0.9), 4 * kBlockSamples);
+}
+
 TEST(SampleDealer, DealsTheLastBlocksOfASlowRankAgain) {
   SampleDealer dealer({.samples = 64, .ranks = 2});
   std::vector<uint32_t> rendered;
@@ -82,7 +96,7 @@ TEST(SampleDealer, DealsTheLastBlocksOfASlowRankAgain) {
 }
 
 TEST(SampleDealer, DoesNotDealARenderedDealAgain) {
-  SampleDealer dealer({.samples = 2 * kBlockSamples, .ranks = 2});
+  SampleDealer dealer({.samples = 8 * kBlockSamples, .ranks = 2});
   const Deal fast = *dealer.next(0, 0);
   const Deal slow = *dealer.next(1, 0);
   EXPECT_TRUE(dealer.finished(0, fast.id, fast.count, 0.1));
@@ -102,7 +116,7 @@ TEST(SampleDealer, FillsTheGapsOfACheckpoint) {
   EXPECT_EQ(dealer.next(0, 0)->first, kBlock);
   const Deal second = *dealer.next(1, 0);
   EXPECT_EQ(second.first, 4 * kBlock);
-  EXPECT_EQ(second.count, kBlock);
+  EXPECT_EQ(second.count, 2 * kBlock);
 }
 
 TEST(SampleDealer, DealsTheRestOfAnEndedDealAgain) {
