@@ -11,6 +11,7 @@
 #include "builtin_scenes/builtin.h"
 #include "framebuffer/shared_buffers.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
@@ -20,6 +21,7 @@
 namespace relume {
 namespace {
 
+using testing::copy_of;
 using testing::error_of;
 using testing::mean_over_seeds;
 using testing::Measured;
@@ -58,12 +60,6 @@ const auto kAll = ::testing::Combine(kEstimators, kCaches, ::testing::Values(Reu
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
 /// Behind the mirror, reservoirs add no light, and cells hold all of it.
 Scene box_with_mirror() { return find_builtin_scene("cornell-mirror")->build(); }
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
-}
 
 double mean_luminance_of(const Session& session) {
   double sum = 0;

@@ -7,6 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
@@ -15,6 +16,7 @@
 namespace relume {
 namespace {
 
+using testing::copy_of;
 using testing::mean_over_seeds;
 using testing::Measured;
 
@@ -34,12 +36,6 @@ RenderSettings settings_of(ReuseChoice reuse, CacheChoice cache) {
 }
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
-}
 
 /// Number of pixels whose paths found light for a cell in the second frame.
 int lit_samples(const RenderSettings& settings) {

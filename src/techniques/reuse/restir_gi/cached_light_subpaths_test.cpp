@@ -9,9 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/testing/matte_cornell.h"
 #include "framebuffer/shared_buffers.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 #include "techniques/reuse/reservoir/testing/fewer_paths.h"
@@ -22,10 +23,13 @@
 namespace relume {
 namespace {
 
+using testing::copy_of;
 using testing::error_of;
 using testing::FewerPaths;
+using testing::matte_cornell;
 using testing::mean_over_seeds;
 using testing::Measured;
+using testing::third_frame;
 
 constexpr int kSize = testing::kReuseSize;
 constexpr size_t kPixels = size_t{kSize} * kSize;
@@ -50,44 +54,8 @@ std::string choices_name(const ::testing::TestParamInfo<Choices>& info) {
          (cache == CacheChoice::psf ? "_psf" : "_apsf") + (reuse == ReuseChoice::restir_gi ? "_gi" : "_di_gi");
 }
 
-/// The Cornell box without gloss.
-Scene matte_cornell() {
-  Scene scene = find_builtin_scene("cornell")->build();
-  for (Material& m : scene.materials) {
-    m.roughness = 1;
-    m.metallic = 0;
-    m.specular = 0;
-  }
-  return scene;
-}
-
-/// The same with metal boxes and white walls of metal. Their lobes are too narrow for cells.
-Scene metal_cornell() {
-  Scene scene = matte_cornell();
-  for (Material& m : scene.materials) {
-    if (m.name != "white" && m.name != "boxes") continue;
-    m.metallic = 1;
-    m.roughness = 0.15f;
-  }
-  return scene;
-}
-
-/// The matte box below a smooth coat: second vertices scatter light of both kinds.
-Scene coated_cornell() {
-  Scene scene = matte_cornell();
-  for (Material& m : scene.materials) {
-    m.base_color = glm::max(m.base_color, Rgb(0.01f));  // caches raise black
-    m.clearcoat = 1;
-    m.clearcoat_roughness = 0;
-  }
-  return scene;
-}
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
-}
+Scene metal_cornell() { return testing::with_metal(matte_cornell()); }
+Scene coated_cornell() { return testing::with_coat(matte_cornell()); }
 
 /// Settings whose subpaths do not depend on rounding or on earlier frames. Light subpaths are traced with one bounce,
 /// too.
@@ -99,14 +67,6 @@ RenderSettings plain_settings(const Choices& choices, int bounces) {
   settings.vcm.radius = 0.02f;
   settings.history = HistoryChoice::none;
   return settings;
-}
-
-/// A buffer of the third frame.
-template <typename T>
-std::vector<T> third_frame(const RenderSettings& settings, const BufferKey<T>& buffer, Scene scene) {
-  Session session(std::move(scene), settings);
-  for (int i = 0; i < 3; ++i) session.render_frame();
-  return copy_of(session, buffer);
 }
 
 bool near(const Rgb& a, const Rgb& b) { return max_component(abs(a - b)) <= 1e-3f * (1e-3f + max_component(b)); }

@@ -7,9 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/testing/matte_cornell.h"
 #include "framebuffer/shared_buffers.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
@@ -17,8 +18,11 @@
 namespace relume {
 namespace {
 
+using testing::copy_of;
+using testing::matte_cornell;
 using testing::mean_over_seeds;
 using testing::Measured;
+using testing::third_frame;
 
 constexpr int kSize = 20;
 constexpr size_t kPixels = size_t{kSize} * kSize;
@@ -36,52 +40,8 @@ RenderSettings settings_of(ReuseChoice reuse, CacheChoice cache, int bounces) {
   return settings;
 }
 
-/// The Cornell box without gloss.
-Scene matte_cornell() {
-  Scene scene = find_builtin_scene("cornell")->build();
-  for (Material& m : scene.materials) {
-    m.roughness = 1;
-    m.metallic = 0;
-    m.specular = 0;
-  }
-  return scene;
-}
-
-/// The same with narrow metal between the coloured walls.
-Scene metal_cornell() {
-  Scene scene = matte_cornell();
-  for (Material& m : scene.materials) {
-    if (m.name != "white" && m.name != "boxes") continue;
-    m.metallic = 1;
-    m.roughness = 0.15f;
-  }
-  return scene;
-}
-
-/// The same below a smooth coat.
-Scene coated_cornell() {
-  Scene scene = matte_cornell();
-  for (Material& m : scene.materials) {
-    m.base_color = glm::max(m.base_color, Rgb(0.01f));  // caches raise black
-    m.clearcoat = 1;
-    m.clearcoat_roughness = 0;
-  }
-  return scene;
-}
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
-}
-
-/// A buffer of the third frame.
-template <typename T>
-std::vector<T> third_frame(const RenderSettings& settings, const BufferKey<T>& buffer, Scene scene = matte_cornell()) {
-  Session session(std::move(scene), settings);
-  for (int i = 0; i < 3; ++i) session.render_frame();
-  return copy_of(session, buffer);
-}
+Scene metal_cornell() { return testing::with_metal(matte_cornell()); }
+Scene coated_cornell() { return testing::with_coat(matte_cornell()); }
 
 bool near(const Rgb& a, const Rgb& b) { return max_component(abs(a - b)) <= 1e-3f * (1e-3f + max_component(b)); }
 
@@ -121,11 +81,13 @@ TEST_P(RestirGiWithCache, SamplesAreThoseOfPathsWithoutKnownCells) {
 /// They have direct light alone, or nothing if other reservoirs add that, too.
 TEST(RestirGiWithFilter, CellsOfPrimaryHitsLackTheLightOfReservoirs) {
   for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
-    const auto with_both = third_frame(settings_of(ReuseChoice::restir_di_gi, cache, 4), kFilteredPixels);
-    const auto with_indirect = third_frame(settings_of(ReuseChoice::restir_gi, cache, 4), kFilteredPixels);
+    const auto with_both =
+        third_frame(settings_of(ReuseChoice::restir_di_gi, cache, 4), kFilteredPixels, matte_cornell());
+    const auto with_indirect =
+        third_frame(settings_of(ReuseChoice::restir_gi, cache, 4), kFilteredPixels, matte_cornell());
     RenderSettings direct = settings_of(ReuseChoice::none, cache, 1);
     direct.apsf.survival = SurvivalFunction::one;
-    const auto only_direct = third_frame(direct, kFilteredPixels);
+    const auto only_direct = third_frame(direct, kFilteredPixels, matte_cornell());
     int lit = 0;
     for (size_t i = 0; i < kPixels; ++i) {
       EXPECT_TRUE(is_black(with_both[i].traced)) << i;
@@ -142,8 +104,8 @@ TEST(RestirGiWithFilter, PixelsLookUpTheirCells) {
   for (const CacheChoice cache : {CacheChoice::psf, CacheChoice::apsf}) {
     RenderSettings settings = settings_of(ReuseChoice::restir_gi, cache, 4);
     settings.history = HistoryChoice::reproject;  // keeps the light of cells apart
-    const auto pixels = third_frame(settings, kFilteredPixels);
-    const auto shown = third_frame(settings, kRadianceCells);
+    const auto pixels = third_frame(settings, kFilteredPixels, matte_cornell());
+    const auto shown = third_frame(settings, kRadianceCells, matte_cornell());
     int looked_up = 0;
     for (size_t i = 0; i < kPixels; ++i) looked_up += pixels[i].filtered && !near(shown[i], pixels[i].traced) ? 1 : 0;
     EXPECT_GT(looked_up, 100);
@@ -157,10 +119,10 @@ TEST(RestirGiWithFilter, EveryPathSurvivesWithAnyBlend) {
     settings.psf.grid.min_count = settings.apsf.min_samples = 1;
     settings.apsf.blend = blend;
     const auto culled = [&] {
-      const auto pixels = third_frame(settings, kFilteredPixels);
+      const auto pixels = third_frame(settings, kFilteredPixels, matte_cornell());
       return std::count_if(pixels.begin(), pixels.end(), [](const FilteredPixel& p) { return p.culled; });
     };
-    for (const FilteredPixel& p : third_frame(settings, kFilteredPixels)) {
+    for (const FilteredPixel& p : third_frame(settings, kFilteredPixels, matte_cornell())) {
       if (!p.filtered) continue;
       EXPECT_EQ(p.survival, 1.0f);
       EXPECT_EQ(p.blend, blend == BlendFunction::zero ? 0.0f : 1.0f);

@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/testing/matte_cornell.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 #include "techniques/reuse/restir_di/testing/over_seeds.h"
@@ -16,8 +17,10 @@
 namespace relume {
 namespace {
 
+using testing::copy_of;
 using testing::mean_over_seeds;
 using testing::Measured;
+using testing::third_frame;
 
 constexpr int kSize = 20;
 constexpr size_t kPixels = size_t{kSize} * kSize;
@@ -43,50 +46,12 @@ bool filters_primary_hits(CacheChoice cache) { return cache == CacheChoice::psf 
 
 /// The Cornell box in grey. With coloured surfaces, the choice among the parts of a path depends on their number.
 Scene grey_cornell() {
-  Scene scene = find_builtin_scene("cornell")->build();
-  for (Material& m : scene.materials) {
-    m.base_color = Rgb(0.6f);
-    m.roughness = 1;
-    m.metallic = 0;
-    m.specular = 0;
-  }
+  Scene scene = testing::matte_cornell();
+  for (Material& m : scene.materials) m.base_color = Rgb(0.6f);
   return scene;
 }
-
-/// The same with metal on which paths have no joint.
-Scene metal_cornell() {
-  Scene scene = grey_cornell();
-  for (Material& m : scene.materials) {
-    if (m.name != "white" && m.name != "boxes") continue;
-    m.metallic = 1;
-    m.roughness = 0.15f;
-  }
-  return scene;
-}
-
-/// The same below a smooth coat.
-Scene coated_cornell() {
-  Scene scene = grey_cornell();
-  for (Material& m : scene.materials) {
-    m.clearcoat = 1;
-    m.clearcoat_roughness = 0;
-  }
-  return scene;
-}
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
-}
-
-/// A buffer of the third frame.
-template <typename T>
-std::vector<T> third_frame(const RenderSettings& settings, const BufferKey<T>& buffer, Scene scene = grey_cornell()) {
-  Session session(std::move(scene), settings);
-  for (int i = 0; i < 3; ++i) session.render_frame();
-  return copy_of(session, buffer);
-}
+Scene metal_cornell() { return testing::with_metal(grey_cornell()); }
+Scene coated_cornell() { return testing::with_coat(grey_cornell()); }
 
 class RestirPtWithCache : public ::testing::TestWithParam<CacheChoice> {};
 INSTANTIATE_TEST_SUITE_P(Caches, RestirPtWithCache,
@@ -119,7 +84,7 @@ TEST_P(RestirPtWithCache, CandidatesHaveTheLightOfPathsWithoutKnownCells) {
 TEST_P(RestirPtWithCache, OnlyLightBehindJointsComesFromCells) {
   RenderSettings settings = settings_of(GetParam(), 4);
   int cached = 0;
-  for (const PathReservoir& r : third_frame(settings, kReservoirs)) {
+  for (const PathReservoir& r : third_frame(settings, kReservoirs, grey_cornell())) {
     if (!(r.weight > 0.0f)) continue;
     const StoredPath& path = r.sample;
     const bool has_vertex_behind_joint = path.joint() > 0 && path.joint() + 1 < path.length();
@@ -128,7 +93,7 @@ TEST_P(RestirPtWithCache, OnlyLightBehindJointsComesFromCells) {
   }
   EXPECT_EQ(cached > 20, !filters_primary_hits(GetParam()));
   if (GetParam() == CacheChoice::sharc) return;
-  for (const FilteredPixel& p : third_frame(settings, kFilteredPixels)) EXPECT_FALSE(p.filtered);
+  for (const FilteredPixel& p : third_frame(settings, kFilteredPixels, grey_cornell())) EXPECT_FALSE(p.filtered);
 }
 
 /// Cells replace the rest of the paths.

@@ -8,6 +8,7 @@
 #include "builtin_scenes/builtin.h"
 #include "framebuffer/shared_buffers.h"
 #include "render/session.h"
+#include "render/testing/copy_of.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 
 namespace relume::testing {
@@ -31,12 +32,6 @@ inline void shift_camera(Session& session, float distance) {
   CameraPose camera = session.camera();
   camera.to_world[3] += distance * camera.to_world[0];
   session.set_camera(camera);
-}
-
-template <typename T>
-std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = buffer_table(session).read(buffer);
-  return {view.begin(), view.end()};
 }
 
 /// Outcomes of the previous frame's histories.
